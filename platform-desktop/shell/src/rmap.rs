@@ -279,7 +279,11 @@ fn format_error(path: &Path, RmapFaultAt { offset, fault }: RmapFaultAt) -> Rmap
     RmapError::Bad { path: path.to_owned(), offset, fault }
 }
 
-fn parse_header(bytes: &[u8]) -> Result<RmapHeader, RmapFaultAt> {
+/// Reads and checks the header at the front of a file's bytes. What follows it may still be wrong.
+///
+/// # Errors
+/// The first fault found and where it lies.
+pub fn parse_header(bytes: &[u8]) -> Result<RmapHeader, RmapFaultAt> {
     if let Some(&magic) = bytes.first_chunk()
         && magic != MAGIC
     {

@@ -2,6 +2,7 @@
 
 mod bake;
 mod bench;
+mod booth;
 mod demo;
 mod drawing;
 mod export;
@@ -36,6 +37,7 @@ enum CliCommand {
     Demo(demo::Args),
     Bake(bake::Args),
     Bench(bench::Args),
+    Booth(booth::Args),
     Info(info::Args),
     Play(play::Args),
     Export(export::Args),
@@ -60,6 +62,7 @@ impl Cli {
             Some(CliCommand::Demo(args)) => demo::run(args),
             Some(CliCommand::Bake(args)) => bake::run(args),
             Some(CliCommand::Bench(args)) => bench::run(args),
+            Some(CliCommand::Booth(args)) => booth::run(args),
             Some(CliCommand::Info(args)) => info::run(args),
             Some(CliCommand::Play(args)) => play::run(args),
             Some(CliCommand::Export(args)) => export::run(args),

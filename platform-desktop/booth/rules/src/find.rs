@@ -114,6 +114,14 @@ impl Booth {
         })
     }
 
+    /// How many records a query finds.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn count(&self, query: &Query) -> Result<u64, Refusal> {
+        self.view(|tx| tx.count_rows(query))
+    }
+
     fn list_sculptures(
         &self,
         query: Query,

@@ -5,8 +5,8 @@ use std::time::Duration;
 /// Bytes of a parcel in one request: a radio that drops one loses no more than that.
 pub const MAX_CHUNK_BYTES: usize = 256 << 10;
 
-/// Parcels of a headset that are under way at once. An outbox sends one after the other; one that changed its mind
-/// leaves a few behind.
+/// Parcels of a headset that are under way at once; one more, and the one that stood still for longest begins anew. An
+/// outbox sends one after the other.
 pub const MAX_OPEN_PARCELS: usize = 4;
 
 /// How long a part of a parcel is kept that nothing more comes for: a headset is off for a long weekend.

@@ -1,5 +1,7 @@
 //! Visitors' links: a token that nobody guesses, and that staff can take back.
 
+use std::fmt;
+
 use hmac::{Hmac, KeyInit as _, Mac as _};
 use paros_core::outbox::messages::SculptureId;
 use sha2::Sha256;
@@ -19,6 +21,13 @@ pub struct LinkToken(pub [u8; 16]);
 
 /// What stands before what the tokens are of, so that nothing else that is made of the secret is one.
 const LINK_CONTEXT: &[u8] = b"paros visitor link v1\0";
+
+/// Doesn't show it, so that no log does.
+impl fmt::Debug for LinkToken {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("LinkToken(not shown)")
+    }
+}
 
 impl Booth {
     /// The token of a sculpture's valid link, to print it, again too.

@@ -66,11 +66,12 @@ pub trait ParcelFiles: Send + Sync {
     /// What the disk says.
     fn drop_parcel(&self, parcel: &ParcelName) -> io::Result<()>;
 
-    /// How many parcels of a headset are under way.
+    /// Makes room for another parcel of a headset: forgets those that nothing was added to for longest, until there are
+    /// fewer than `most`.
     ///
     /// # Errors
     /// What the disk says.
-    fn count_parcels(&self, headset: u32) -> io::Result<usize>;
+    fn make_room(&self, headset: u32, most: usize) -> io::Result<()>;
 
     /// Forgets the parcels that nothing was added to since a time.
     ///
@@ -105,8 +106,17 @@ pub struct MemoryFiles {
 
 #[derive(Debug, Default)]
 struct Files {
-    parcels: BTreeMap<ParcelName, Vec<u8>>,
+    parcels: BTreeMap<ParcelName, Held>,
     kept: BTreeMap<KeptName, Vec<u8>>,
+    /// Pieces added so far.
+    turns: u64,
+}
+
+#[derive(Debug, Default)]
+struct Held {
+    bytes: Vec<u8>,
+    /// When the last piece was added, in pieces.
+    turn: u64,
 }
 
 impl MemoryFiles {
@@ -114,6 +124,12 @@ impl MemoryFiles {
     #[must_use]
     pub fn new() -> Self {
         MemoryFiles::default()
+    }
+
+    /// The names of parcels under way.
+    #[must_use]
+    pub fn parcel_names(&self) -> Vec<ParcelName> {
+        self.lock().parcels.keys().copied().collect()
     }
 
     /// The names of those that are kept.
@@ -129,20 +145,25 @@ impl MemoryFiles {
 
 impl ParcelFiles for MemoryFiles {
     fn held_bytes(&self, parcel: &ParcelName) -> io::Result<u64> {
-        Ok(self.lock().parcels.get(parcel).map_or(0, |bytes| bytes.len() as u64))
+        Ok(self.lock().parcels.get(parcel).map_or(0, |held| held.bytes.len() as u64))
     }
 
     fn append(&self, parcel: &ParcelName, offset: u64, bytes: &[u8]) -> io::Result<u64> {
         let mut files = self.lock();
+        files.turns += 1;
+        let turn = files.turns;
         let held = files.parcels.entry(*parcel).or_default();
-        if held.len() as u64 == offset {
-            held.extend_from_slice(bytes);
+        if held.bytes.len() as u64 == offset {
+            held.bytes.extend_from_slice(bytes);
+            held.turn = turn;
         }
-        Ok(held.len() as u64)
+        Ok(held.bytes.len() as u64)
     }
 
     fn read_parcel(&self, parcel: &ParcelName) -> io::Result<Vec<u8>> {
-        self.lock().parcels.get(parcel).cloned().ok_or(io::ErrorKind::NotFound.into())
+        let files = self.lock();
+        let held = files.parcels.get(parcel).map(|held| held.bytes.clone());
+        held.ok_or(io::ErrorKind::NotFound.into())
     }
 
     fn drop_parcel(&self, parcel: &ParcelName) -> io::Result<()> {
@@ -150,8 +171,16 @@ impl ParcelFiles for MemoryFiles {
         Ok(())
     }
 
-    fn count_parcels(&self, headset: u32) -> io::Result<usize> {
-        Ok(self.lock().parcels.keys().filter(|parcel| parcel.headset == headset).count())
+    fn make_room(&self, headset: u32, most: usize) -> io::Result<()> {
+        let mut files = self.lock();
+        let of_headset = files.parcels.iter().filter(|(name, _)| name.headset == headset);
+        let mut by_age: Vec<_> = of_headset.map(|(name, held)| (held.turn, *name)).collect();
+        by_age.sort_unstable();
+        let too_many = (by_age.len() + 1).saturating_sub(most);
+        for (_, name) in by_age.into_iter().take(too_many) {
+            files.parcels.remove(&name);
+        }
+        Ok(())
     }
 
     /// They have no times: none is forgotten.

@@ -50,8 +50,7 @@ impl Booth {
     /// says where to go on.
     ///
     /// # Errors
-    /// Too large a piece or parcel, another headset's sculpture, another parcel of a known sculpture, or too many
-    /// parcels under way.
+    /// Too large a piece or parcel, another headset's sculpture, or another parcel of a known sculpture.
     pub fn take_chunk(
         &self,
         device: &Device,
@@ -69,9 +68,8 @@ impl Booth {
         } else if end > chunk.parcel_bytes {
             return Err(Refusal::BadRequest("the piece is longer than its parcel".into()));
         } else {
-            if held == 0 && self.files.count_parcels(device.headset)? >= MAX_OPEN_PARCELS {
-                let what = "parcels of this headset under way";
-                return Err(Refusal::Busy { what, retry_after: 60 });
+            if held == 0 {
+                self.files.make_room(device.headset, MAX_OPEN_PARCELS)?;
             }
             self.files.append(&name, chunk.offset, chunk.bytes)?
         };

@@ -38,7 +38,7 @@ fn a_parcel_is_signed_for_once_it_is_kept() {
     let question = parcel.chunk(0, &[]);
     assert_eq!(rig.booth.take_chunk(&device, &question).unwrap(), ParcelProgress::Signed(signed));
     assert_eq!(rig.booth.list_newest(9, START).unwrap().len(), 1);
-    assert_eq!(rig.files.count_parcels(device.headset).unwrap(), 0);
+    assert_eq!(rig.files.parcel_names(), []);
 }
 
 #[test]
@@ -135,15 +135,31 @@ fn too_much_is_refused() {
     assert_eq!(status(take(Chunk { parcel_bytes: 3, ..parcel.chunk(0, b"xxx") })), 400);
     let longer = [&parcel.bytes[..], b"x"].concat();
     assert_eq!(status(take(parcel.chunk(0, &longer))), 400);
-    for id in 0..MAX_OPEN_PARCELS as u8 {
-        let parcel = Parcel::new(device.headset, 50 + id, None);
-        take(parcel.chunk(0, &parcel.bytes[..9])).expect("room");
+}
+
+#[test]
+fn a_headset_has_so_many_parcels_under_way_and_others_have_theirs() {
+    let rig = Rig::new();
+    let (device, other) = (rig.enrol(1), rig.enrol(2));
+    let others = Parcel::new(other.headset, 99, None);
+    rig.booth.take_chunk(&other, &others.chunk(0, &others.bytes[..9])).unwrap();
+    let parcel = |id| Parcel::new(device.headset, id, None);
+    for id in 1..=MAX_OPEN_PARCELS as u8 + 1 {
+        let parcel = parcel(id);
+        rig.booth.take_chunk(&device, &parcel.chunk(0, &parcel.bytes[..9])).expect("room");
+        // The first one goes on while others begin.
+        if id == 2 {
+            let first = self::Parcel::new(device.headset, 1, None);
+            rig.booth.take_chunk(&device, &first.chunk(9, &first.bytes[9..20])).expect("room");
+        }
     }
-    assert_eq!(status(take(parcel.chunk(0, &parcel.bytes[..9]))), 429);
-    // Another headset has its own room.
-    let other = rig.enrol(2);
-    let parcel = Parcel::new(other.headset, 40, None);
-    rig.upload(&other, &parcel, START).expect("room");
+    let held = |id| match rig.booth.take_chunk(&device, &parcel(id).chunk(0, &[])).unwrap() {
+        ParcelProgress::Held(held) => held,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!([held(1), held(2), held(3)], [20, 0, 9], "the one that stood still begins anew");
+    assert_eq!(rig.files.parcel_names().len(), MAX_OPEN_PARCELS + 1);
+    rig.upload(&device, &parcel(2), START).expect("it comes again");
 }
 
 /// Bytes that turned into others on the booth's disk are asked for again, not refused.

@@ -149,6 +149,12 @@ impl std::error::Error for RmapError {
     }
 }
 
+impl fmt::Display for RmapFaultAt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "at byte {}: {}", self.offset, self.fault)
+    }
+}
+
 impl fmt::Display for RmapFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {

@@ -1,0 +1,134 @@
+//! What all requests share.
+
+use std::net::IpAddr;
+use std::path::Path;
+use std::sync::Arc;
+
+use paros_booth_rules::{Booth, BoothPlan, Refusal};
+use tokio::sync::Semaphore;
+
+use crate::disk_files::DiskFiles;
+use crate::error::Error;
+use crate::exporter::ExportWaker;
+use crate::keys::BoothKeys;
+use crate::metrics::Metrics;
+use crate::places::Places;
+use crate::rate::RateLimiter;
+use crate::sqlite_store::SqliteStore;
+
+/// Requests that are at the store or the disk at once: more only wait there, each with its memory.
+const MAX_WORK: usize = 8;
+
+/// Parcels that are unpacked and checked at once: each holds its packed and unpacked bytes.
+const MAX_DECODES: usize = 2;
+
+/// Threads for work that waits for the disk.
+pub(crate) const WORK_THREADS: usize = MAX_WORK + MAX_DECODES;
+
+/// Pieces of parcels that are read from the network at once, all and of a headset: each has up to a quarter of a
+/// megabyte, and a slow radio takes its time.
+const MAX_PIECES: usize = 64;
+const MAX_PIECES_OF_ONE: usize = 2;
+
+/// What all requests share.
+pub(crate) struct App {
+    /// What decides.
+    pub booth: Booth,
+    /// Where files are.
+    pub files: Arc<DiskFiles>,
+    /// What is counted.
+    pub metrics: Metrics,
+    /// Tells the exporter of work.
+    pub export_waker: ExportWaker,
+    pub(crate) of_device: RateLimiter<u32>,
+    pub(crate) of_stranger: RateLimiter<IpAddr>,
+    pub(crate) pieces: Arc<Semaphore>,
+    pub(crate) pieces_of_device: Arc<Places<u32>>,
+    work: Arc<Semaphore>,
+    decodes: Arc<Semaphore>,
+}
+
+/// A booth's parts in a folder.
+pub(crate) struct OpenBooth {
+    /// What decides.
+    pub booth: Booth,
+    /// Where files are.
+    pub files: Arc<DiskFiles>,
+    /// Who it is.
+    pub keys: BoothKeys,
+}
+
+impl OpenBooth {
+    /// Opens a folder, and makes it at the first start.
+    ///
+    /// # Errors
+    /// What the disk or the database says, or that keys are damaged or missing.
+    pub(crate) fn open(folder: &Path, plan: BoothPlan, quota_bytes: u64) -> Result<Self, Error> {
+        let files =
+            DiskFiles::open(folder, quota_bytes).map_err(|error| Error::at(folder, error))?;
+        let files = Arc::new(files);
+        let database = folder.join("booth.sqlite");
+        let keys = BoothKeys::load_or_draw(folder, !database.exists())?;
+        let store = SqliteStore::open(&database).map_err(|error| Error::at(&database, error))?;
+        let booth = Booth::new(Arc::new(store), files.clone(), keys.site.clone(), plan);
+        Ok(OpenBooth { booth, files, keys })
+    }
+}
+
+impl App {
+    /// Of a booth.
+    #[must_use]
+    pub(crate) fn new(booth: Booth, files: Arc<DiskFiles>, export_waker: ExportWaker) -> Self {
+        App {
+            booth,
+            files,
+            metrics: Metrics::default(),
+            export_waker,
+            // A mesh of 5 MB comes in 20 pieces.
+            of_device: RateLimiter::new(200, 50.0),
+            // A wall of headsets that enrol at once, behind one address.
+            of_stranger: RateLimiter::new(250, 2.0),
+            pieces: Arc::new(Semaphore::new(MAX_PIECES)),
+            pieces_of_device: Arc::new(Places::new(usize::MAX, MAX_PIECES_OF_ONE)),
+            work: Arc::new(Semaphore::new(MAX_WORK)),
+            decodes: Arc::new(Semaphore::new(MAX_DECODES)),
+        }
+    }
+
+    /// Does work that waits for the disk, on a thread for such, when it is its turn.
+    ///
+    /// # Errors
+    /// The work's.
+    pub(crate) async fn run<T: Send + 'static>(
+        self: &Arc<Self>,
+        work: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
+    ) -> Result<T, Refusal> {
+        self.run_behind(&self.work, work).await
+    }
+
+    /// Does work that unpacks a parcel.
+    ///
+    /// # Errors
+    /// The work's.
+    pub(crate) async fn run_decode<T: Send + 'static>(
+        self: &Arc<Self>,
+        work: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
+    ) -> Result<T, Refusal> {
+        self.run_behind(&self.decodes, work).await
+    }
+
+    async fn run_behind<T: Send + 'static>(
+        self: &Arc<Self>,
+        gate: &Arc<Semaphore>,
+        work: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
+    ) -> Result<T, Refusal> {
+        let permit = gate.clone().acquire_owned().await;
+        let app = self.clone();
+        let done = tokio::task::spawn_blocking(move || {
+            // The work goes on where nobody waits for it any more, and holds its place.
+            let _permit = permit;
+            work(&app)
+        });
+        done.await.unwrap_or_else(|error| Err(std::io::Error::other(error).into()))
+    }
+}

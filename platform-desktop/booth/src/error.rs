@@ -1,0 +1,61 @@
+//! Why the program ends.
+
+use std::fmt;
+use std::path::Path;
+use std::process::ExitCode;
+
+use paros_booth_rules::{Refusal, StoreError};
+
+/// What failed, and whether input or the program is at fault.
+#[derive(Debug)]
+pub enum Error {
+    /// What was asked, or a file, is wrong: exit code 2.
+    Input(String),
+    /// Something failed: exit code 1.
+    Failure(String),
+}
+
+impl Error {
+    /// A failure of something.
+    pub fn failure(what: impl fmt::Display, why: impl fmt::Display) -> Self {
+        Error::Failure(format!("{what}: {why}"))
+    }
+
+    /// A failure of a file or folder.
+    pub(crate) fn at(path: &Path, why: impl fmt::Display) -> Self {
+        Error::failure(path.display(), why)
+    }
+
+    /// The program's exit code.
+    #[must_use]
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Error::Input(_) => ExitCode::from(2),
+            Error::Failure(_) => ExitCode::FAILURE,
+        }
+    }
+}
+
+impl From<Refusal> for Error {
+    fn from(refusal: Refusal) -> Self {
+        match refusal {
+            Refusal::Store(_) | Refusal::Files(_) => Error::Failure(refusal.to_string()),
+            _ => Error::Input(refusal.to_string()),
+        }
+    }
+}
+
+impl From<StoreError> for Error {
+    fn from(error: StoreError) -> Self {
+        Error::Failure(error.to_string())
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (Error::Input(why) | Error::Failure(why)) = self;
+        f.write_str(why)
+    }
+}
+
+impl std::error::Error for Error {}

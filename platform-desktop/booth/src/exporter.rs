@@ -1,0 +1,191 @@
+//! The thread that makes each sculpture's mesh anew, one after the other, and compares it with the headset's.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use paros_booth_rules::records::{ExportState, Sculpture};
+use paros_booth_rules::{Booth, Refusal};
+use paros_core::convert::HEIGHT_RANGE_MM;
+use paros_core::limits::MAX_PARCEL_MESH_BYTES;
+use paros_core::outbox::messages::{ParcelKind, SculptureId, UploadFacts};
+use paros_core::volume::{Grid, Size};
+use paros_shell::rmap;
+use paros_shell::statics::{Resident, ResidentBitGrid};
+use paros_shell::stl_export::StlExporter;
+use paros_shell::{with_intervals, with_size};
+use tracing::{info, warn};
+
+use crate::mesh_check::{MeshCheck, MeshReport};
+use crate::parcel_decode::{check_mesh, unpack_volume};
+
+/// How long a mesh may take: a hundred times what one at 256 does.
+const MAX_EXPORT_TIME: Duration = Duration::from_secs(60);
+
+/// How often the thread looks for work that nobody told it of, as what was left by a start before.
+const LOOK_AGAIN: Duration = Duration::from_secs(30);
+
+/// The thread; it ends when this is dropped.
+pub(crate) struct ExportWorker {
+    wake: SyncSender<()>,
+    is_over: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// What wakes the thread.
+#[derive(Clone)]
+pub(crate) struct ExportWaker(SyncSender<()>);
+
+impl ExportWorker {
+    /// Starts the thread.
+    #[must_use]
+    pub(crate) fn start(booth: Booth) -> Self {
+        let (wake, woken) = sync_channel(1);
+        let is_over = Arc::new(AtomicBool::new(false));
+        let pause = Pause { woken, is_over: is_over.clone() };
+        let thread = Some(thread::spawn(move || run(&booth, &pause)));
+        ExportWorker { wake, is_over, thread }
+    }
+
+    /// What tells the thread that there is work.
+    #[must_use]
+    pub(crate) fn waker(&self) -> ExportWaker {
+        ExportWaker(self.wake.clone())
+    }
+}
+
+impl ExportWaker {
+    /// Tells the thread that there is work.
+    pub(crate) fn wake(&self) {
+        // Full, it is about to look; closed, nobody waits for it.
+        let _ = self.0.try_send(());
+    }
+}
+
+impl Drop for ExportWorker {
+    fn drop(&mut self) {
+        self.is_over.store(true, Ordering::Relaxed);
+        // Full, it is about to look.
+        let _ = self.wake.try_send(());
+        if let Some(thread) = self.thread.take() {
+            // A panic of it was printed.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// What the thread waits at.
+struct Pause {
+    woken: Receiver<()>,
+    is_over: Arc<AtomicBool>,
+}
+
+impl Pause {
+    /// Waits until the thread is woken; false where it is to end.
+    fn goes_on_after(&self, timeout: Duration) -> bool {
+        // Woken or not, it looks again.
+        let _ = self.woken.recv_timeout(timeout);
+        !self.is_over.load(Ordering::Relaxed)
+    }
+}
+
+fn run(booth: &Booth, pause: &Pause) {
+    loop {
+        let wait = match booth.next_export().and_then(|next| {
+            let Some(sculpture) = next else { return Ok(false) };
+            compare(booth, &sculpture).map(|()| true)
+        }) {
+            Ok(true) => Duration::ZERO,
+            Ok(false) => LOOK_AGAIN,
+            Err(error) => {
+                // Disk and database may be well again later.
+                warn!(%error, "a mesh could not be compared");
+                LOOK_AGAIN
+            }
+        };
+        if !pause.goes_on_after(wait) {
+            return;
+        }
+    }
+}
+
+fn compare(booth: &Booth, sculpture: &Sculpture) -> Result<(), Refusal> {
+    let id = SculptureId(sculpture.id);
+    let kept = booth.read_kept(sculpture)?;
+    let started = Instant::now();
+    let state = match check_kept(&kept) {
+        Ok((facts, mesh)) if mesh.hash != facts.stl_hash => ExportState::Different,
+        Ok((_, mesh)) if mesh.is_closed && mesh.triangles > 0 => ExportState::Equal,
+        Ok(_) => {
+            warn!(%id, "the mesh isn't closed, or empty");
+            ExportState::Failed
+        }
+        Err(error) => {
+            warn!(%id, error, "no mesh");
+            ExportState::Failed
+        }
+    };
+    let millis = started.elapsed().as_millis() as u64;
+    info!(%id, ?state, millis, "mesh compared");
+    booth.note_export(&id, state)
+}
+
+/// The head of a kept sculpture, and what its mesh is: the one that came, or that of its volume.
+fn check_kept(kept: &[u8]) -> Result<(UploadFacts, MeshReport), String> {
+    let (head, packed) = kept.split_at_checked(UploadFacts::BYTES).ok_or("it has no head")?;
+    let facts = UploadFacts::from_bytes(head)
+        .map_err(|bad| format!("its head at byte {}: expected {}", bad.offset, bad.expected))?;
+    let report = match facts.kind {
+        ParcelKind::Mesh => check_mesh(&facts, packed)?,
+        ParcelKind::Volume => {
+            let stl = export_volume(&facts, &unpack_volume(&facts, packed)?)?;
+            let mut check = MeshCheck::new();
+            // In pieces, as it copies them.
+            stl.chunks(1 << 16).for_each(|bytes| check.look_at(bytes));
+            check.finish()?
+        }
+    };
+    Ok((facts, report))
+}
+
+fn export_volume(facts: &UploadFacts, bytes: &[u8]) -> Result<Vec<u8>, String> {
+    let height_mm = f32::from(facts.height_mm_tenths) / 10.0;
+    if !HEIGHT_RANGE_MM.contains(&height_mm) {
+        return Err(format!("a height of {height_mm} mm"));
+    }
+    let header = rmap::parse_header(bytes).map_err(|fault| fault.to_string())?;
+    let other = || Err("a size that is unknown here".to_owned());
+    with_size!(header.grid_side, N => with_intervals!(
+        header.intervals_per_column, K => export::<N, K>(bytes, height_mm), else other(),
+    ), else other())
+}
+
+fn export<const N: usize, const K: usize>(bytes: &[u8], height_mm: f32) -> Result<Vec<u8>, String>
+where
+    Grid<N>: Size + Resident<N, K>,
+{
+    // The maps are given back at once: uploads are decoded in them.
+    let mut bit_grid = Grid::<N>::lock_bit_grid();
+    let mut maps = <Grid<N> as Resident<N, K>>::lock_range_maps();
+    rmap::decode(bytes, &mut maps).map_err(|fault| fault.to_string())?;
+    bit_grid.set_from_maps(&maps);
+    maps.clear();
+    let mut stl_buffers = Grid::<N>::lock_stl_buffers();
+    let mut exporter =
+        StlExporter::new(&mut stl_buffers, height_mm).map_err(|_| "a height out of range")?;
+    exporter.begin_export(&bit_grid, &maps);
+    drop((maps, bit_grid));
+    let started = Instant::now();
+    loop {
+        if let Some(stl) = exporter.advance_export_step() {
+            return Ok(stl.bytes);
+        }
+        if started.elapsed() > MAX_EXPORT_TIME
+            || exporter.bytes_made() > MAX_PARCEL_MESH_BYTES as usize
+        {
+            return Err("its mesh takes too long, or too much".into());
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! What makes a site this one: its name, the key of its receipts, the secret of its links, its certificate authority.
+//! All are drawn at the first start, and lie in files that only their owner reads.
+
+use std::fs::{self, DirBuilder, File, OpenOptions};
+use std::io::{self, Write as _};
+use std::net::IpAddr;
+use std::os::unix::fs::{DirBuilderExt as _, OpenOptionsExt as _};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+use paros_booth_rules::{SiteKeys, hash_of};
+use paros_core::outbox::messages::SiteId;
+use rcgen::{
+    BasicConstraints, CertificateParams, DnType, ExtendedKeyUsagePurpose, IsCa, Issuer, KeyPair,
+    KeyUsagePurpose, PKCS_ECDSA_P256_SHA256, date_time_ymd,
+};
+use tokio_rustls::rustls::crypto::ring::default_provider;
+use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer, pem::PemObject as _};
+use tokio_rustls::rustls::version::TLS13;
+use tokio_rustls::rustls::{ServerConfig, sign::CertifiedKey};
+
+use crate::error::Error;
+use crate::random::random_bytes;
+
+/// The first bytes of the file of secrets; the last one is its version.
+const SECRETS_MAGIC: [u8; 8] = *b"PBSITE\0\x01";
+
+/// A site's name, the seed of its receipts' key, the secret of its links.
+const SECRETS_BYTES: usize = 8 + 16 + 32 + 32;
+
+/// How long a leaf is valid. Each start makes one; browsers of tablets take none that is valid for longer than 825 days.
+const LEAF_LIFE: Duration = Duration::from_secs(800 * 86_400);
+
+/// The keys of a site.
+pub(crate) struct BoothKeys {
+    /// For decisions.
+    pub site: SiteKeys,
+    /// The certificate authority's certificate, in PEM.
+    pub ca_pem: String,
+    ca_key: KeyPair,
+}
+
+impl BoothKeys {
+    /// Loads the keys of a booth's folder, or draws them at its first start, of which `is_new` says whether it is.
+    ///
+    /// # Errors
+    /// What the disk says; damaged keys; or none where there must be some.
+    pub(crate) fn load_or_draw(folder: &Path, is_new: bool) -> Result<Self, Error> {
+        let folder = folder.join("keys");
+        let secrets = folder.join("site.key");
+        if !secrets.exists() {
+            if !is_new {
+                let why = "its keys are missing; bring them back from a backup";
+                return Err(Error::Input(format!("{}: {why}", secrets.display())));
+            }
+            draw(&folder)?;
+        }
+        load(&folder)
+    }
+
+    /// TLS by a new leaf for these names and addresses.
+    ///
+    /// # Errors
+    /// A name that is none, or what the libraries say.
+    pub(crate) fn tls_config(&self, names: &[String]) -> Result<ServerConfig, Error> {
+        let fail = |why: &dyn std::fmt::Display| Error::failure("certificate", why);
+        let leaf_key = KeyPair::generate_for(&PKCS_ECDSA_P256_SHA256).map_err(|e| fail(&e))?;
+        let mut params = CertificateParams::new(names).map_err(|e| fail(&e))?;
+        params.distinguished_name = Default::default();
+        params.distinguished_name.push(DnType::CommonName, "Paros booth");
+        params.not_before = date_time_ymd(2020, 1, 1);
+        let age = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+        params.not_after = date_time_ymd(1970, 1, 1) + (age + LEAF_LIFE);
+        params.is_ca = IsCa::ExplicitNoCa;
+        params.key_usages = vec![KeyUsagePurpose::DigitalSignature];
+        params.extended_key_usages = vec![ExtendedKeyUsagePurpose::ServerAuth];
+        params.use_authority_key_identifier_extension = true;
+        let issuer = Issuer::new(ca_params(&self.site.site), &self.ca_key);
+        let leaf = params.signed_by(&leaf_key, &issuer).map_err(|e| fail(&e))?;
+        let ca = CertificateDer::from_pem_slice(self.ca_pem.as_bytes()).map_err(|e| fail(&e))?;
+        let key = PrivateKeyDer::try_from(leaf_key.serialize_der()).map_err(|e| fail(&e))?;
+        let provider = default_provider();
+        // The authority goes along: who enrols by hand takes it from here, and compares its hash.
+        let chain = vec![leaf.der().clone(), ca];
+        CertifiedKey::from_der(chain.clone(), key.clone_key(), &provider).map_err(|e| fail(&e))?;
+        let mut config = ServerConfig::builder_with_provider(provider.into())
+            .with_protocol_versions(&[&TLS13])
+            .and_then(|config| config.with_no_client_auth().with_single_cert(chain, key))
+            .map_err(|e| fail(&e))?;
+        config.alpn_protocols = vec![b"http/1.1".to_vec()];
+        Ok(config)
+    }
+}
+
+/// The names and addresses by which this machine may be asked.
+#[must_use]
+pub(crate) fn local_names(listen: IpAddr, others: &[String]) -> Vec<String> {
+    let mut names = vec!["localhost".to_owned(), "127.0.0.1".to_owned(), "::1".to_owned()];
+    let address = if listen.is_unspecified() { primary_address() } else { Some(listen) };
+    names.extend(address.map(|address| address.to_string()));
+    names.extend(others.iter().cloned());
+    names.dedup();
+    names
+}
+
+/// The address from which this machine would go to others. Nothing is sent.
+#[must_use]
+pub(crate) fn primary_address() -> Option<IpAddr> {
+    let socket = std::net::UdpSocket::bind("0.0.0.0:0").ok()?;
+    // A network that is reserved for documents: any would do.
+    socket.connect("192.0.2.1:9").ok()?;
+    socket.local_addr().ok().map(|address| address.ip())
+}
+
+fn ca_params(site: &SiteId) -> CertificateParams {
+    let mut params = CertificateParams::default();
+    params.distinguished_name = Default::default();
+    // Each site's is another, so that a tablet may know several.
+    params.distinguished_name.push(DnType::CommonName, format!("Paros site {site}"));
+    // A headset's clock may be anywhere.
+    params.not_before = date_time_ymd(2020, 1, 1);
+    params.not_after = date_time_ymd(2099, 1, 1);
+    params.is_ca = IsCa::Ca(BasicConstraints::Constrained(0));
+    params.key_usages = vec![KeyUsagePurpose::KeyCertSign, KeyUsagePurpose::CrlSign];
+    params
+}
+
+/// Draws all keys. The secrets are written last: without them none was used.
+fn draw(folder: &Path) -> Result<(), Error> {
+    let made = DirBuilder::new().recursive(true).mode(0o700).create(folder);
+    made.map_err(|error| Error::at(folder, error))?;
+    let random = |error| Error::failure("random bits", error);
+    let site = SiteId(random_bytes().map_err(random)?);
+    let fail = |error| Error::failure("certificate", error);
+    let ca_key = KeyPair::generate_for(&PKCS_ECDSA_P256_SHA256).map_err(fail)?;
+    let ca = ca_params(&site).self_signed(&ca_key).map_err(fail)?;
+    let mut secrets = SECRETS_MAGIC.to_vec();
+    secrets.extend(site.0);
+    secrets.extend(random_bytes::<64>().map_err(random)?);
+    for (name, bytes) in [
+        ("ca.key", ca_key.serialize_pem().as_bytes()),
+        ("ca.pem", ca.pem().as_bytes()),
+        ("site.key", &secrets),
+    ] {
+        let path = folder.join(name);
+        write_secret(&path, bytes).map_err(|error| Error::at(&path, error))?;
+    }
+    Ok(())
+}
+
+fn load(folder: &Path) -> Result<BoothKeys, Error> {
+    let read = |name| {
+        let path = folder.join(name);
+        fs::read(&path).map_err(|error| Error::at(&path, error)).map(|bytes| (path, bytes))
+    };
+    let bad = |path: &Path, expected: &str| {
+        Err(Error::Input(format!("{}: expected {expected}", path.display())))
+    };
+    let (path, secrets) = read("site.key")?;
+    if secrets.len() != SECRETS_BYTES || secrets[..8] != SECRETS_MAGIC {
+        return bad(&path, "88 bytes that begin with PBSITE");
+    }
+    let site = SiteId(secrets[8..24].try_into().unwrap_or_default());
+    let seed: [u8; 32] = secrets[24..56].try_into().unwrap_or_default();
+    let link_secret = secrets[56..].try_into().unwrap_or_default();
+    let (path, ca_pem) = read("ca.pem")?;
+    let Ok(ca) = CertificateDer::from_pem_slice(&ca_pem) else {
+        return bad(&path, "a certificate in PEM");
+    };
+    let ca_hash = hash_of(&ca);
+    let ca_pem = String::from_utf8_lossy(&ca_pem).into_owned();
+    let (path, key) = read("ca.key")?;
+    let Ok(ca_key) = KeyPair::from_pem(&String::from_utf8_lossy(&key)) else {
+        return bad(&path, "a private key in PEM");
+    };
+    let site = SiteKeys::new(site, ca_hash, &seed, link_secret);
+    Ok(BoothKeys { site, ca_pem, ca_key })
+}
+
+/// Writes a file that only its owner reads, whole or not at all.
+fn write_secret(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let temporary: PathBuf = path.with_extension("part");
+    let mut options = OpenOptions::new();
+    let mut file = options.write(true).create(true).truncate(true).mode(0o600).open(&temporary)?;
+    file.write_all(bytes)?;
+    file.sync_all()?;
+    fs::rename(&temporary, path)?;
+    path.parent().map_or(Ok(()), |folder| File::open(folder)?.sync_all())
+}

@@ -1,0 +1,40 @@
+//! The booth: keeps what headsets send, and lets staff find it by its badge. Decisions are those of
+//! `paros_booth_rules`; here are the network, the disk, the database and the clock.
+#![forbid(unsafe_code)]
+
+mod app;
+mod clock;
+mod commands;
+mod disk_files;
+mod error;
+mod exporter;
+mod keys;
+mod mesh_check;
+mod metrics;
+mod migrations;
+mod options;
+mod parcel_decode;
+mod places;
+mod random;
+mod rate;
+mod routes;
+mod run;
+mod server;
+mod sqlite_store;
+
+pub use disk_files::DiskFiles;
+pub use error::Error;
+pub use options::Options;
+pub use parcel_decode::check_parcel;
+pub use sqlite_store::SqliteStore;
+
+/// Does what the command line asks. Returns output as whole lines.
+///
+/// # Errors
+/// What failed.
+pub fn run(options: &Options) -> Result<String, Error> {
+    match &options.command {
+        Some(command) => commands::run(command),
+        None => run::run(&options.serve).map(|()| String::new()),
+    }
+}

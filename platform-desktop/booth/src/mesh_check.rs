@@ -1,0 +1,168 @@
+//! What is told of a mesh while its bytes pass by: whether it is a binary STL, its hash, and whether it is closed,
+//! which is that every edge of a triangle is walked the other way by another. It takes no memory worth the name.
+
+use std::hash::{BuildHasher as _, RandomState};
+
+use paros_core::outbox::messages::ContentHash;
+use sha2::{Digest as _, Sha256};
+
+/// Bytes of a binary STL before its triangles, and of each.
+const HEAD_BYTES: usize = 84;
+const TRIANGLE_BYTES: usize = 50;
+
+/// Looks at an STL piece by piece.
+pub(crate) struct MeshCheck {
+    hash: Sha256,
+    /// What isn't a whole head or triangle yet.
+    rest: Vec<u8>,
+    /// Triangles that the head tells; `None` before it is whole.
+    told: Option<u32>,
+    seen: u32,
+    edges: EdgeSum,
+    has_other_numbers: bool,
+}
+
+/// What a mesh is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct MeshReport {
+    pub(crate) hash: ContentHash,
+    pub(crate) triangles: u32,
+    pub(crate) is_closed: bool,
+}
+
+/// The sum of a hash of each edge as it is walked, less that of the same edge walked back. It is zero where they are
+/// as often there; otherwise by a chance of 1 in 2^64, as nobody knows the hash's key beforehand.
+struct EdgeSum {
+    hasher: RandomState,
+    sum: u64,
+}
+
+impl MeshCheck {
+    pub(crate) fn new() -> Self {
+        MeshCheck {
+            hash: Sha256::new(),
+            rest: Vec::new(),
+            told: None,
+            seen: 0,
+            edges: EdgeSum { hasher: RandomState::new(), sum: 0 },
+            has_other_numbers: false,
+        }
+    }
+
+    /// Looks at the next bytes.
+    pub(crate) fn look_at(&mut self, bytes: &[u8]) {
+        self.hash.update(bytes);
+        self.rest.extend_from_slice(bytes);
+        let mut rest = std::mem::take(&mut self.rest);
+        let mut done = 0;
+        if self.told.is_none() && rest.len() >= HEAD_BYTES {
+            self.told = Some(u32::from_le_bytes([rest[80], rest[81], rest[82], rest[83]]));
+            done = HEAD_BYTES;
+        }
+        if self.told.is_some() {
+            let triangles = rest[done..].chunks_exact(TRIANGLE_BYTES);
+            done += triangles.len() * TRIANGLE_BYTES;
+            triangles.for_each(|triangle| self.look_at_triangle(triangle));
+        }
+        rest.drain(..done);
+        self.rest = rest;
+    }
+
+    /// What it was, once all bytes have passed.
+    ///
+    /// # Errors
+    /// Why it is no STL.
+    pub(crate) fn finish(self) -> Result<MeshReport, String> {
+        let told = self.told.ok_or("STL: shorter than its head")?;
+        if told != self.seen || !self.rest.is_empty() {
+            return Err(format!("STL: its head tells {told} triangles, and its length others"));
+        }
+        if self.has_other_numbers {
+            return Err("STL: a corner that is no number".into());
+        }
+        let hash = ContentHash(self.hash.finalize().into());
+        Ok(MeshReport { hash, triangles: told, is_closed: self.edges.sum == 0 })
+    }
+
+    fn look_at_triangle(&mut self, triangle: &[u8]) {
+        self.seen = self.seen.saturating_add(1);
+        let mut numbers = triangle[..48].chunks_exact(4);
+        let is_finite =
+            |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]).is_finite();
+        self.has_other_numbers |= !numbers.all(is_finite);
+        let [a, b, c] = [&triangle[12..24], &triangle[24..36], &triangle[36..48]];
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            self.edges.walk(from, to);
+        }
+    }
+}
+
+impl EdgeSum {
+    /// Corners are the same where all their bits are.
+    fn walk(&mut self, from: &[u8], to: &[u8]) {
+        let there = self.hasher.hash_one((from, to));
+        let back = self.hasher.hash_one((to, from));
+        self.sum = self.sum.wrapping_add(there).wrapping_sub(back);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use paros_booth_rules::hash_of;
+
+    use super::{MeshCheck, MeshReport};
+
+    /// A mesh of these triangles between four corners.
+    fn mesh(triangles: &[[u8; 3]]) -> Vec<u8> {
+        let mut stl = vec![0; 80];
+        stl.extend((triangles.len() as u32).to_le_bytes());
+        for triangle in triangles {
+            stl.extend([0; 12]);
+            triangle.iter().for_each(|corner| stl.extend([*corner; 12]));
+            stl.extend([0; 2]);
+        }
+        stl
+    }
+
+    fn check(stl: &[u8], piece: usize) -> Result<MeshReport, String> {
+        let mut check = MeshCheck::new();
+        stl.chunks(piece).for_each(|bytes| check.look_at(bytes));
+        check.finish()
+    }
+
+    const SIDES: [[u8; 3]; 4] = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];
+
+    #[test]
+    fn a_tetrahedron_is_closed_and_not_without_a_side_or_with_one_turned() {
+        let is_closed = |triangles: &[[u8; 3]]| check(&mesh(triangles), 7).unwrap().is_closed;
+        assert!(is_closed(&SIDES));
+        assert!(!is_closed(&SIDES[..3]));
+        let mut turned = SIDES;
+        turned[0].swap(0, 1);
+        assert!(!is_closed(&turned));
+        // The same side twice closes nothing.
+        assert!(!is_closed(&[SIDES[0], SIDES[0]]));
+    }
+
+    #[test]
+    fn it_is_the_same_in_pieces_of_any_size() {
+        let stl = mesh(&SIDES);
+        let expected = MeshReport { hash: hash_of(&stl), triangles: 4, is_closed: true };
+        for piece in 1..=stl.len() {
+            assert_eq!(check(&stl, piece), Ok(expected));
+        }
+    }
+
+    #[test]
+    fn other_bytes_are_no_stl() {
+        let stl = mesh(&SIDES);
+        for length in 0..stl.len() {
+            assert!(check(&stl[..length], 99).is_err(), "{length} bytes");
+        }
+        assert!(check(&[&stl[..], &[0]].concat(), 99).is_err());
+        assert!(check(&[&stl[..], &[0; 50]].concat(), 99).is_err());
+        let mut infinite = stl;
+        infinite[84 + 12..][..4].copy_from_slice(&f32::INFINITY.to_le_bytes());
+        assert!(check(&infinite, 99).is_err());
+    }
+}

@@ -1,0 +1,97 @@
+//! The command line.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use paros_booth_rules::BoothPlan;
+
+/// Keeps what headsets send, and lets staff find it by its badge.
+#[derive(Debug, Parser)]
+#[command(name = "paros-booth", version, args_conflicts_with_subcommands = true)]
+pub struct Options {
+    /// Without a command: serves until it is told to end.
+    #[command(subcommand)]
+    pub command: Option<BoothCommand>,
+    /// How to serve.
+    #[command(flatten)]
+    pub serve: ServeOptions,
+}
+
+/// How to serve.
+#[derive(Debug, Args)]
+pub struct ServeOptions {
+    /// Where everything is kept.
+    #[command(flatten)]
+    pub folder: FolderOption,
+    /// The address to listen at.
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "0.0.0.0:8443")]
+    pub listen: SocketAddr,
+    /// Another name or address of this machine, for its certificate. May be given several times.
+    #[arg(long, value_name = "NAME")]
+    pub name: Vec<String>,
+    /// Log in JSON, a line an event.
+    #[arg(long)]
+    pub json: bool,
+    /// Days for which sculptures are kept after the one on which they came.
+    #[arg(long, value_name = "DAYS", default_value_t = BoothPlan::default().retention_days,
+        value_parser = clap::value_parser!(u16).range(1..=3650))]
+    pub keep_days: u16,
+    /// Gigabytes that sculptures may take.
+    #[arg(long, value_name = "GB", default_value_t = 20,
+        value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub quota_gb: u32,
+}
+
+/// Where everything is kept.
+#[derive(Debug, Args)]
+pub struct FolderOption {
+    /// Where everything is kept. It is made at the first start.
+    #[arg(long, value_name = "FOLDER", default_value = "paros-booth-data")]
+    pub folder: PathBuf,
+}
+
+/// What else the program does, also while it serves.
+#[derive(Debug, Subcommand)]
+pub enum BoothCommand {
+    /// Make a token that lets headsets enrol, and print the fleet's file with it.
+    FleetFile {
+        /// Where everything is kept.
+        #[command(flatten)]
+        folder: FolderOption,
+        /// The booth's address, as headsets reach it.
+        #[arg(long, value_name = "https://ADDRESS:PORT")]
+        address: String,
+        /// Headsets that it lets in.
+        #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..=1000))]
+        uses: u32,
+        /// Days until it expires.
+        #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u16).range(1..=3650))]
+        days: u16,
+    },
+    /// List the headsets that enrol by hand, and the pictograms that each must show.
+    Attempts {
+        /// Where everything is kept.
+        #[command(flatten)]
+        folder: FolderOption,
+    },
+    /// Let a headset in that enrols by hand, and shows the same pictograms.
+    Accept {
+        /// Where everything is kept.
+        #[command(flatten)]
+        folder: FolderOption,
+        /// Its number in the list.
+        attempt: u64,
+        /// The headset that it is, wiped; otherwise a new one.
+        #[arg(long, value_name = "NUMBER")]
+        headset: Option<u32>,
+    },
+    /// Send a headset away that enrols by hand.
+    Decline {
+        /// Where everything is kept.
+        #[command(flatten)]
+        folder: FolderOption,
+        /// Its number in the list.
+        attempt: u64,
+    },
+}

@@ -1,0 +1,112 @@
+//! The program that serves, from its start to its end.
+
+use std::io::{self, Write as _};
+use std::net::{IpAddr, SocketAddr};
+use std::sync::Arc;
+use std::time::Duration;
+
+use paros_booth_rules::BoothPlan;
+use paros_shell::durable::take_storage_warnings;
+use tokio::net::TcpListener;
+use tokio::signal::unix::{SignalKind, signal};
+use tokio_rustls::TlsAcceptor;
+use tracing::{info, warn};
+
+use crate::app::{App, OpenBooth, WORK_THREADS};
+use crate::clock::booth_time;
+use crate::error::Error;
+use crate::exporter::ExportWorker;
+use crate::keys::{local_names, primary_address};
+use crate::options::ServeOptions;
+use crate::server::serve;
+
+/// How often what is past its time is deleted.
+const SWEEP_EVERY: Duration = Duration::from_secs(300);
+
+/// Serves until the program is told to end by SIGTERM or SIGINT.
+///
+/// # Errors
+/// What keeps it from starting.
+pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
+    start_log(options.json);
+    let plan = BoothPlan { retention_days: options.keep_days, ..BoothPlan::default() };
+    let quota = u64::from(options.quota_gb) * 1_000_000_000;
+    let open = OpenBooth::open(&options.folder.folder, plan, quota)?;
+    let names = local_names(options.listen.ip(), &options.name);
+    let tls = TlsAcceptor::from(Arc::new(open.keys.tls_config(&names)?));
+    let worker = ExportWorker::start(open.booth.clone());
+    let app = Arc::new(App::new(open.booth, open.files, worker.waker()));
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .enable_all()
+        .max_blocking_threads(WORK_THREADS)
+        .build()
+        .map_err(|error| Error::failure("threads", error))?;
+    let fingerprint = open.keys.site.ca_hash;
+    let served = runtime.block_on(async {
+        let listener = TcpListener::bind(options.listen).await;
+        let listener = listener.map_err(|error| Error::failure(options.listen, error))?;
+        let listen = listener.local_addr().map_err(|error| Error::failure("socket", error))?;
+        let end = end_of_program()?;
+        tell_address(listen, &fingerprint.to_string());
+        tokio::spawn(sweep_now_and_then(app.clone()));
+        serve(app.clone(), listener, tls, end).await;
+        Ok(())
+    });
+    // Its threads end with what they do; the app goes with them, and then the exporter can end.
+    runtime.shutdown_timeout(Duration::from_secs(10));
+    drop(app);
+    drop(worker);
+    info!("ended");
+    served
+}
+
+/// Tells on standard output where the booth is, once it can be reached.
+fn tell_address(listen: SocketAddr, fingerprint: &str) {
+    let ip = if listen.ip().is_unspecified() { primary_address() } else { Some(listen.ip()) };
+    let ip = ip.unwrap_or(IpAddr::from([127, 0, 0, 1]));
+    let address = format!("https://{}", SocketAddr::new(ip, listen.port()));
+    info!(address, fingerprint, "listening");
+    // Standard output may be closed.
+    let _ = writeln!(io::stdout(), "{address}\ncertificate authority, SHA-256: {fingerprint}");
+}
+
+/// Is there once the program is told to end.
+fn end_of_program() -> Result<impl Future<Output = ()>, Error> {
+    let fail = |error| Error::failure("signals", error);
+    let mut terminate = signal(SignalKind::terminate()).map_err(fail)?;
+    let mut interrupt = signal(SignalKind::interrupt()).map_err(fail)?;
+    Ok(async move {
+        tokio::select! {
+            _ = terminate.recv() => {}
+            _ = interrupt.recv() => {}
+        }
+        info!("told to end");
+    })
+}
+
+async fn sweep_now_and_then(app: Arc<App>) {
+    loop {
+        match app.run(|app| app.booth.sweep(booth_time())).await {
+            Ok(report) if report != Default::default() => info!(?report, "swept"),
+            Ok(_) => {}
+            Err(error) => warn!(%error, "the sweep failed"),
+        }
+        for warning in take_storage_warnings() {
+            warn!(%warning, "storage");
+        }
+        tokio::time::sleep(SWEEP_EVERY).await;
+    }
+}
+
+fn start_log(is_json: bool) {
+    let log = tracing_subscriber::fmt()
+        .with_max_level(tracing::Level::INFO)
+        .with_writer(io::stderr)
+        .with_target(false);
+    // A log that is there already stays.
+    if is_json {
+        let _ = log.json().try_init();
+    } else {
+        let _ = log.with_ansi(false).try_init();
+    }
+}

@@ -1,0 +1,103 @@
+//! Connections: TLS, bounds against those who hold them without a word, and a graceful end.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::Extension;
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::server::graceful::{GracefulShutdown, Watcher};
+use hyper_util::service::TowerToHyperService;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::time::timeout;
+use tokio_rustls::TlsAcceptor;
+use tracing::{debug, warn};
+
+use crate::app::App;
+use crate::places::Places;
+use crate::routes::{Peer, router};
+
+/// Connections at once: two of each of 256 headsets, and staff.
+const MAX_CONNECTIONS: usize = 640;
+
+/// Connections of one address at once: who holds them all leaves others their share.
+const MAX_CONNECTIONS_OF_ONE: usize = 256;
+
+/// How long a handshake may take.
+const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(10);
+
+/// How long a connection may be without the whole head of a request: a headset asks every two seconds.
+const HEAD_TIMEOUT: Duration = Duration::from_secs(15);
+
+/// Bytes of a request's head.
+const MAX_HEAD_BYTES: usize = 16 << 10;
+
+/// How long requests may take to their end after the program was told to end.
+const END_TIMEOUT: Duration = Duration::from_secs(10);
+
+/// Serves until `end` is there; then takes no more connections, and ends when all requests have.
+pub(crate) async fn serve(
+    app: Arc<App>,
+    listener: TcpListener,
+    tls: TlsAcceptor,
+    end: impl Future<Output = ()>,
+) {
+    let graceful = GracefulShutdown::new();
+    let places = Arc::new(Places::new(MAX_CONNECTIONS, MAX_CONNECTIONS_OF_ONE));
+    let mut end = std::pin::pin!(end);
+    loop {
+        let accepted = tokio::select! {
+            accepted = listener.accept() => accepted,
+            () = &mut end => break,
+        };
+        match accepted {
+            Ok((stream, peer)) => match places.take(peer.ip()) {
+                Some(place) => {
+                    let (app, tls, watcher) = (app.clone(), tls.clone(), graceful.watcher());
+                    tokio::spawn(async move {
+                        let _place = place;
+                        app.metrics.connections.add(1);
+                        serve_connection(&app, stream, peer, &tls, watcher).await;
+                        app.metrics.connections.subtract_one();
+                    });
+                }
+                None => app.metrics.turned_away.add(1),
+            },
+            Err(error) => {
+                warn!(%error, "no connection could be taken");
+                // As when no more files can be open: it takes a moment.
+                tokio::time::sleep(Duration::from_millis(100)).await;
+            }
+        }
+    }
+    drop(listener);
+    if timeout(END_TIMEOUT, graceful.shutdown()).await.is_err() {
+        warn!("requests were cut off at the end");
+    }
+}
+
+async fn serve_connection(
+    app: &Arc<App>,
+    stream: TcpStream,
+    peer: SocketAddr,
+    tls: &TlsAcceptor,
+    watcher: Watcher,
+) {
+    // Small answers go at once.
+    let _ = stream.set_nodelay(true);
+    let stream = match timeout(HANDSHAKE_TIMEOUT, tls.accept(stream)).await {
+        Ok(Ok(stream)) => stream,
+        Ok(Err(error)) => return debug!(%peer, %error, "no handshake"),
+        Err(_) => return debug!(%peer, "the handshake took too long"),
+    };
+    let routes = router(app).layer(Extension(Peer(peer.ip())));
+    let connection = http1::Builder::new()
+        .timer(TokioTimer::new())
+        .header_read_timeout(HEAD_TIMEOUT)
+        .max_buf_size(MAX_HEAD_BYTES)
+        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(routes));
+    if let Err(error) = watcher.watch(connection).await {
+        debug!(%peer, %error, "a connection broke");
+    }
+}

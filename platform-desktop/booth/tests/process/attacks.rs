@@ -1,0 +1,183 @@
+//! What the hostile send.
+
+use std::io::{Read as _, Write as _};
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
+
+use paros_core::limits::MAX_PARCEL_VOLUME_BYTES;
+use paros_core::outbox::messages::*;
+
+use crate::rig::{BoothFolder, Headset, Parcel, deflate, read_answer, write_request};
+
+#[test]
+fn who_has_no_token_or_anothers_gets_nothing() {
+    let folder = BoothFolder::new("tokens");
+    let booth = folder.start();
+    let client = &booth.client;
+    let fleet = folder.fleet_token();
+    let (mine, thief) = (Headset::enrol(client, fleet, 1), Headset::enrol(client, fleet, 2));
+    let parcel = Parcel::volume(mine.number, 1);
+    let unknown = Headset { token: DeviceToken([9; 32]), ..mine.clone() };
+    let answer = unknown.upload(client, &parcel).unwrap().expect_err("no token");
+    assert_eq!((answer.status, answer.text()), (401, "no such token, or not any more\n"));
+    assert_eq!(client.ask("POST", "/v1/heartbeat", &[], &[]).unwrap().status, 401);
+    let basic = ("Authorization", "Basic eDp5".to_owned());
+    assert_eq!(client.ask("POST", "/v1/heartbeat", &[basic], &[]).unwrap().status, 401);
+    // Another's sculpture, before and after it is there.
+    assert_eq!(thief.upload(client, &parcel).unwrap().expect_err("not its own").status, 422);
+    mine.upload(client, &parcel).unwrap().expect("a receipt");
+    assert_eq!(thief.upload(client, &parcel).unwrap().expect_err("not its own").status, 403);
+    let asked = FleetEnrolment {
+        enrolment_token: EnrolmentToken([5; 32]),
+        token_hash: ContentHash([5; 32]),
+        hint: DeviceHint([5; 16]),
+        name: DeviceName::new("").expect("a name"),
+    };
+    assert_eq!(client.post("/v1/enrol/fleet", &asked.to_bytes()).status, 401);
+    // Guessing comes to an end.
+    let guesses = (0..400).map(|_| client.post("/v1/enrol/fleet", &asked.to_bytes()).status);
+    assert!(guesses.filter(|status| *status == 429).count() > 50);
+    mine.upload(client, &parcel).unwrap().expect("who has a token isn't held up");
+}
+
+#[test]
+fn what_is_too_large_or_no_sculpture_is_refused() {
+    let folder = BoothFolder::new("sizes");
+    let booth = folder.start();
+    let client = &booth.client;
+    let headset = Headset::enrol(client, folder.fleet_token(), 1);
+    let parcel = Parcel::volume(headset.number, 1);
+    let path = format!("/v1/sculptures/{}?offset=0", parcel.facts.id);
+    let claim = |headers: Vec<_>, body: &[u8]| client.ask("PUT", &path, &headers, body).unwrap();
+    let mut claimed = headset.headers(&parcel);
+    claimed[2].1 = (10u64 << 30).to_string();
+    let answer = claim(claimed, b"x");
+    assert_eq!(answer.status, 413, "{answer:?}");
+    // More in the request itself: it is refused before it comes.
+    for length in [(256 << 10) + 1, 10u64 << 30] {
+        let mut headers = headset.headers(&parcel);
+        headers.push(("Content-Length", length.to_string()));
+        let mut stream = client.connect().unwrap();
+        write_request(&mut stream, "PUT", &path, &headers, b"xxxx").unwrap();
+        let answer = read_answer(&mut stream).unwrap();
+        assert_eq!(
+            (answer.status, answer.text()),
+            (413, "bytes of a request: at most 262144 are taken\n")
+        );
+    }
+
+    let refused = |parcel: &Parcel| {
+        let answer = headset.upload(client, parcel).unwrap().expect_err("no sculpture");
+        assert_eq!(answer.status, 422, "{answer:?}");
+        answer.text().to_owned()
+    };
+    let garbage =
+        Parcel::of_packed(parcel.facts, &vec![0xa7; parcel.facts.volume_bytes as usize], &[]);
+    assert!(refused(&garbage).contains("not packed by deflate"));
+    // 64 MiB of zeros in 64 KiB.
+    let bomb = deflate(&vec![0; 64 << 20]);
+    for raw in [parcel.facts.volume_raw_bytes, MAX_PARCEL_VOLUME_BYTES] {
+        let facts =
+            UploadFacts { volume_bytes: bomb.len() as u32, volume_raw_bytes: raw, ..parcel.facts };
+        let before = booth.memory();
+        assert!(refused(&Parcel::of_packed(facts, &bomb, &[])).contains("unpacked"));
+        assert!(booth.memory() < before + (16 << 20));
+    }
+    let zeros = Parcel::pack(parcel.facts, &vec![0; parcel.facts.volume_raw_bytes as usize], &[]);
+    assert!(refused(&zeros).contains("RMAP"));
+    let other_side = UploadFacts { side: 256, ..parcel.facts };
+    let other_side = Parcel::of_packed(other_side, &parcel.bytes[UploadFacts::BYTES..], &[]);
+    assert!(refused(&other_side).contains("side"));
+    let traced = UploadFacts { trace_bytes: 3, trace_raw_bytes: 9, ..parcel.facts };
+    let traced = Parcel::of_packed(traced, &parcel.bytes[UploadFacts::BYTES..], &[1, 2, 3]);
+    assert!(refused(&traced).contains("trace"));
+    assert_eq!(client.metric("paros_booth_sculptures"), 0);
+    headset.upload(client, &parcel).unwrap().expect("a receipt");
+}
+
+#[test]
+fn names_lead_nowhere_but_to_sculptures() {
+    let folder = BoothFolder::new("names");
+    let booth = folder.start();
+    let client = &booth.client;
+    let headset = Headset::enrol(client, folder.fleet_token(), 1);
+    let parcel = Parcel::volume(headset.number, 1);
+    let before = folder.files("");
+    for name in [
+        "..%2f..%2fbooth.sqlite",
+        "../../keys/site.key",
+        "%00",
+        "zz",
+        "0123456789abcdef0123456789abcde%2f",
+        "0123456789abcdef0123456789abcdef0",
+        "'; DROP TABLE sculptures; --",
+    ] {
+        let path = format!("/v1/sculptures/{}?offset=0", name.replace(' ', "%20"));
+        let answer = client.ask("PUT", &path, &headset.headers(&parcel), b"x").unwrap();
+        assert!(matches!(answer.status, 400 | 404), "{name}: {answer:?}");
+    }
+    for query in
+        ["", "?offset=", "?offset=-1", "?offset=+1", "?offset=99999999999999999999", "?x=1"]
+    {
+        let path = format!("/v1/sculptures/{}{query}", parcel.facts.id);
+        let answer = client.ask("PUT", &path, &headset.headers(&parcel), b"x").unwrap();
+        assert_eq!(answer.status, 400, "{query}: {answer:?}");
+    }
+    assert_eq!(folder.files(""), before);
+    assert_eq!(folder.files("parcels"), [""; 0]);
+}
+
+/// Those who hold connections without a word, or send theirs letter by letter, are cut off, and others are served.
+#[test]
+fn slow_ones_are_cut_off() {
+    let folder = BoothFolder::new("slow");
+    let booth = folder.start();
+    let client = &booth.client;
+    let headset = Headset::enrol(client, folder.fleet_token(), 1);
+    let start = Instant::now();
+    let silent: Vec<TcpStream> =
+        (0..100).map(|_| TcpStream::connect(client.address).expect("a connection")).collect();
+    let mut dripping: Vec<_> = (0..50)
+        .map(|_| {
+            let mut stream = client.connect().expect("a connection");
+            stream.write_all(b"PUT /v1/sculptures/").expect("it is open");
+            stream
+        })
+        .collect();
+    // A body that never comes.
+    let parcel = Parcel::volume(headset.number, 1);
+    let mut headers = headset.headers(&parcel);
+    headers.push(("Content-Length", "1000".to_owned()));
+    let path = format!("/v1/sculptures/{}?offset=0", parcel.facts.id);
+    let mut stuck = client.connect().expect("a connection");
+    write_request(&mut stuck, "PUT", &path, &headers, b"x").expect("it is open");
+    headset.upload(client, &parcel).unwrap().expect("others are served");
+    assert!(start.elapsed() < Duration::from_secs(9), "{:?}", start.elapsed());
+    // Now and then a letter: that buys no time.
+    std::thread::sleep(Duration::from_secs(9));
+    for stream in &mut dripping {
+        let _ = stream.write_all(b"a").and_then(|()| stream.flush());
+    }
+    std::thread::sleep(Duration::from_secs(8));
+    for mut stream in silent {
+        stream.set_read_timeout(Some(Duration::from_secs(1))).unwrap();
+        assert!(stream.read(&mut [0; 1]).is_ok_and(|count| count == 0), "it is open still");
+    }
+    for mut stream in dripping {
+        stream.sock.set_read_timeout(Some(Duration::from_secs(1))).unwrap();
+        // It may be told so before.
+        let mut rest = Vec::new();
+        let ended = stream.read_to_end(&mut rest);
+        assert!(
+            ended.is_ok()
+                || ended.is_err_and(|error| {
+                    !matches!(
+                        error.kind(),
+                        std::io::ErrorKind::WouldBlock | std::io::ErrorKind::TimedOut
+                    )
+                }),
+            "it is open still"
+        );
+    }
+    assert_eq!(read_answer(&mut stuck).expect("an answer").status, 408);
+}

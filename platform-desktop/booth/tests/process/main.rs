@@ -1,0 +1,7 @@
+//! The real program, over real TLS, on a real disk.
+
+mod attacks;
+mod enrolment;
+mod kills;
+mod rig;
+mod uploads;

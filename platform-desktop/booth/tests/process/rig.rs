@@ -1,0 +1,430 @@
+//! A booth process, and headsets that speak HTTPS to it.
+
+use std::fs::{self, File};
+use std::io::{self, BufRead as _, BufReader, Write as _};
+use std::net::{SocketAddr, TcpStream};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, OnceLock};
+use std::time::Duration;
+
+use flate2::Compression;
+use flate2::write::DeflateEncoder;
+use paros_booth_rules::hash_of;
+use paros_core::TickInput;
+use paros_core::badge::BadgeNumber;
+use paros_core::limits::INTERVALS;
+use paros_core::outbox::messages::*;
+use paros_core::session::SessionMode;
+use paros_core::volume::Grid;
+use paros_shell::rmap;
+use paros_shell::statics::Resident;
+use paros_shell::stl_export::StlExporter;
+use paros_shell::tick_runner::with_fresh_world;
+use tokio_rustls::rustls::crypto::ring::default_provider;
+use tokio_rustls::rustls::pki_types::{CertificateDer, ServerName, pem::PemObject as _};
+use tokio_rustls::rustls::{ClientConfig, ClientConnection, RootCertStore, StreamOwned};
+
+/// Bytes of a piece of a parcel.
+pub(crate) const PIECE: usize = 64 << 10;
+
+/// A booth in a folder of its own.
+pub(crate) struct BoothFolder(PathBuf);
+
+impl BoothFolder {
+    /// An empty one.
+    pub(crate) fn new(name: &str) -> Self {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).expect("room on the disk");
+        BoothFolder(folder)
+    }
+
+    pub(crate) fn path(&self) -> PathBuf {
+        self.0.join("data")
+    }
+
+    /// Starts a booth in it, and waits until it can be reached.
+    pub(crate) fn start(&self) -> BoothProcess {
+        self.start_with(&[])
+    }
+
+    pub(crate) fn start_with(&self, arguments: &[&str]) -> BoothProcess {
+        let log = File::options().append(true).create(true).open(self.0.join("log")).unwrap();
+        let mut process = Command::new(env!("CARGO_BIN_EXE_paros-booth"))
+            .args(["--listen", "127.0.0.1:0", "--folder"])
+            .arg(self.path())
+            .args(arguments)
+            .stdout(Stdio::piped())
+            .stderr(log)
+            .spawn()
+            .expect("the program");
+        let mut lines = BufReader::new(process.stdout.take().expect("a pipe")).lines();
+        let mut line = || lines.next().expect("a line").expect("text");
+        let address = line();
+        let address = address.strip_prefix("https://").expect("an address").parse().unwrap();
+        let fingerprint = line().rsplit(' ').next().expect("a word").to_owned();
+        let ca = fs::read(self.path().join("keys/ca.pem")).expect("it was made");
+        let ca = CertificateDer::from_pem_slice(&ca).expect("PEM");
+        assert_eq!(fingerprint, hash_of(&ca).to_string());
+        BoothProcess { process, client: Client::new(address, ca) }
+    }
+
+    /// Runs one of the program's commands.
+    pub(crate) fn run(&self, arguments: &[&str]) -> Result<String, String> {
+        let done = Command::new(env!("CARGO_BIN_EXE_paros-booth"))
+            .args(arguments)
+            .arg("--folder")
+            .arg(self.path())
+            .output()
+            .expect("the program");
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
+        if done.status.success() { Ok(text(done.stdout)) } else { Err(text(done.stderr)) }
+    }
+
+    /// A new enrolment token.
+    pub(crate) fn fleet_token(&self) -> EnrolmentToken {
+        let file = self.run(&["fleet-file", "--address", "https://booth.test:8443"]).expect("made");
+        let line = file.lines().find_map(|line| line.strip_prefix("enrolment_token = \""));
+        EnrolmentToken::parse_hex(line.expect("a token").trim_end_matches('"')).expect("a token")
+    }
+
+    pub(crate) fn log(&self) -> String {
+        fs::read_to_string(self.0.join("log")).expect("a log")
+    }
+
+    /// Names of the files in one of its folders.
+    pub(crate) fn files(&self, folder: &str) -> Vec<String> {
+        let entries = fs::read_dir(self.path().join(folder)).expect("a folder");
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    }
+}
+
+/// A running booth. It is killed when it is dropped.
+pub(crate) struct BoothProcess {
+    process: Child,
+    pub(crate) client: Client,
+}
+
+impl BoothProcess {
+    pub(crate) fn id(&self) -> u32 {
+        self.process.id()
+    }
+
+    /// Waits for its end, after it was killed.
+    pub(crate) fn wait(&mut self) {
+        self.process.wait().expect("it ends");
+    }
+
+    /// Tells it to end, and returns its exit code.
+    pub(crate) fn terminate(&mut self) -> Option<i32> {
+        let told = Command::new("kill").args(["-TERM", &self.process.id().to_string()]).status();
+        assert!(told.expect("kill").success());
+        self.process.wait().expect("it ends").code()
+    }
+
+    /// Bytes of its memory that are in use.
+    pub(crate) fn memory(&self) -> u64 {
+        let status = fs::read_to_string(format!("/proc/{}/status", self.process.id())).unwrap();
+        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).expect("a line");
+        1024 * line.trim().trim_end_matches(" kB").parse::<u64>().expect("a number")
+    }
+}
+
+impl Drop for BoothProcess {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+/// Who asks the booth.
+#[derive(Clone)]
+pub(crate) struct Client {
+    pub(crate) address: SocketAddr,
+    config: Arc<ClientConfig>,
+}
+
+/// What the booth answers.
+#[derive(Debug)]
+pub(crate) struct Answer {
+    pub(crate) status: u16,
+    pub(crate) head: String,
+    pub(crate) body: Vec<u8>,
+}
+
+impl Answer {
+    pub(crate) fn text(&self) -> &str {
+        str::from_utf8(&self.body).expect("text")
+    }
+}
+
+impl Client {
+    fn new(address: SocketAddr, ca: CertificateDer<'static>) -> Self {
+        let mut roots = RootCertStore::empty();
+        roots.add(ca).expect("a certificate");
+        let config = ClientConfig::builder_with_provider(default_provider().into())
+            .with_safe_default_protocol_versions()
+            .expect("TLS 1.3")
+            .with_root_certificates(roots)
+            .with_no_client_auth();
+        Client { address, config: Arc::new(config) }
+    }
+
+    /// A connection that trusts the booth's authority alone.
+    pub(crate) fn connect(&self) -> io::Result<StreamOwned<ClientConnection, TcpStream>> {
+        let stream = TcpStream::connect(self.address)?;
+        stream.set_read_timeout(Some(Duration::from_secs(40)))?;
+        stream.set_nodelay(true)?;
+        let name = ServerName::IpAddress(self.address.ip().into());
+        let connection =
+            ClientConnection::new(self.config.clone(), name).map_err(io::Error::other)?;
+        Ok(StreamOwned::new(connection, stream))
+    }
+
+    /// One request on a connection of its own.
+    pub(crate) fn ask(
+        &self,
+        method: &str,
+        path: &str,
+        headers: &[(&str, String)],
+        body: &[u8],
+    ) -> io::Result<Answer> {
+        let mut stream = self.connect()?;
+        write_request(&mut stream, method, path, headers, body)?;
+        read_answer(&mut stream)
+    }
+
+    pub(crate) fn get(&self, path: &str) -> Answer {
+        self.ask("GET", path, &[], &[]).expect("an answer")
+    }
+
+    pub(crate) fn post(&self, path: &str, body: &[u8]) -> Answer {
+        self.ask("POST", path, &[], body).expect("an answer")
+    }
+
+    /// A number that the booth measures.
+    pub(crate) fn metric(&self, name: &str) -> u64 {
+        let text = self.get("/metrics");
+        let value = text.text().lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
+        value.expect("it is measured").parse().expect("a number")
+    }
+}
+
+pub(crate) fn write_request(
+    stream: &mut impl io::Write,
+    method: &str,
+    path: &str,
+    headers: &[(&str, String)],
+    body: &[u8],
+) -> io::Result<()> {
+    let mut head = format!("{method} {path} HTTP/1.1\r\nHost: booth\r\n");
+    for (name, value) in headers {
+        head += &format!("{name}: {value}\r\n");
+    }
+    if !headers.iter().any(|(name, _)| *name == "Content-Length") {
+        head += &format!("Content-Length: {}\r\n", body.len());
+    }
+    let mut request = (head + "\r\n").into_bytes();
+    request.extend(body);
+    stream.write_all(&request)?;
+    stream.flush()
+}
+
+pub(crate) fn read_answer(stream: &mut impl io::Read) -> io::Result<Answer> {
+    let mut head = Vec::new();
+    while !head.ends_with(b"\r\n\r\n") {
+        let mut byte = [0];
+        stream.read_exact(&mut byte)?;
+        head.extend(byte);
+    }
+    let head = String::from_utf8(head).map_err(io::Error::other)?.to_lowercase();
+    let status = head.split(' ').nth(1).and_then(|status| status.parse().ok());
+    let length = head.split("content-length: ").nth(1).and_then(|rest| rest.lines().next());
+    let length = length.map_or(0, |length| length.parse().expect("a length"));
+    let mut body = vec![0; length];
+    stream.read_exact(&mut body)?;
+    Ok(Answer { status: status.expect("a status"), head, body })
+}
+
+/// A headset that is enrolled.
+#[derive(Clone)]
+pub(crate) struct Headset {
+    pub(crate) token: DeviceToken,
+    pub(crate) number: u32,
+    pub(crate) receipt_key: ReceiptKey,
+}
+
+impl Headset {
+    /// Enrols by a fleet's token.
+    pub(crate) fn enrol(client: &Client, fleet: EnrolmentToken, byte: u8) -> Self {
+        let token = DeviceToken([byte; 32]);
+        let asked = FleetEnrolment {
+            enrolment_token: fleet,
+            token_hash: hash_of(&token.0),
+            hint: DeviceHint([byte; 16]),
+            name: DeviceName::new("Quest").expect("a name"),
+        };
+        let answer = client.post("/v1/enrol/fleet", &asked.to_bytes());
+        assert_eq!(answer.status, 200, "{answer:?}");
+        let EnrolAnswer { headset, receipt_key, .. } =
+            EnrolAnswer::from_bytes(&answer.body).expect("a message");
+        Headset { token, number: headset, receipt_key }
+    }
+
+    pub(crate) fn bearer(&self) -> (&'static str, String) {
+        ("Authorization", format!("Bearer {}", self.token.reveal()))
+    }
+
+    /// Sends a piece.
+    pub(crate) fn put(
+        &self,
+        client: &Client,
+        parcel: &Parcel,
+        offset: u64,
+        bytes: &[u8],
+    ) -> io::Result<Answer> {
+        let path = format!("/v1/sculptures/{}?offset={offset}", parcel.facts.id);
+        client.ask("PUT", &path, &self.headers(parcel), bytes)
+    }
+
+    pub(crate) fn headers(&self, parcel: &Parcel) -> Vec<(&'static str, String)> {
+        vec![
+            self.bearer(),
+            ("X-Parcel-Hash", parcel.hash.to_string()),
+            ("X-Parcel-Bytes", parcel.bytes.len().to_string()),
+        ]
+    }
+
+    /// Sends a parcel from where the booth has it, to its receipt, which it verifies; or to the answer that ends it.
+    pub(crate) fn upload(
+        &self,
+        client: &Client,
+        parcel: &Parcel,
+    ) -> io::Result<Result<SignedReceipt, Answer>> {
+        let mut offset = 0;
+        loop {
+            let rest = parcel.bytes.get(offset..).unwrap_or_default();
+            let piece = &rest[..rest.len().min(PIECE)];
+            let answer = self.put(client, parcel, offset as u64, piece)?;
+            match answer.status {
+                200 => return Ok(Ok(self.verify(parcel, &answer.body))),
+                202 => {
+                    let held = answer.body[..].try_into().expect("eight bytes");
+                    offset = u64::from_le_bytes(held) as usize;
+                }
+                _ => return Ok(Err(answer)),
+            }
+        }
+    }
+
+    fn verify(&self, parcel: &Parcel, bytes: &[u8]) -> SignedReceipt {
+        let signed = SignedReceipt::from_bytes(bytes).expect("a message");
+        let key = ed25519_dalek::VerifyingKey::from_bytes(&self.receipt_key.0).expect("a key");
+        let signature = ed25519_dalek::Signature::from_bytes(&signed.signature);
+        key.verify_strict(&signed.receipt.signed_bytes(), &signature).expect("the site's");
+        let Receipt { id, hash, headset, badge, .. } = signed.receipt;
+        assert_eq!((id, hash), (parcel.facts.id, parcel.hash));
+        assert_eq!((headset, badge), (self.number, parcel.facts.badge));
+        signed
+    }
+}
+
+/// A sculpture's files.
+pub(crate) struct Figure {
+    pub(crate) rmap: Vec<u8>,
+    pub(crate) stl: Vec<u8>,
+}
+
+/// The toy that a creative session starts from.
+pub(crate) fn figure() -> &'static Figure {
+    static FIGURE: OnceLock<Figure> = OnceLock::new();
+    FIGURE.get_or_init(|| {
+        with_fresh_world::<128, INTERVALS, _>(|mut runner| {
+            runner.run_tick(&TickInput { start: SessionMode::Creative, ..TickInput::default() });
+            let volume = runner.world().volume();
+            let mut buffers = <Grid<128> as Resident<128, INTERVALS>>::lock_stl_buffers();
+            let mut exporter = StlExporter::new(&mut buffers, 120.0).expect("a height");
+            exporter.begin_export(volume.rows(), runner.world().mask());
+            let stl = exporter.run_export_to_end().expect("a mesh").bytes;
+            Figure { rmap: rmap::encode(volume.maps()), stl }
+        })
+    })
+}
+
+/// What a headset sends.
+#[derive(Clone)]
+pub(crate) struct Parcel {
+    pub(crate) facts: UploadFacts,
+    pub(crate) hash: ContentHash,
+    pub(crate) bytes: Vec<u8>,
+}
+
+impl Parcel {
+    /// The same sculpture, under another id; as a volume, or as the mesh.
+    pub(crate) fn new(headset: u32, id: u32, kind: ParcelKind) -> Self {
+        let Figure { rmap, stl } = figure();
+        let first = if kind == ParcelKind::Volume { rmap } else { stl };
+        let mut bytes = [7; 16];
+        bytes[..4].copy_from_slice(&id.to_le_bytes());
+        let facts = UploadFacts {
+            kind,
+            id: SculptureId(bytes),
+            headset,
+            badge: BadgeNumber::new(id),
+            core_version: paros_core::codec::trace::CORE_VERSION,
+            side: 128,
+            cause: FinishCause::Finished,
+            language: *b"en",
+            mode: SessionMode::Creative,
+            age_group: AgeGroup::Unknown,
+            sculpting_seconds: 300,
+            finished_at: 1_790_000_000,
+            height_mm_tenths: 1200,
+            stl_hash: hash_of(stl),
+            stl_bytes: stl.len() as u64,
+            volume_bytes: 0,
+            volume_raw_bytes: first.len() as u32,
+            trace_bytes: 0,
+            trace_raw_bytes: 0,
+        };
+        // Packed once: a mesh takes a while.
+        static PACKED: [OnceLock<Vec<u8>>; 2] = [OnceLock::new(), OnceLock::new()];
+        let packed = PACKED[kind as usize].get_or_init(|| deflate(first));
+        Parcel::of_packed(UploadFacts { volume_bytes: packed.len() as u32, ..facts }, packed, &[])
+    }
+
+    pub(crate) fn volume(headset: u32, id: u32) -> Self {
+        Parcel::new(headset, id, ParcelKind::Volume)
+    }
+
+    /// With the trace of some session.
+    pub(crate) fn with_trace(headset: u32, id: u32) -> Self {
+        let facts = Parcel::volume(headset, id).facts;
+        let trace = include_bytes!("../../../../core/examples/replay/groove.trace");
+        Parcel::pack(facts, &figure().rmap, trace)
+    }
+
+    /// Packs files, and says so in the head.
+    pub(crate) fn pack(facts: UploadFacts, first: &[u8], trace: &[u8]) -> Self {
+        let (first, packed_trace) = (deflate(first), deflate(trace));
+        let packed_trace = if trace.is_empty() { Vec::new() } else { packed_trace };
+        let facts = UploadFacts {
+            volume_bytes: first.len() as u32,
+            trace_bytes: packed_trace.len() as u32,
+            trace_raw_bytes: trace.len() as u32,
+            ..facts
+        };
+        Parcel::of_packed(facts, &first, &packed_trace)
+    }
+
+    pub(crate) fn of_packed(facts: UploadFacts, first: &[u8], trace: &[u8]) -> Self {
+        let bytes = [&facts.to_bytes()[..], first, trace].concat();
+        Parcel { facts, hash: hash_of(&bytes), bytes }
+    }
+}
+
+pub(crate) fn deflate(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = DeflateEncoder::new(Vec::new(), Compression::fast());
+    encoder.write_all(bytes).and_then(|()| encoder.finish()).expect("memory")
+}

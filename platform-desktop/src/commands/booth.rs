@@ -1,0 +1,31 @@
+//! `paros booth`: the booth is a program of its own, beside this one.
+
+use std::env;
+use std::ffi::OsString;
+use std::io::ErrorKind;
+use std::os::unix::process::CommandExt as _;
+use std::process::Command;
+
+use paros_headless::Error;
+
+/// Run the booth, which keeps what headsets send; all arguments are its own (`paros booth --help`).
+#[derive(Debug, clap::Args)]
+#[command(disable_help_flag = true)]
+pub(super) struct Args {
+    /// What the booth is told.
+    #[arg(value_name = "ARGUMENT", trailing_var_arg = true, allow_hyphen_values = true)]
+    arguments: Vec<OsString>,
+}
+
+/// Becomes the booth, so that a signal to this process is one to it.
+pub(super) fn run(args: &Args) -> Result<String, Error> {
+    let booth = env::current_exe().map_err(Error::failure)?.with_file_name("paros-booth");
+    let error = Command::new(&booth).args(&args.arguments).exec();
+    let booth = booth.display();
+    Err(Error::failure(match error.kind() {
+        ErrorKind::NotFound => {
+            format!("{booth}: it isn't there; `cargo build --release -p paros-booth` builds it")
+        }
+        _ => format!("{booth}: {error}"),
+    }))
+}
