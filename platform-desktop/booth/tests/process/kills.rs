@@ -39,7 +39,8 @@ fn killed_at_any_moment_it_loses_nothing_and_keeps_nothing_twice() {
         let of_headset = |k: usize| {
             let headset = &headsets[k];
             move |number: u32| {
-                let kind = if number.is_multiple_of(5) { ParcelKind::Mesh } else { ParcelKind::Volume };
+                let kind =
+                    if number.is_multiple_of(5) { ParcelKind::Mesh } else { ParcelKind::Volume };
                 Parcel::new(headset.number, number, kind)
             }
         };
