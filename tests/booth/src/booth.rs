@@ -103,8 +103,16 @@ impl ParcelFiles for SimFiles {
         Ok(())
     }
 
-    fn count_parcels(&self, headset: u32) -> io::Result<usize> {
-        Ok(self.lock().parcels.keys().filter(|parcel| parcel.headset == headset).count())
+    /// Any of them: an outbox sends one at a time.
+    fn make_room(&self, headset: u32, most: usize) -> io::Result<()> {
+        let mut inside = self.lock();
+        inside.fail()?;
+        let is_its = |name: &&ParcelName| name.headset == headset;
+        let names: Vec<_> = inside.parcels.keys().filter(is_its).copied().collect();
+        for name in names.iter().take((names.len() + 1).saturating_sub(most)) {
+            inside.parcels.remove(name);
+        }
+        Ok(())
     }
 
     fn drop_parcels_before(&self, _time: BoothTime) -> io::Result<()> {
@@ -224,11 +232,8 @@ impl SimBooth {
 
     /// Answers a request of a device.
     pub fn serve(&self, device: u8, request: &BoothRequest, now: BoothTime) -> HttpAnswer {
-        let is_put = matches!(request, BoothRequest::Put { .. });
         let (status, retry_after, body) = match self.answer(device, request, now) {
             Ok((status, body)) => (status, None, body),
-            // That an id is another headset's is a conflict too.
-            Err(Refusal::Forbidden(_)) if is_put => (409, None, Vec::new()),
             Err(refusal) => (refusal.status(), refusal.retry_after(), Vec::new()),
         };
         HttpAnswer { status, retry_after, body }

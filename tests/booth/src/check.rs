@@ -7,6 +7,7 @@ use paros_core::outbox::EntryState;
 use paros_core::outbox::messages::{SculptureId, UploadFacts};
 
 use crate::exhibition::Exhibition;
+use crate::headset::SimHeadset;
 use crate::truth::number_of_facts;
 
 /// What the booth has.
@@ -25,15 +26,15 @@ struct Kept {
 /// One doesn't hold.
 pub fn check(exhibition: &Exhibition) {
     let kept = check_booth(exhibition);
+    let here = list_here(exhibition);
     for (number, made) in exhibition.truth.made.iter().enumerate() {
         let is_at_booth = kept.numbers.contains(&number) || kept.deleted.contains(&made.id);
         if made.was_signed {
             let is_deleted = made.was_deleted || kept.deleted.contains(&made.id);
             assert!(is_at_booth || is_deleted, "{number}: what was signed for is lost: {made:?}");
         } else if made.was_kept_here && !made.is_excused && !is_at_booth {
-            let headset = &exhibition.headsets[made.headset];
             assert!(
-                headset.has_parcel_of(number),
+                here[made.headset].contains(&number),
                 "{number}: what was kept here is lost: {made:?}"
             );
         }
@@ -43,6 +44,11 @@ pub fn check(exhibition: &Exhibition) {
         let is_listed = missing.contains(&(*headset, id.0)) || kept.settled.contains(id);
         assert!(is_listed, "{id}: it was announced, and is neither kept nor missed");
     }
+}
+
+/// What is in the folders, by headset.
+fn list_here(exhibition: &Exhibition) -> Vec<BTreeSet<usize>> {
+    exhibition.headsets.iter().map(SimHeadset::list_parcels).collect()
 }
 
 /// Nothing is stored twice, no leased badge names two, and what the records say is on the disk.
@@ -82,18 +88,32 @@ fn check_booth(exhibition: &Exhibition) -> Kept {
 pub fn check_settled(exhibition: &Exhibition) {
     check(exhibition);
     let kept = check_booth(exhibition);
+    let here = list_here(exhibition);
     for (number, made) in exhibition.truth.made.iter().enumerate() {
         if !made.was_kept_here || made.is_excused {
             continue;
         }
         let is_at_booth = kept.numbers.contains(&number) || kept.deleted.contains(&made.id);
         if made.is_poison {
-            let is_here = exhibition.headsets[made.headset].has_parcel_of(number);
+            let is_here = here[made.headset].contains(&number);
             assert!(is_here && !is_at_booth, "{number}: refused, and not here: {made:?}");
         } else {
             assert!(is_at_booth || made.was_deleted, "{number}: it never came: {made:?}");
         }
     }
+}
+
+/// What headsets wait for, for people.
+#[must_use]
+pub fn list_unsettled(exhibition: &Exhibition) -> String {
+    let mut text = String::new();
+    for (h, headset) in exhibition.headsets.iter().enumerate() {
+        if let Some(outbox) = headset.driver.as_ref().map(|driver| driver.outbox()) {
+            let (is_due, was_wiped) = (outbox.is_journal_due(), outbox.was_wiped());
+            text += &format!("\n{h}: {is_due}, {was_wiped}, {:?}", outbox.entries());
+        }
+    }
+    text
 }
 
 /// Whether no headset waits for anything but what the booth refuses.

@@ -52,9 +52,12 @@ impl SimDisk {
         self.fuse = Some(calls);
     }
 
-    /// The power is back, and what wasn't synced may be as it was.
+    /// The power is back, now and then for some calls only, and what wasn't synced may be as it was.
     pub fn power_up(&mut self) {
         (self.fuse, self.is_dead) = (None, false);
+        if self.is_worn && self.dice.one_in(5) {
+            self.fuse = Some(self.dice.below(4) as u32);
+        }
         for (name, bytes) in std::mem::take(&mut self.unsynced) {
             if self.dice.one_in(2) {
                 self.files.entry(name).or_insert(bytes);

@@ -7,7 +7,7 @@ use paros_models::random_visitor::RandomSource;
 use paros_shell::outbox::{BoothRequest, HttpAnswer, LinkAnswer, OutboxEvent};
 
 use crate::booth::{OPENING, SITE, SimBooth};
-use crate::check::{check, check_settled, is_settled};
+use crate::check::{check, check_settled, is_settled, list_unsettled};
 use crate::headset::SimHeadset;
 use crate::network::{Message, OnItsWay, Weather, fault_of, sent_request};
 use crate::truth::Truth;
@@ -71,7 +71,7 @@ impl Exhibition {
         for act in 0..acts {
             self.act();
             self.pass_time();
-            if act % 8 == 0 {
+            if act % 16 == 0 {
                 check(self);
             }
         }
@@ -82,7 +82,7 @@ impl Exhibition {
             }
             self.turn(1000);
         }
-        assert!(is_settled(self), "it doesn't settle");
+        assert!(is_settled(self), "it doesn't settle: {}", list_unsettled(self));
         check_settled(self);
     }
 

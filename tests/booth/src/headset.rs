@@ -1,17 +1,21 @@
 //! A headset: its disk, its link, its badges' lease, and the outbox's driver while it is on.
 
 use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::rc::Rc;
 
 use paros_core::badge::{AnswerOutcome, BadgeLease, BadgeNumber, LeaseAnswer, LeaseReport};
-use paros_core::outbox::messages::{HeatLevel, ReceiptKey, SculptureId, SiteId};
+use paros_core::outbox::messages::{HeatLevel, ReceiptKey, SiteId};
 use paros_core::outbox::{HeadsetStatus, OutboxOwner, OutboxSettings};
 use paros_core::visit::VisitPhase;
 use paros_models::random_visitor::RandomSource;
-use paros_shell::outbox::{OutboxDriver, OutboxEnrolment, OutboxEvent, OutboxFolder, OutboxHost};
+use paros_shell::outbox::{
+    OutboxDriver, OutboxEnrolment, OutboxEvent, OutboxFolder, OutboxHost, Parcel,
+};
 
 use crate::disk::{SimDisk, SimFolder};
 use crate::network::{SimLink, Wire};
+use crate::truth::number_of_facts;
 
 /// The lease's file.
 const LEASE: &str = "lease";
@@ -181,18 +185,12 @@ impl SimHeadset {
         is_dead
     }
 
-    /// Whether a parcel of these facts' sculpture is in the folder as it should be.
-    pub fn has_parcel_of(&self, number: usize) -> bool {
+    /// The numbers of sculptures whose parcels are in the folder as they should be.
+    pub fn list_parcels(&self) -> BTreeSet<usize> {
         let disk = self.disk.borrow();
-        disk.files().filter(|(name, _)| name.ends_with(".parcel")).any(|(_, bytes)| {
-            let parcel = paros_shell::outbox::Parcel::read_file(bytes.to_vec());
-            parcel.is_ok_and(|parcel| crate::truth::number_of_facts(parcel.facts()) == number)
-        })
-    }
-
-    /// What the driver knows of an id.
-    pub fn knows(&self, id: SculptureId) -> bool {
-        self.driver.as_ref().is_some_and(|driver| driver.outbox().find(id).is_some())
+        let parcels = disk.files().filter(|(name, _)| name.ends_with(".parcel"));
+        let read = |(_, bytes): (&str, &[u8])| Parcel::read_file(bytes.to_vec()).ok();
+        parcels.filter_map(read).map(|parcel| number_of_facts(parcel.facts())).collect()
     }
 
     /// The names of its files.

@@ -1,10 +1,14 @@
 //! Exhibitions of many seeds. `PAROS_SEED=N` runs one; `PAROS_SEED_BASE=N` says with which they begin,
 //! `PAROS_SEEDS=N` how many there are; where `PAROS_SEED_SECONDS=S` is set, as many as fit, and no fewer than 2,000.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::num::NonZero;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::thread::{self, available_parallelism};
 use std::time::{Duration, Instant};
 
 use paros_tests_booth::exhibition::Exhibition;
+use paros_tests_booth::truth::Truth;
 
 /// What happens in an exhibition before all is well.
 const ACTS: u32 = 250;
@@ -14,15 +18,59 @@ fn setting(name: &str) -> Option<u64> {
     Some(text.parse().unwrap_or_else(|_| panic!("{name}={text}: expected a number")))
 }
 
-/// Runs one. Returns how many receipts were taken, and how many ids were given up.
-fn run(seed: u64) -> (u32, u32) {
+/// What came of some seeds.
+#[derive(Default)]
+struct Sums {
+    seeds: u64,
+    /// Receipts that headsets took.
+    receipts: u64,
+    /// Ids that were given up.
+    renewed: u64,
+}
+
+/// Runs one.
+fn run(seed: u64) -> Sums {
     let mut exhibition = Exhibition::new(seed);
     if let Err(why) = catch_unwind(AssertUnwindSafe(|| exhibition.run(ACTS))) {
         eprintln!("{}", exhibition.log.join("\n"));
         eprintln!("again: PAROS_SEED={seed} cargo test -p paros-tests-booth --test simulation");
-        std::panic::resume_unwind(why);
+        resume_unwind(why);
     }
-    (exhibition.truth.receipts, exhibition.truth.renewed)
+    let Truth { receipts, renewed, .. } = exhibition.truth;
+    Sums { seeds: 1, receipts: u64::from(receipts), renewed: u64::from(renewed) }
+}
+
+/// Runs seeds until there are enough, on all processors.
+fn run_all(base: u64, is_enough: impl Fn(u64) -> bool + Sync) -> Sums {
+    let (next, has_failed) = (AtomicU64::new(0), AtomicBool::new(false));
+    let work = || {
+        let mut sums = Sums::default();
+        loop {
+            let count = next.fetch_add(1, Relaxed);
+            if is_enough(count) || has_failed.load(Relaxed) {
+                return sums;
+            }
+            let done = catch_unwind(|| run(base + count)).unwrap_or_else(|why| {
+                has_failed.store(true, Relaxed);
+                resume_unwind(why)
+            });
+            sums.seeds += 1;
+            sums.receipts += done.receipts;
+            sums.renewed += done.renewed;
+        }
+    };
+    let threads = available_parallelism().map_or(1, NonZero::get);
+    thread::scope(|scope| {
+        let threads: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        let sums = threads
+            .into_iter()
+            .map(|thread| thread.join().unwrap_or_else(|why| resume_unwind(why)));
+        sums.fold(Sums::default(), |a, b| Sums {
+            seeds: a.seeds + b.seeds,
+            receipts: a.receipts + b.receipts,
+            renewed: a.renewed + b.renewed,
+        })
+    })
 }
 
 #[test]
@@ -33,18 +81,15 @@ fn nothing_is_lost_whatever_happens() {
     }
     let base = setting("PAROS_SEED_BASE").unwrap_or(1);
     let limit = setting("PAROS_SEED_SECONDS").map(Duration::from_secs);
-    let count = setting("PAROS_SEEDS").unwrap_or(if limit.is_some() { u64::MAX } else { 150 });
-    let (began, mut seeds, mut receipts, mut renewed) = (Instant::now(), 0, 0, 0);
-    while seeds < count && limit.is_none_or(|limit| began.elapsed() < limit) {
-        let (taken, given_up) = run(base + seeds);
-        (receipts, renewed) = (receipts + taken, renewed + given_up);
-        seeds += 1;
-    }
+    let most = setting("PAROS_SEEDS").unwrap_or(if limit.is_some() { u64::MAX } else { 150 });
+    let began = Instant::now();
+    let is_late = || limit.is_some_and(|limit| began.elapsed() >= limit);
+    let Sums { seeds, receipts, renewed } = run_all(base, |count| count >= most || is_late());
     let seconds = began.elapsed().as_secs_f32();
     println!("{seeds} seeds from {base} in {seconds:.1} s: {receipts} receipts, {renewed} new ids");
     assert!(limit.is_none() || seeds >= 2000, "{seeds} seeds are too few");
     // Otherwise nothing was tried.
-    assert!(u64::from(receipts) > seeds && renewed > 0);
+    assert!(receipts > seeds && renewed > 0);
 }
 
 #[test]

@@ -189,11 +189,19 @@ impl OutboxModel {
 
     /// A sculpture goes on under another id.
     pub fn renew(&mut self, old: SculptureId, new: SculptureId, hash: ContentHash) -> bool {
-        let is_given_up = self.is_given_up(new);
         let Some(sculpture) = self.at(old).filter(|old| old.waits()).cloned() else { return false };
-        if is_given_up || old == new {
+        if old == new {
             return false;
         }
+        let is_later = |other: &ModelSculpture| {
+            other.replaced == Some(new) && (other.is_parcel_here || other.signed.is_some())
+        };
+        if self.sculptures.iter().any(is_later) {
+            self.delete(old);
+            return true;
+        }
+        let lost = self.sculptures.iter_mut().filter(|other| other.replaced == Some(new));
+        lost.for_each(|other| other.replaced = None);
         let (_, bytes) = sculpture.parcel.expect("it waits");
         if self.at(new).is_some() {
             self.keep(new, sculpture.badge, hash, bytes);

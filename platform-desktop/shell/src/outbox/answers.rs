@@ -70,7 +70,8 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
         let Some(parcel) = parcel.filter(|parcel| parcel.hash() == request.hash) else { return };
         let Ok(renewed) = parcel.renew() else { return };
         let (old, new) = (request.id, renewed.facts().id);
-        let is_here = self.outbox.find(new).is_some_and(|entry| entry.state.has_parcel());
+        let successor = self.outbox.find(new).or(self.outbox.successor_of(new));
+        let is_here = successor.is_some_and(|entry| entry.state.has_parcel());
         if !is_here && self.folder.write(&parcel_name(new), &renewed.to_file()).is_err() {
             return;
         }

@@ -24,3 +24,6 @@ pub use events::{OutboxError, OutboxEvent, OutboxHost};
 pub use folder::{DiskFolder, OutboxFolder};
 pub use link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
 pub use parcel::{Parcel, ParcelFault};
+
+#[cfg(test)]
+mod tests;
