@@ -80,8 +80,10 @@ impl SimDisk {
     pub fn rot(&mut self) -> Option<String> {
         let at = self.dice.below(self.files.len().max(1) as u64) as usize;
         let (name, bytes) = self.files.iter_mut().nth(at)?;
-        let at = self.dice.below(bytes.len() as u64) as usize;
-        bytes[at] ^= 1 << self.dice.below(8);
+        let (at, bit) = (self.dice.below(bytes.len().max(1) as u64), self.dice.below(8));
+        if let Some(byte) = bytes.get_mut(at as usize) {
+            *byte ^= 1 << bit;
+        }
         Some(name.clone())
     }
 
