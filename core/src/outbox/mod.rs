@@ -46,6 +46,7 @@ mod heartbeats;
 mod journal;
 mod machine;
 pub mod messages;
+mod renewal;
 mod uploads;
 
 pub use entry::{EntryEvent, EntryState, OutboxEntry};
