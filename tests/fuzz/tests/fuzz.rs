@@ -35,7 +35,9 @@ macro_rules! targets {
     };
 }
 
-targets! { obj stl ply gltf rmap trace input settings manifest save lease last_use step }
+targets! {
+    obj stl ply gltf rmap trace input settings manifest save lease message journal parcel last_use step
+}
 
 /// A target that fails on numbers above 200 behind a word.
 const FAULTY: FuzzTarget = FuzzTarget {

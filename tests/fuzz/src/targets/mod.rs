@@ -4,6 +4,7 @@ mod files;
 mod leases;
 mod manifests;
 mod meshes;
+mod outbox;
 mod saves;
 mod settings;
 mod steps;
@@ -12,7 +13,7 @@ mod visits;
 use crate::engine::FuzzTarget;
 
 /// All targets.
-pub const ALL: [FuzzTarget; 13] = [
+pub const ALL: [FuzzTarget; 16] = [
     meshes::OBJ,
     meshes::STL,
     meshes::PLY,
@@ -24,6 +25,9 @@ pub const ALL: [FuzzTarget; 13] = [
     manifests::MANIFEST,
     saves::SAVE,
     leases::LEASE,
+    outbox::MESSAGE,
+    outbox::JOURNAL,
+    outbox::PARCEL,
     visits::LAST_USE,
     steps::STEP,
 ];
