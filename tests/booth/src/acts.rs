@@ -1,11 +1,11 @@
 //! What visitors, staff, thieves and misfortune do.
 
-use paros_core::outbox::messages::{CommandKind, SculptureId};
+use paros_core::outbox::messages::{CommandKind, SculptureId, UploadFacts};
 use paros_shell::outbox::{BoothRequest, Parcel};
 
 use crate::exhibition::{Exhibition, THIEF};
 use crate::network::Weather;
-use crate::truth::{Asked, Made, facts_of};
+use crate::truth::{Asked, Made, facts_of, number_of_facts};
 
 impl Exhibition {
     /// Something happens.
@@ -120,10 +120,16 @@ impl Exhibition {
     }
 
     fn rot(&mut self, h: usize) {
-        let Some(name) = self.headsets[h].disk.borrow_mut().rot() else { return };
-        let id = name.strip_suffix(".parcel").and_then(SculptureId::parse_hex);
-        if let Some(made) = id.and_then(|id| self.truth.find(id)) {
-            made.is_excused = true;
+        let names = self.headsets[h].list_files();
+        if names.is_empty() {
+            return;
+        }
+        let name = &names[self.dice.below(names.len() as u64) as usize];
+        // Its headset may have given it an id of which nobody heard.
+        let number = self.headsets[h].number_in_file(name);
+        self.headsets[h].disk.borrow_mut().rot(name);
+        if let Some(number) = number {
+            self.truth.made[number].is_excused = true;
         }
         self.note(&format!("headset {h}: {name} rots"));
     }
@@ -155,9 +161,12 @@ impl Exhibition {
         let at = self.dice.below(sculptures.len() as u64) as usize;
         let id = SculptureId(sculptures[at].id);
         let now = self.booth_time();
+        // Where the booth's disk fails it may be deleted all the same.
         let _ = self.booth.booth.delete(&id, "staff", now);
-        if let Some(made) = self.truth.find(id) {
-            made.was_deleted = true;
+        let (_, tombstones) = self.booth.list_all();
+        if tombstones.iter().any(|tombstone| tombstone.id == id.0) {
+            let facts = UploadFacts::from_bytes(&sculptures[at].facts).expect("checked facts");
+            self.truth.made[number_of_facts(&facts)].was_deleted = true;
         }
         self.note(&format!("the staff deletes {id}"));
     }

@@ -16,8 +16,6 @@ struct Kept {
     numbers: BTreeSet<usize>,
     /// Ids of those that are kept or were deleted.
     settled: BTreeSet<SculptureId>,
-    /// Ids of those that were deleted.
-    deleted: BTreeSet<SculptureId>,
 }
 
 /// Checks all invariants.
@@ -28,10 +26,9 @@ pub fn check(exhibition: &Exhibition) {
     let kept = check_booth(exhibition);
     let here = list_here(exhibition);
     for (number, made) in exhibition.truth.made.iter().enumerate() {
-        let is_at_booth = kept.numbers.contains(&number) || kept.deleted.contains(&made.id);
+        let is_at_booth = kept.numbers.contains(&number) || made.was_deleted;
         if made.was_signed {
-            let is_deleted = made.was_deleted || kept.deleted.contains(&made.id);
-            assert!(is_at_booth || is_deleted, "{number}: what was signed for is lost: {made:?}");
+            assert!(is_at_booth, "{number}: what was signed for is lost: {made:?}");
         } else if made.was_kept_here && !made.is_excused && !is_at_booth {
             assert!(
                 here[made.headset].contains(&number),
@@ -55,19 +52,14 @@ fn list_here(exhibition: &Exhibition) -> Vec<BTreeSet<usize>> {
 fn check_booth(exhibition: &Exhibition) -> Kept {
     let (sculptures, tombstones) = exhibition.booth.list_all();
     let mut badges = BTreeMap::new();
-    let mut kept = Kept {
-        numbers: BTreeSet::new(),
-        settled: BTreeSet::new(),
-        deleted: tombstones.iter().map(|tombstone| SculptureId(tombstone.id)).collect(),
-    };
-    kept.settled.extend(&kept.deleted);
+    let mut kept = Kept { numbers: BTreeSet::new(), settled: BTreeSet::new() };
+    kept.settled.extend(tombstones.iter().map(|tombstone| SculptureId(tombstone.id)));
     for sculpture in &sculptures {
         let id = SculptureId(sculpture.id);
         let facts = UploadFacts::from_bytes(&sculpture.facts).expect("facts that were checked");
         let number = number_of_facts(&facts);
         assert!(kept.numbers.insert(number), "{number}: it is stored twice, as {id} too");
-        assert!(!kept.deleted.contains(&id), "{id}: it is kept and deleted");
-        kept.settled.insert(id);
+        assert!(kept.settled.insert(id), "{id}: it is kept and deleted");
         let bytes = exhibition.booth.booth.read_kept(sculpture);
         assert!(bytes.is_ok_and(|bytes| bytes.starts_with(&sculpture.facts)), "{id}: no file");
         let badge = sculpture.badge.and_then(BadgeNumber::new);
@@ -93,12 +85,12 @@ pub fn check_settled(exhibition: &Exhibition) {
         if !made.was_kept_here || made.is_excused {
             continue;
         }
-        let is_at_booth = kept.numbers.contains(&number) || kept.deleted.contains(&made.id);
+        let is_at_booth = kept.numbers.contains(&number) || made.was_deleted;
         if made.is_poison {
             let is_here = here[made.headset].contains(&number);
             assert!(is_here && !is_at_booth, "{number}: refused, and not here: {made:?}");
         } else {
-            assert!(is_at_booth || made.was_deleted, "{number}: it never came: {made:?}");
+            assert!(is_at_booth, "{number}: it never came: {made:?}");
         }
     }
 }

@@ -76,25 +76,18 @@ impl SimDisk {
         self.unsynced.clear();
     }
 
-    /// Changes a bit of a file. Returns its name.
-    pub fn rot(&mut self) -> Option<String> {
-        let at = self.dice.below(self.files.len().max(1) as u64) as usize;
-        let (name, bytes) = self.files.iter_mut().nth(at)?;
+    /// Changes a bit of a file.
+    pub fn rot(&mut self, name: &str) {
+        let Some(bytes) = self.files.get_mut(name) else { return };
         let (at, bit) = (self.dice.below(bytes.len().max(1) as u64), self.dice.below(8));
         if let Some(byte) = bytes.get_mut(at as usize) {
             *byte ^= 1 << bit;
         }
-        Some(name.clone())
     }
 
     /// The bytes of a file.
     pub fn peek(&self, name: &str) -> Option<&[u8]> {
         self.files.get(name).map(Vec::as_slice)
-    }
-
-    /// All files, by name.
-    pub fn files(&self) -> impl Iterator<Item = (&str, &[u8])> {
-        self.files.iter().map(|(name, bytes)| (&**name, &**bytes))
     }
 
     /// Whether the power is lost in this call.

@@ -212,7 +212,6 @@ impl Exhibition {
                 self.truth.receipts += 1;
                 if let Some(made) = self.truth.find(*id) {
                     made.was_signed = true;
-                    made.was_deleted |= matches!(event, OutboxEvent::DeletedAtBooth(_));
                 }
             }
             OutboxEvent::Renewed { old, new } => {

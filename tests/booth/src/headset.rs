@@ -187,10 +187,15 @@ impl SimHeadset {
 
     /// The numbers of sculptures whose parcels are in the folder as they should be.
     pub fn list_parcels(&self) -> BTreeSet<usize> {
+        self.list_files().iter().filter_map(|name| self.number_in_file(name)).collect()
+    }
+
+    /// The number of the sculpture in a file, where that is a parcel as it should be.
+    pub fn number_in_file(&self, name: &str) -> Option<usize> {
         let disk = self.disk.borrow();
-        let parcels = disk.files().filter(|(name, _)| name.ends_with(".parcel"));
-        let read = |(_, bytes): (&str, &[u8])| Parcel::read_file(bytes.to_vec()).ok();
-        parcels.filter_map(read).map(|parcel| number_of_facts(parcel.facts())).collect()
+        let bytes = disk.peek(name).filter(|_| name.ends_with(".parcel"))?;
+        let parcel = Parcel::read_file(bytes.to_vec()).ok()?;
+        Some(number_of_facts(parcel.facts()))
     }
 
     /// The names of its files.
