@@ -26,7 +26,7 @@ fn who_has_no_token_or_anothers_gets_nothing() {
     // Another's sculpture, before and after it is there.
     assert_eq!(thief.upload(client, &parcel).unwrap().expect_err("not its own").status, 422);
     mine.upload(client, &parcel).unwrap().expect("a receipt");
-    assert_eq!(thief.upload(client, &parcel).unwrap().expect_err("not its own").status, 403);
+    assert_eq!(thief.upload(client, &parcel).unwrap().expect_err("not its own").status, 409);
     let asked = FleetEnrolment {
         enrolment_token: EnrolmentToken([5; 32]),
         token_hash: ContentHash([5; 32]),
