@@ -77,6 +77,7 @@ impl DiskFiles {
         let part = match name.part {
             KeptPart::Sculpture => "sculpture",
             KeptPart::Trace => "trace",
+            KeptPart::Picture => "png",
         };
         self.kept.join(format!("{}-{}.{part}", name.id, name.hash))
     }

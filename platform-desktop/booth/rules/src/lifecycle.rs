@@ -1,5 +1,6 @@
 //! What becomes of sculptures: withdrawn, brought back, kept for longer, deleted by hand or by age.
 
+use std::io::ErrorKind;
 use std::time::Duration;
 
 use paros_core::outbox::messages::{ContentHash, SculptureId};
@@ -154,6 +155,33 @@ impl Booth {
         Ok(self.files.read_kept(&name)?)
     }
 
+    /// Keeps a picture of a sculpture; nothing where it was deleted meanwhile.
+    ///
+    /// # Errors
+    /// Those of store and disk.
+    pub fn keep_picture(&self, sculpture: &Sculpture, png: &[u8]) -> Result<(), Refusal> {
+        let name = kept_name(&sculpture.id, &sculpture.hash, KeptPart::Picture);
+        self.files.keep(&name, png)?;
+        let key = [sculpture.id.to_value()];
+        if self.view(|tx| tx.get::<Sculpture>(&key))?.is_none() {
+            self.files.remove_kept(&name)?;
+        }
+        Ok(())
+    }
+
+    /// The picture of a sculpture, if one was drawn.
+    ///
+    /// # Errors
+    /// What the disk says.
+    pub fn read_picture(&self, sculpture: &Sculpture) -> Result<Option<Vec<u8>>, Refusal> {
+        let name = kept_name(&sculpture.id, &sculpture.hash, KeptPart::Picture);
+        match self.files.read_kept(&name) {
+            Ok(png) => Ok(Some(png)),
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(error.into()),
+        }
+    }
+
     fn set_withdrawn(
         &self,
         id: &SculptureId,
@@ -255,7 +283,7 @@ impl Booth {
         let query = Query::all::<Tombstone>().equal("has_files", &true);
         let buried: Vec<Tombstone> = self.view(|tx| tx.find(&query))?;
         for mut tombstone in buried {
-            for part in [KeptPart::Sculpture, KeptPart::Trace] {
+            for part in KeptPart::ALL {
                 self.files.remove_kept(&kept_name(&tombstone.id, &tombstone.hash, part))?;
             }
             tombstone.has_files = false;

@@ -43,3 +43,9 @@ pub const MAX_LISTED: usize = 200;
 
 /// Records that a sweep deals with in one transaction, so that requests find a gap between two.
 pub const SWEEP_BATCH: usize = 64;
+
+/// How long a login lasts that is used: a day at the booth.
+pub const SESSION_LIFE: Duration = Duration::from_secs(14 * 3600);
+
+/// How long a login lasts that isn't used: a tablet is left on a table.
+pub const SESSION_IDLE: Duration = Duration::from_secs(2 * 3600);

@@ -37,6 +37,13 @@ pub enum KeptPart {
     Sculpture,
     /// The trace, packed as it came.
     Trace,
+    /// A picture of it, which the booth drew.
+    Picture,
+}
+
+impl KeptPart {
+    /// All of them.
+    pub const ALL: [KeptPart; 3] = [KeptPart::Sculpture, KeptPart::Trace, KeptPart::Picture];
 }
 
 /// A disk with parcels and kept files. All calls may come from several threads at once.

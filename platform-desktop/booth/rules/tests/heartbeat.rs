@@ -166,6 +166,7 @@ fn the_ledger_hears_of_sculptures_before_it_hands_numbers_out() {
         report(&mut lease, seconds(60));
         let parcel = Parcel::new(device.headset, 1, Some(number));
         rig.upload(&device, &parcel, days(20)).unwrap();
+        report(&mut lease, days(20));
         if keeps_longer {
             let last = (START.seconds() / DAY_SECONDS) as u32 + 200;
             rig.booth.keep_until(&parcel.id, last, "ana", days(20)).unwrap();

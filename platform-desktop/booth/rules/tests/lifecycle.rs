@@ -116,6 +116,23 @@ fn traces_are_kept_for_fourteen_days() {
 }
 
 #[test]
+fn a_picture_goes_with_its_sculpture() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let parcel = Parcel::new(device.headset, 1, None);
+    rig.upload(&device, &parcel, START).unwrap();
+    let sculpture = rig.booth.find_sculpture(&parcel.id, START).unwrap();
+    assert_eq!(rig.booth.read_picture(&sculpture).unwrap(), None);
+    rig.booth.keep_picture(&sculpture, b"png").unwrap();
+    assert_eq!(rig.booth.read_picture(&sculpture).unwrap().as_deref(), Some(&b"png"[..]));
+    rig.booth.delete(&parcel.id, "ana", START).unwrap();
+    assert_eq!(kept_parts(&rig), []);
+    // It was drawn while the sculpture was deleted.
+    rig.booth.keep_picture(&sculpture, b"png").unwrap();
+    assert_eq!(kept_parts(&rig), []);
+}
+
+#[test]
 fn announcements_are_forgotten_when_nobody_waits_any_more() {
     let rig = Rig::with_plan(BoothPlan { horizon_days: 50, ..BoothPlan::default() });
     let device = rig.enrol(1);

@@ -1,0 +1,237 @@
+//! Who works at the booth: accounts, and the browsers in which they are logged in. Passwords are hashed by the shell.
+
+use std::time::Duration;
+
+use subtle::ConstantTimeEq as _;
+
+use crate::audit::{Subject, note};
+use crate::booth::{Booth, Tx, hash_of};
+use crate::limits::{SESSION_IDLE, SESSION_LIFE};
+use crate::records::{Account, StaffRole, StaffSession};
+use crate::refusal::Refusal;
+use crate::store::{Query, StoreError};
+use crate::time::BoothTime;
+use crate::value::Field as _;
+
+/// How much a session's last use may be behind: more often it isn't written down.
+const USE_STEP: Duration = Duration::from_secs(60);
+
+/// Random bits of a login: the cookie's, and what its forms bring.
+#[derive(Clone, Copy)]
+pub struct SessionBits {
+    /// The cookie. The booth keeps its SHA-256.
+    pub cookie: [u8; 32],
+    /// In each form, so that no other page can send it.
+    pub form_token: [u8; 16],
+}
+
+/// Somebody who is logged in.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct LoggedIn {
+    /// Who.
+    pub account: String,
+    /// What they may do.
+    pub role: StaffRole,
+    /// What each form has to bring.
+    pub form_token: [u8; 16],
+}
+
+impl LoggedIn {
+    /// Checks that a form is one of this session's.
+    ///
+    /// # Errors
+    /// [`Refusal::Forbidden`] where it isn't.
+    pub fn check_form(&self, form_token: &[u8; 16]) -> Result<(), Refusal> {
+        let is_ours = bool::from(self.form_token.ct_eq(form_token));
+        if is_ours { Ok(()) } else { Err(Refusal::Forbidden("the form is of another login")) }
+    }
+
+    /// Checks that somebody is an admin.
+    ///
+    /// # Errors
+    /// [`Refusal::Forbidden`] where they aren't.
+    pub fn check_admin(&self) -> Result<(), Refusal> {
+        match self.role {
+            StaffRole::Admin => Ok(()),
+            StaffRole::Attendant => Err(Refusal::Forbidden("only an admin may do this")),
+        }
+    }
+}
+
+impl Booth {
+    /// Whether anybody has an account.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn has_accounts(&self) -> Result<bool, Refusal> {
+        Ok(self.count(&Query::all::<Account>())? > 0)
+    }
+
+    /// Makes the first account, an admin's. The shell has checked the code that it printed.
+    ///
+    /// # Errors
+    /// [`Refusal::Conflict`] where there is one, or for a bad name.
+    pub fn add_first_admin(
+        &self,
+        name: &str,
+        password_hash: &str,
+        now: BoothTime,
+    ) -> Result<(), Refusal> {
+        let account = make_account(name, password_hash, StaffRole::Admin)?;
+        self.update(|tx| {
+            if tx.count_rows(&Query::all::<Account>())? > 0 {
+                return Err(Refusal::Conflict("there is an account"));
+            }
+            tx.put(&account)?;
+            Ok(note(tx, now, Some(name), "first account", Subject::default())?)
+        })
+    }
+
+    /// Makes an account.
+    ///
+    /// # Errors
+    /// [`Refusal::Conflict`] where the name is taken, or for a bad name.
+    pub fn add_account(
+        &self,
+        name: &str,
+        password_hash: &str,
+        role: StaffRole,
+        by: &str,
+        now: BoothTime,
+    ) -> Result<(), Refusal> {
+        let account = make_account(name, password_hash, role)?;
+        self.update(|tx| {
+            if tx.get::<Account>(&[account.name.to_value()])?.is_some() {
+                return Err(Refusal::Conflict("the name is taken"));
+            }
+            tx.put(&account)?;
+            Ok(note(tx, now, Some(by), "add account", Subject::default())?)
+        })
+    }
+
+    /// Shuts an account out, or lets it in again. The last admin stays.
+    ///
+    /// # Errors
+    /// [`Refusal::NotFound`], or [`Refusal::Conflict`] for the last admin.
+    pub fn set_account_disabled(
+        &self,
+        name: &str,
+        is_disabled: bool,
+        by: &str,
+        now: BoothTime,
+    ) -> Result<(), Refusal> {
+        self.update(|tx| {
+            let account: Option<Account> = tx.get(&[name.to_owned().to_value()])?;
+            let mut account = account.ok_or(Refusal::NotFound("no such account"))?;
+            account.is_disabled = is_disabled;
+            tx.put(&account)?;
+            let admins = Query::all::<Account>()
+                .equal("role", &StaffRole::Admin)
+                .equal("is_disabled", &false);
+            if tx.count_rows(&admins)? == 0 {
+                return Err(Refusal::Conflict("somebody has to be an admin"));
+            }
+            for session in sessions_of(tx, name)? {
+                tx.remove::<StaffSession>(&[session.token_hash.to_value()])?;
+            }
+            let action = if is_disabled { "disable account" } else { "enable account" };
+            Ok(note(tx, now, Some(by), action, Subject::default())?)
+        })
+    }
+
+    /// All accounts.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn list_accounts(&self) -> Result<Vec<Account>, Refusal> {
+        self.view(|tx| tx.find(&Query::all::<Account>()))
+    }
+
+    /// The hash of an account's password; `None` where there is none, or it is shut out.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn password_hash(&self, name: &str) -> Result<Option<String>, Refusal> {
+        let account: Option<Account> = self.view(|tx| tx.get(&[name.to_owned().to_value()]))?;
+        Ok(account.filter(|account| !account.is_disabled).map(|account| account.password_hash))
+    }
+
+    /// Logs somebody in whose password was right.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn log_in(&self, name: &str, bits: &SessionBits, now: BoothTime) -> Result<(), Refusal> {
+        self.update(|tx| {
+            for session in sessions_of(tx, name)? {
+                if is_over(&session, now) {
+                    tx.remove::<StaffSession>(&[session.token_hash.to_value()])?;
+                }
+            }
+            tx.put(&StaffSession {
+                token_hash: hash_of(&bits.cookie).0,
+                account: name.to_owned(),
+                form_token: bits.form_token,
+                used_at: now,
+                expires_at: now.after(SESSION_LIFE),
+            })?;
+            Ok(note(tx, now, Some(name), "log in", Subject::default())?)
+        })
+    }
+
+    /// Who is logged in with a cookie.
+    ///
+    /// # Errors
+    /// [`Refusal::UnknownToken`] where nobody is, or not any more.
+    pub fn find_login(&self, cookie: &[u8; 32], now: BoothTime) -> Result<LoggedIn, Refusal> {
+        let key = [hash_of(cookie).0.to_value()];
+        let (session, account) = self.view(|tx| {
+            let session: Option<StaffSession> = tx.get(&key)?;
+            let account: Option<Account> = match &session {
+                Some(session) => tx.get(&[session.account.to_value()])?,
+                None => None,
+            };
+            Ok((session, account))
+        })?;
+        let session = session.filter(|session| !is_over(session, now));
+        let account = account.filter(|account| !account.is_disabled);
+        let (Some(session), Some(account)) = (session, account) else {
+            return Err(Refusal::UnknownToken);
+        };
+        if now.since(session.used_at) >= USE_STEP {
+            self.update(|tx| {
+                let Some(mut session) = tx.get::<StaffSession>(&key)? else { return Ok(()) };
+                session.used_at = now;
+                Ok(tx.put(&session)?)
+            })?;
+        }
+        let form_token = session.form_token;
+        Ok(LoggedIn { account: account.name, role: account.role, form_token })
+    }
+
+    /// Ends a login.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn log_out(&self, cookie: &[u8; 32]) -> Result<(), Refusal> {
+        let key = [hash_of(cookie).0.to_value()];
+        self.update(|tx| Ok(tx.remove::<StaffSession>(&key)?))
+    }
+}
+
+fn make_account(name: &str, password_hash: &str, role: StaffRole) -> Result<Account, Refusal> {
+    let is_plain = name.chars().all(|letter| letter.is_alphanumeric() || "._-".contains(letter));
+    if name.is_empty() || name.len() > 64 || !is_plain {
+        let expected = "a name of letters, digits, dots and dashes";
+        return Err(Refusal::BadRequest(format!("expected {expected}")));
+    }
+    let (name, password_hash) = (name.to_owned(), password_hash.to_owned());
+    Ok(Account { name, password_hash, role, is_disabled: false })
+}
+
+fn sessions_of(tx: &mut Tx<'_>, name: &str) -> Result<Vec<StaffSession>, StoreError> {
+    tx.find(&Query::all::<StaffSession>().equal("account", &name.to_owned()))
+}
+
+fn is_over(session: &StaffSession, now: BoothTime) -> bool {
+    now >= session.expires_at || now.since(session.used_at) >= SESSION_IDLE
+}

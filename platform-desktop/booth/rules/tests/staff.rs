@@ -1,0 +1,74 @@
+//! Who may do what at the booth.
+
+mod common;
+
+use std::time::Duration;
+
+use common::*;
+use paros_booth_rules::limits::{SESSION_IDLE, SESSION_LIFE};
+use paros_booth_rules::records::StaffRole;
+use paros_booth_rules::{BoothTime, SessionBits};
+
+const fn bits(byte: u8) -> SessionBits {
+    SessionBits { cookie: [byte; 32], form_token: [byte + 1; 16] }
+}
+
+#[test]
+fn the_first_account_is_an_admins_and_there_is_one_first() {
+    let Rig { booth, .. } = Rig::new();
+    assert!(!booth.has_accounts().unwrap());
+    booth.add_first_admin("ana", "hash", START).unwrap();
+    assert!(booth.has_accounts().unwrap());
+    assert_eq!(status(booth.add_first_admin("eve", "hash", START)), 409);
+    assert_eq!(booth.list_accounts().unwrap()[0].role, StaffRole::Admin);
+    booth.add_account("bob", "hash", StaffRole::Attendant, "ana", START).unwrap();
+    assert_eq!(status(booth.add_account("bob", "x", StaffRole::Admin, "ana", START)), 409);
+    for name in ["", "a b", "<b>", "a\nb", &"x".repeat(65)] {
+        let added = booth.add_account(name, "x", StaffRole::Attendant, "ana", START);
+        assert_eq!(status(added), 400, "{name}");
+    }
+}
+
+#[test]
+fn a_login_lasts_while_it_is_used_and_no_longer_than_a_day() {
+    let Rig { booth, .. } = Rig::new();
+    booth.add_first_admin("ana", "hash", START).unwrap();
+    booth.log_in("ana", &bits(1), START).unwrap();
+    let find = |now: BoothTime| booth.find_login(&bits(1).cookie, now);
+    let found = find(START).unwrap();
+    assert_eq!((found.account.as_str(), found.role), ("ana", StaffRole::Admin));
+    found.check_form(&[2; 16]).expect("its own form");
+    assert_eq!(status(found.check_form(&[3; 16])), 403);
+    assert_eq!(status(booth.find_login(&[9; 32], START)), 401);
+    let idle = START.after(SESSION_IDLE);
+    assert_eq!(status(find(idle)), 401);
+    // Used in between, it goes on; to the end of its life.
+    let mut now = START;
+    while now < START.after(SESSION_LIFE) {
+        find(now).expect("it is used");
+        now = now.after(SESSION_IDLE / 2);
+    }
+    assert_eq!(status(find(START.after(SESSION_LIFE))), 401);
+    assert_eq!(status(find(now.after(Duration::from_secs(1)))), 401);
+}
+
+#[test]
+fn who_is_shut_out_is_out_at_once_and_an_admin_is_left() {
+    let Rig { booth, .. } = Rig::new();
+    booth.add_first_admin("ana", "hash", START).unwrap();
+    booth.add_account("bob", "hash of bob", StaffRole::Attendant, "ana", START).unwrap();
+    booth.log_in("bob", &bits(1), START).unwrap();
+    let bob = booth.find_login(&bits(1).cookie, START).unwrap();
+    assert_eq!(status(bob.check_admin()), 403);
+    assert_eq!(booth.password_hash("bob").unwrap().as_deref(), Some("hash of bob"));
+    booth.set_account_disabled("bob", true, "ana", START).unwrap();
+    assert_eq!(status(booth.find_login(&bits(1).cookie, START)), 401);
+    assert_eq!(booth.password_hash("bob").unwrap(), None);
+    assert_eq!(booth.password_hash("eve").unwrap(), None);
+    assert_eq!(status(booth.set_account_disabled("ana", true, "ana", START)), 409);
+    booth.set_account_disabled("bob", false, "ana", START).unwrap();
+    assert_eq!(status(booth.find_login(&bits(1).cookie, START)), 401, "the login is over");
+    booth.log_in("bob", &bits(1), START).unwrap();
+    booth.log_out(&bits(1).cookie).unwrap();
+    assert_eq!(status(booth.find_login(&bits(1).cookie, START)), 401);
+}
