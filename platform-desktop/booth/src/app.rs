@@ -15,6 +15,7 @@ use crate::metrics::Metrics;
 use crate::places::Places;
 use crate::rate::RateLimiter;
 use crate::sqlite_store::SqliteStore;
+use crate::staff::LoginGate;
 
 /// Requests that are at the store or the disk at once: more only wait there, each with its memory.
 const MAX_WORK: usize = 8;
@@ -40,6 +41,7 @@ pub(crate) struct App {
     pub metrics: Metrics,
     /// Tells the exporter of work.
     pub export_waker: ExportWaker,
+    pub(crate) logins: LoginGate,
     pub(crate) of_device: RateLimiter<u32>,
     pub(crate) of_stranger: RateLimiter<IpAddr>,
     pub(crate) pieces: Arc<Semaphore>,
@@ -78,12 +80,18 @@ impl OpenBooth {
 impl App {
     /// Of a booth.
     #[must_use]
-    pub(crate) fn new(booth: Booth, files: Arc<DiskFiles>, export_waker: ExportWaker) -> Self {
+    pub(crate) fn new(
+        booth: Booth,
+        files: Arc<DiskFiles>,
+        export_waker: ExportWaker,
+        logins: LoginGate,
+    ) -> Self {
         App {
             booth,
             files,
             metrics: Metrics::default(),
             export_waker,
+            logins,
             // A mesh of 5 MB comes in 20 pieces.
             of_device: RateLimiter::new(200, 50.0),
             // A wall of headsets that enrol at once, behind one address.

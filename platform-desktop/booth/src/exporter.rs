@@ -20,6 +20,7 @@ use tracing::{info, warn};
 
 use crate::mesh_check::{MeshCheck, MeshReport};
 use crate::parcel_decode::{check_mesh, unpack_volume};
+use crate::picture::draw_volume;
 
 /// How long a mesh may take: a hundred times what one at 256 does.
 const MAX_EXPORT_TIME: Duration = Duration::from_secs(60);
@@ -127,6 +128,9 @@ fn compare(booth: &Booth, sculpture: &Sculpture) -> Result<(), Refusal> {
             ExportState::Failed
         }
     };
+    if let Some(png) = draw_kept(&kept) {
+        booth.keep_picture(sculpture, &png)?;
+    }
     let millis = started.elapsed().as_millis() as u64;
     info!(%id, ?state, millis, "mesh compared");
     booth.note_export(&id, state)
@@ -148,6 +152,32 @@ fn check_kept(kept: &[u8]) -> Result<(UploadFacts, MeshReport), String> {
         }
     };
     Ok((facts, report))
+}
+
+/// A picture of a kept volume. A mesh has none.
+fn draw_kept(kept: &[u8]) -> Option<Vec<u8>> {
+    let (head, packed) = kept.split_at_checked(UploadFacts::BYTES)?;
+    let facts = UploadFacts::from_bytes(head).ok()?;
+    if facts.kind != ParcelKind::Volume {
+        return None;
+    }
+    let drawn = unpack_volume(&facts, packed).and_then(|volume| draw_volume(&volume));
+    drawn.map_err(|error| warn!(id = %facts.id, error, "no picture")).ok()
+}
+
+/// The STL of a kept sculpture: the one that came, or that of its volume.
+///
+/// # Errors
+/// What is wrong with it.
+pub(crate) fn make_stl(kept: &[u8]) -> Result<Vec<u8>, String> {
+    let (head, packed) = kept.split_at_checked(UploadFacts::BYTES).ok_or("it has no head")?;
+    let facts = UploadFacts::from_bytes(head).map_err(|bad| format!("byte {}", bad.offset))?;
+    // A mesh's length is bounded by its head as well.
+    let first = unpack_volume(&facts, packed)?;
+    match facts.kind {
+        ParcelKind::Mesh => Ok(first),
+        ParcelKind::Volume => export_volume(&facts, &first),
+    }
 }
 
 fn export_volume(facts: &UploadFacts, bytes: &[u8]) -> Result<Vec<u8>, String> {

@@ -14,6 +14,7 @@ mod metrics;
 mod migrations;
 mod options;
 mod parcel_decode;
+mod picture;
 mod places;
 mod random;
 mod rate;
@@ -21,6 +22,7 @@ mod routes;
 mod run;
 mod server;
 mod sqlite_store;
+mod staff;
 
 pub use disk_files::DiskFiles;
 pub use error::Error;

@@ -24,6 +24,7 @@ use crate::app::App;
 use crate::clock::booth_time;
 use crate::parcel_decode::check_parcel;
 use crate::random::random_bytes;
+use crate::staff;
 
 /// How long a request may take, from its head to its answer: a piece of a parcel over a slow radio.
 const REQUEST_TIMEOUT: Duration = Duration::from_secs(30);
@@ -42,16 +43,17 @@ pub(crate) fn router(app: &Arc<App>) -> Router {
     let of_headsets = Router::new()
         .route("/v1/sculptures/{id}", put(put_parcel))
         .route("/v1/heartbeat", post(take_heartbeat))
-        .layer(from_fn_with_state(app.clone(), authenticate));
+        .route_layer(from_fn_with_state(app.clone(), authenticate));
     let of_strangers = Router::new()
         .route("/v1/enrol/fleet", post(enrol_fleet))
         .route("/v1/enrol/commit", post(commit_enrolment))
         .route("/v1/enrol/reveal", post(reveal_enrolment))
         .route("/v1/enrol/poll", post(poll_enrolment))
-        .layer(from_fn_with_state(app.clone(), limit_stranger));
+        .route_layer(from_fn_with_state(app.clone(), limit_stranger));
     Router::new()
         .merge(of_headsets)
         .merge(of_strangers)
+        .merge(staff::router(app))
         .route("/healthz", get(tell_health))
         .route("/metrics", get(tell_metrics))
         .layer(DefaultBodyLimit::max(MAX_CHUNK_BYTES))

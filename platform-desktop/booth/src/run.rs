@@ -18,7 +18,9 @@ use crate::error::Error;
 use crate::exporter::ExportWorker;
 use crate::keys::{local_names, primary_address};
 use crate::options::ServeOptions;
+use crate::random::random_bytes;
 use crate::server::serve;
+use crate::staff::LoginGate;
 
 /// How often what is past its time is deleted.
 const SWEEP_EVERY: Duration = Duration::from_secs(300);
@@ -35,7 +37,9 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     let names = local_names(options.listen.ip(), &options.name);
     let tls = TlsAcceptor::from(Arc::new(open.keys.tls_config(&names)?));
     let worker = ExportWorker::start(open.booth.clone());
-    let app = Arc::new(App::new(open.booth, open.files, worker.waker()));
+    let first_code = draw_first_code(&open)?;
+    let logins = LoginGate::new(first_code.clone());
+    let app = Arc::new(App::new(open.booth, open.files, worker.waker(), logins));
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()
         .max_blocking_threads(WORK_THREADS)
@@ -47,7 +51,7 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
         let listener = listener.map_err(|error| Error::failure(options.listen, error))?;
         let listen = listener.local_addr().map_err(|error| Error::failure("socket", error))?;
         let end = end_of_program()?;
-        tell_address(listen, &fingerprint.to_string());
+        tell_address(listen, &fingerprint.to_string(), first_code.as_deref());
         tokio::spawn(sweep_now_and_then(app.clone()));
         serve(app.clone(), listener, tls, end).await;
         Ok(())
@@ -61,13 +65,27 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
 }
 
 /// Tells on standard output where the booth is, once it can be reached.
-fn tell_address(listen: SocketAddr, fingerprint: &str) {
+fn tell_address(listen: SocketAddr, fingerprint: &str, first_code: Option<&str>) {
     let ip = if listen.ip().is_unspecified() { primary_address() } else { Some(listen.ip()) };
     let ip = ip.unwrap_or(IpAddr::from([127, 0, 0, 1]));
     let address = format!("https://{}", SocketAddr::new(ip, listen.port()));
     info!(address, fingerprint, "listening");
     // Standard output may be closed.
     let _ = writeln!(io::stdout(), "{address}\ncertificate authority, SHA-256: {fingerprint}");
+    if let Some(code) = first_code {
+        let _ = writeln!(io::stdout(), "first account: {address}/staff/first with the code {code}");
+    }
+}
+
+/// The code that the first account has to bring, as long as there is none. It isn't logged.
+fn draw_first_code(open: &OpenBooth) -> Result<Option<String>, Error> {
+    if open.booth.has_accounts()? {
+        return Ok(None);
+    }
+    let bits = random_bytes::<6>().map_err(|error| Error::failure("random bits", error))?;
+    let pairs: Vec<String> =
+        bits.chunks(2).map(|two| format!("{:02x}{:02x}", two[0], two[1])).collect();
+    Ok(Some(pairs.join("-")))
 }
 
 /// Is there once the program is told to end.

@@ -4,7 +4,7 @@ use paros_core::outbox::messages::CommandKind;
 
 use crate::audit::{Subject, note};
 use crate::booth::Booth;
-use crate::heartbeat::status_of;
+use crate::heartbeat::device_status;
 use crate::limits::{COMMAND_LIFE, MAX_WAITING_COMMANDS};
 use crate::records::{Command, CommandState, Device};
 use crate::refusal::Refusal;
@@ -28,7 +28,8 @@ impl Booth {
         self.update(|tx| {
             let device: Option<Device> = tx.get(&[headset.to_value()])?;
             let device = device.ok_or(Refusal::NotFound("no headset of this number"))?;
-            let status = status_of(&device)?.ok_or(Refusal::Conflict("the headset never came"))?;
+            let status =
+                device_status(&device)?.ok_or(Refusal::Conflict("the headset never came"))?;
             if kind.is_for_visit() && status.session_id == 0 {
                 return Err(Refusal::Conflict("nobody wears the headset"));
             }

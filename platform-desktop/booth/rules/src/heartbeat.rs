@@ -88,7 +88,7 @@ impl HeartbeatPlan {
 ///
 /// # Errors
 /// That it is none, which the booth never wrote.
-pub(crate) fn status_of(device: &Device) -> Result<Option<Heartbeat>, StoreError> {
+pub fn device_status(device: &Device) -> Result<Option<Heartbeat>, StoreError> {
     if device.status.is_empty() {
         return Ok(None);
     }
@@ -126,7 +126,7 @@ fn plan_status(
         announcements: Announcements::new(),
         ..beat.clone()
     };
-    let last = status_of(&device)?;
+    let last = device_status(&device)?;
     // Seconds go by without news.
     let is_same = last.as_ref().is_some_and(|last| {
         Heartbeat { worn_seconds: status.worn_seconds, ..last.clone() } == status

@@ -38,6 +38,7 @@ pub use booth::{Booth, BoothPlan, SiteKeys, hash_of};
 pub use check_store::check_store;
 pub use enrol::{AttemptView, EnrolBits};
 pub use find::{BadgeMatches, FoundByBadge, MissingSculpture};
+pub use heartbeat::device_status;
 pub use lifecycle::SweepReport;
 pub use links::LinkToken;
 pub use memory_store::MemoryStore;

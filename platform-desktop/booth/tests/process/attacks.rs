@@ -79,9 +79,9 @@ fn what_is_too_large_or_no_sculpture_is_refused() {
     for raw in [parcel.facts.volume_raw_bytes, MAX_PARCEL_VOLUME_BYTES] {
         let facts =
             UploadFacts { volume_bytes: bomb.len() as u32, volume_raw_bytes: raw, ..parcel.facts };
-        let before = booth.memory();
+        let before = booth.peak_memory();
         assert!(refused(&Parcel::of_packed(facts, &bomb, &[])).contains("unpacked"));
-        assert!(booth.memory() < before + (16 << 20));
+        assert!(booth.peak_memory() < before + (16 << 20));
     }
     let zeros = Parcel::pack(parcel.facts, &vec![0; parcel.facts.volume_raw_bytes as usize], &[]);
     assert!(refused(&zeros).contains("RMAP"));

@@ -4,4 +4,5 @@ mod attacks;
 mod enrolment;
 mod kills;
 mod rig;
+mod staff;
 mod uploads;

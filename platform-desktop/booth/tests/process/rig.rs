@@ -67,7 +67,13 @@ impl BoothFolder {
         let ca = fs::read(self.path().join("keys/ca.pem")).expect("it was made");
         let ca = CertificateDer::from_pem_slice(&ca).expect("PEM");
         assert_eq!(fingerprint, hash_of(&ca).to_string());
-        BoothProcess { process, client: Client::new(address, ca) }
+        // Where there is no account yet, a line more.
+        let database = rusqlite::Connection::open(self.path().join("booth.sqlite")).unwrap();
+        let accounts: u32 =
+            database.query_row("SELECT count(*) FROM accounts", [], |row| row.get(0)).unwrap();
+        let first = (accounts == 0).then(line);
+        let first_code = first.and_then(|line| Some(line.rsplit(' ').next()?.to_owned()));
+        BoothProcess { process, first_code, client: Client::new(address, ca) }
     }
 
     /// Runs one of the program's commands.
@@ -103,6 +109,7 @@ impl BoothFolder {
 /// A running booth. It is killed when it is dropped.
 pub(crate) struct BoothProcess {
     process: Child,
+    first_code: Option<String>,
     pub(crate) client: Client,
 }
 
@@ -123,10 +130,15 @@ impl BoothProcess {
         self.process.wait().expect("it ends").code()
     }
 
-    /// Bytes of its memory that are in use.
-    pub(crate) fn memory(&self) -> u64 {
+    /// The code for the first account, if it told one.
+    pub(crate) fn first_code(&self) -> Option<String> {
+        self.first_code.clone()
+    }
+
+    /// Bytes of memory that it had in use at most so far.
+    pub(crate) fn peak_memory(&self) -> u64 {
         let status = fs::read_to_string(format!("/proc/{}/status", self.process.id())).unwrap();
-        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).expect("a line");
+        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).expect("a line");
         1024 * line.trim().trim_end_matches(" kB").parse::<u64>().expect("a number")
     }
 }
@@ -327,6 +339,31 @@ impl Headset {
         assert_eq!((id, hash), (parcel.facts.id, parcel.hash));
         assert_eq!((headset, badge), (self.number, parcel.facts.badge));
         signed
+    }
+}
+
+/// What a headset says that nobody wears.
+pub(crate) fn heartbeat(headset: u32) -> Heartbeat {
+    Heartbeat {
+        headset,
+        boot_id: 1,
+        number: 1,
+        session_id: 0,
+        is_charging: true,
+        is_worn: false,
+        is_glowing: false,
+        was_wiped: false,
+        battery_percent: Some(70),
+        heat: HeatLevel::Normal,
+        phase: paros_core::visit::VisitPhase::Welcome,
+        worn_seconds: 0,
+        outbox_depth: 1,
+        outbox_full_percent: 0,
+        app_version: [0, 1, 0],
+        core_version: 1,
+        lease: None,
+        last_command: None,
+        announcements: Announcements::new(),
     }
 }
 

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use paros_core::outbox::messages::*;
 
-use crate::rig::{BoothFolder, Client, Headset, PIECE, Parcel};
+use crate::rig::{BoothFolder, Client, Headset, PIECE, Parcel, heartbeat};
 
 /// Waits until no mesh is left to be compared.
 fn wait_for_exports(client: &Client) {
@@ -37,7 +37,9 @@ fn volumes_meshes_and_traces_are_kept_and_their_meshes_compared() {
     let log = folder.log();
     let count = |state: &str| log.matches(&format!("state={state}")).count();
     assert_eq!((count("Equal"), count("Different"), count("Failed")), (3, 1, 0), "{log}");
-    assert_eq!(folder.files("sculptures").len(), 5, "a trace beside one of them");
+    let files = folder.files("sculptures");
+    let of_kind = |end: &str| files.iter().filter(|name| name.ends_with(end)).count();
+    assert_eq!((of_kind(".sculpture"), of_kind(".trace"), of_kind(".png")), (4, 1, 3), "{files:?}");
     assert_eq!(folder.files(&format!("parcels/{}", headset.number)), [""; 0]);
 }
 
@@ -97,25 +99,9 @@ fn heartbeats_are_answered_and_counted() {
     let announced = Announcement { id, badge: None, state: AnnouncementState::Kept };
     let mut lease = paros_core::badge::BadgeLease::new(headset.number, 4);
     let beat = Heartbeat {
-        headset: headset.number,
-        boot_id: 1,
-        number: 1,
-        session_id: 0,
-        is_charging: true,
-        is_worn: false,
-        is_glowing: false,
-        was_wiped: false,
-        battery_percent: None,
-        heat: HeatLevel::Normal,
-        phase: paros_core::visit::VisitPhase::Welcome,
-        worn_seconds: 0,
-        outbox_depth: 1,
-        outbox_full_percent: 0,
-        app_version: [0, 1, 0],
-        core_version: 1,
         lease: Some(lease.make_report()),
-        last_command: None,
         announcements: std::iter::once(announced).collect(),
+        ..heartbeat(headset.number)
     };
     let answer =
         client.ask("POST", "/v1/heartbeat", &[headset.bearer()], &beat.to_bytes()).unwrap();
@@ -148,7 +134,7 @@ fn many_headsets_at_once_lose_nothing_and_take_little_memory() {
         headsets[0].upload(client, &parcel).unwrap().expect("a receipt");
     }
     wait_for_exports(client);
-    let before = booth.memory();
+    let before = booth.peak_memory();
     std::thread::scope(|scope| {
         for headset in &headsets {
             scope.spawn(move || {
@@ -162,9 +148,10 @@ fn many_headsets_at_once_lose_nothing_and_take_little_memory() {
     });
     let all = u64::from(HEADSETS) * u64::from(EACH) + 2;
     assert_eq!(client.metric("paros_booth_sculptures"), all);
-    assert_eq!(folder.files("sculptures").len() as u64, all);
+    let files = folder.files("sculptures");
+    assert_eq!(files.iter().filter(|name| name.ends_with(".sculpture")).count() as u64, all);
     println!("{} bytes of STL", crate::rig::figure().stl.len());
-    let grown = booth.memory().saturating_sub(before);
+    let grown = booth.peak_memory().saturating_sub(before);
     assert!(grown < 64 << 20, "it grew by {grown} bytes");
     println!("grown by {grown} bytes");
 }

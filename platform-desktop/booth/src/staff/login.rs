@@ -1,0 +1,240 @@
+//! Logging in and out, and the first account.
+
+use std::net::IpAddr;
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+use argon2::password_hash::phc::PasswordHash;
+use argon2::{Argon2, PasswordHasher as _, PasswordVerifier as _};
+use axum::extract::{Extension, Form, Request, State};
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Redirect, Response};
+use maud::html;
+use paros_booth_rules::{Refusal, SessionBits};
+use std::sync::Arc;
+use subtle::ConstantTimeEq as _;
+use tokio::sync::Semaphore;
+
+use super::page::{Fields, StaffAnswer, page, with_cookie};
+use super::texts::Texts;
+use crate::app::App;
+use crate::clock::booth_time;
+use crate::random::random_bytes;
+use crate::rate::RateLimiter;
+use crate::routes::Peer;
+
+/// The cookie of a login: sent to this host alone, over TLS alone, unseen by scripts, from no other site's pages.
+const COOKIE: &str = "__Host-paros";
+
+/// The shortest password.
+const MIN_PASSWORD_CHARS: usize = 10;
+
+/// Passwords that are hashed at once: each takes 19 MiB.
+const MAX_HASHES: usize = 2;
+
+/// What logging in needs to remember.
+pub(crate) struct LoginGate {
+    /// What the first account has to bring; `None` once there is one.
+    first_code: Mutex<Option<String>>,
+    of_account: RateLimiter<String>,
+    of_address: RateLimiter<IpAddr>,
+    hashes: Semaphore,
+}
+
+impl LoginGate {
+    /// With the code that the first account has to bring.
+    pub(crate) fn new(first_code: Option<String>) -> Self {
+        LoginGate {
+            first_code: Mutex::new(first_code),
+            of_account: RateLimiter::new(5, 1.0 / 30.0),
+            of_address: RateLimiter::new(20, 1.0 / 10.0),
+            hashes: Semaphore::new(MAX_HASHES),
+        }
+    }
+
+    fn take_turn(&self, account: &str, peer: IpAddr) -> Result<(), Refusal> {
+        let now = Instant::now();
+        let account = account.chars().take(64).collect();
+        if self.of_address.take(peer, now) && self.of_account.take(account, now) {
+            return Ok(());
+        }
+        Err(Refusal::Busy { what: "logins", retry_after: 30 })
+    }
+
+    fn is_first_code(&self, code: &str) -> bool {
+        let first = self.first_code.lock().unwrap_or_else(PoisonError::into_inner);
+        first.as_ref().is_some_and(|first| bool::from(first.as_bytes().ct_eq(code.as_bytes())))
+    }
+}
+
+/// Lets those on who are logged in, and sends others to log in.
+pub(crate) async fn require_login(
+    State(app): State<Arc<App>>,
+    mut request: Request,
+    next: Next,
+) -> Result<Response, StaffAnswer> {
+    let texts = Texts::of_request(request.headers());
+    let found = match read_cookie(request.headers()) {
+        Some(cookie) => app.run(move |app| app.booth.find_login(&cookie, booth_time())).await,
+        None => Err(Refusal::UnknownToken),
+    };
+    match found {
+        Ok(login) => {
+            request.extensions_mut().insert(login);
+            Ok(next.run(request).await)
+        }
+        Err(Refusal::UnknownToken) => {
+            let has_accounts = app.run(|app| app.booth.has_accounts()).await;
+            let has_accounts = has_accounts.map_err(|refusal| StaffAnswer(texts, refusal))?;
+            let to = if has_accounts { "/staff/login" } else { "/staff/first" };
+            Ok(Redirect::to(to).into_response())
+        }
+        Err(refusal) => Err(StaffAnswer(texts, refusal)),
+    }
+}
+
+/// `GET /staff/login`.
+pub(crate) async fn show_login(headers: HeaderMap) -> Response {
+    login_page(Texts::of_request(&headers), StatusCode::OK, None)
+}
+
+/// `POST /staff/login`.
+pub(crate) async fn log_in(
+    State(app): State<Arc<App>>,
+    Extension(Peer(peer)): Extension<Peer>,
+    headers: HeaderMap,
+    Form(fields): Form<Fields>,
+) -> Result<Response, StaffAnswer> {
+    let texts = Texts::of_request(&headers);
+    let fail = |refusal| StaffAnswer(texts, refusal);
+    let (name, password) = (fields.get("name"), fields.get("password"));
+    app.logins.take_turn(&name, peer).map_err(fail)?;
+    let of_name = name.clone();
+    let hash = app.run(move |app| app.booth.password_hash(&of_name)).await.map_err(fail)?;
+    if !verify_password(&app, password, hash).await.map_err(fail)? {
+        return Ok(login_page(texts, StatusCode::FORBIDDEN, Some(texts.wrong_login)));
+    }
+    begin_session(&app, name).await.map_err(fail)
+}
+
+/// `GET /staff/first`.
+pub(crate) async fn show_first(headers: HeaderMap) -> Response {
+    let texts = Texts::of_request(&headers);
+    page(
+        texts,
+        None,
+        texts.first_account,
+        &html! {
+            form class="narrow" method="post" action="/staff/first" {
+                label { (texts.code_of_start) input name="code" autocomplete="off" required; }
+                label { (texts.name) input name="name" autocomplete="username" required; }
+                label { (texts.password) input name="password" type="password" autocomplete="new-password" required minlength=(MIN_PASSWORD_CHARS); }
+                button { (texts.first_account) }
+            }
+        },
+    )
+}
+
+/// `POST /staff/first`.
+pub(crate) async fn add_first(
+    State(app): State<Arc<App>>,
+    Extension(Peer(peer)): Extension<Peer>,
+    headers: HeaderMap,
+    Form(fields): Form<Fields>,
+) -> Result<Response, StaffAnswer> {
+    let texts = Texts::of_request(&headers);
+    let fail = |refusal| StaffAnswer(texts, refusal);
+    app.logins.take_turn("", peer).map_err(fail)?;
+    if !app.logins.is_first_code(fields.get("code").trim()) {
+        return Err(fail(Refusal::Forbidden("the code is another, or was used")));
+    }
+    let name = fields.get("name");
+    let hash = hash_password(&app, fields.get("password")).await.map_err(fail)?;
+    let of_name = name.clone();
+    let added = app.run(move |app| app.booth.add_first_admin(&of_name, &hash, booth_time())).await;
+    added.map_err(fail)?;
+    *app.logins.first_code.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    begin_session(&app, name).await.map_err(fail)
+}
+
+/// `POST /staff/logout`.
+pub(crate) async fn log_out(
+    State(app): State<Arc<App>>,
+    headers: HeaderMap,
+) -> Result<Response, StaffAnswer> {
+    if let Some(cookie) = read_cookie(&headers) {
+        let texts = Texts::of_request(&headers);
+        let done = app.run(move |app| app.booth.log_out(&cookie)).await;
+        done.map_err(|refusal| StaffAnswer(texts, refusal))?;
+    }
+    let gone = format!("{COOKIE}=; Path=/; Secure; HttpOnly; SameSite=Strict; Max-Age=0");
+    Ok(with_cookie(Redirect::to("/staff/login").into_response(), &gone))
+}
+
+async fn begin_session(app: &Arc<App>, name: String) -> Result<Response, Refusal> {
+    let bits = SessionBits { cookie: random_bytes()?, form_token: random_bytes()? };
+    app.run(move |app| app.booth.log_in(&name, &bits, booth_time())).await?;
+    let value: String = bits.cookie.iter().map(|byte| format!("{byte:02x}")).collect();
+    let cookie = format!("{COOKIE}={value}; Path=/; Secure; HttpOnly; SameSite=Strict");
+    Ok(with_cookie(Redirect::to("/staff").into_response(), &cookie))
+}
+
+fn read_cookie(headers: &HeaderMap) -> Option<[u8; 32]> {
+    let cookies = headers.get(header::COOKIE)?.to_str().ok()?;
+    let value =
+        cookies.split("; ").find_map(|pair| pair.strip_prefix(COOKIE)?.strip_prefix('='))?;
+    // Its form is that of all tokens of 256 bits.
+    paros_core::outbox::messages::DeviceToken::parse_hex(value).map(|token| token.0)
+}
+
+fn login_page(texts: &Texts, status: StatusCode, fault: Option<&str>) -> Response {
+    let mut answer = page(
+        texts,
+        None,
+        texts.log_in,
+        &html! {
+            form class="narrow" method="post" action="/staff/login" {
+                @if let Some(fault) = fault { p class="note" role="alert" { (fault) } }
+                label { (texts.name) input name="name" autocomplete="username" required; }
+                label { (texts.password) input name="password" type="password" autocomplete="current-password" required; }
+                button { (texts.log_in) }
+            }
+        },
+    );
+    *answer.status_mut() = status;
+    answer
+}
+
+async fn hash_password(app: &Arc<App>, password: String) -> Result<String, Refusal> {
+    if password.chars().count() < MIN_PASSWORD_CHARS {
+        let why = format!("expected a password of {MIN_PASSWORD_CHARS} characters or more");
+        return Err(Refusal::BadRequest(why));
+    }
+    let _turn = app.logins.hashes.acquire().await;
+    app.run(move |_| {
+        let salt = random_bytes::<16>()?;
+        let hash = Argon2::default().hash_password_with_salt(password.as_bytes(), &salt);
+        hash.map(|hash| hash.to_string()).map_err(|error| std::io::Error::other(error).into())
+    })
+    .await
+}
+
+/// Whether a password is that of a hash. Without one it takes as long.
+async fn verify_password(
+    app: &Arc<App>,
+    password: String,
+    hash: Option<String>,
+) -> Result<bool, Refusal> {
+    let _turn = app.logins.hashes.acquire().await;
+    app.run(move |_| {
+        let argon2 = Argon2::default();
+        let Some(hash) = hash else {
+            let _ = argon2.hash_password_with_salt(password.as_bytes(), &[0; 16]);
+            return Ok(false);
+        };
+        let Ok(hash) = PasswordHash::new(&hash) else { return Ok(false) };
+        Ok(argon2.verify_password(password.as_bytes(), &hash).is_ok())
+    })
+    .await
+}

@@ -1,0 +1,85 @@
+//! The staff page: made by the booth, with a little script and no foreign host.
+
+mod headsets;
+mod login;
+mod page;
+mod sculptures;
+mod svg;
+mod texts;
+
+use std::sync::Arc;
+
+use axum::Router;
+use axum::extract::{Path, Request};
+use axum::http::{HeaderName, HeaderValue, header};
+use axum::middleware::{Next, from_fn, from_fn_with_state};
+use axum::response::{IntoResponse, Redirect, Response};
+use axum::routing::{get, post};
+
+pub(crate) use login::LoginGate;
+
+use crate::app::App;
+
+/// What browsers are told of every page: nothing is taken from elsewhere, nothing runs but the script, nobody frames it,
+/// nobody keeps it, and nobody is told where one came from.
+const HEADERS: [(HeaderName, &str); 5] = [
+    (
+        header::CONTENT_SECURITY_POLICY,
+        "default-src 'none'; img-src 'self'; style-src 'self'; script-src 'self'; form-action 'self'; \
+         base-uri 'none'; frame-ancestors 'none'",
+    ),
+    (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+    (header::REFERRER_POLICY, "no-referrer"),
+    (header::CACHE_CONTROL, "no-store"),
+    (header::X_FRAME_OPTIONS, "DENY"),
+];
+
+/// The routes of the staff page.
+pub(crate) fn router(app: &Arc<App>) -> Router<Arc<App>> {
+    let for_staff = Router::new()
+        .route("/staff", get(sculptures::show_newest))
+        .route("/staff/withdrawn", get(sculptures::show_withdrawn))
+        .route("/staff/missing", get(sculptures::show_missing))
+        .route("/staff/find", get(sculptures::find))
+        .route("/staff/sculptures/{id}", get(sculptures::show))
+        .route("/staff/sculptures/{id}/picture.png", get(sculptures::send_picture))
+        .route("/staff/sculptures/{id}/model.stl", get(sculptures::send_stl))
+        .route("/staff/sculptures/{id}/{action}", post(sculptures::change))
+        .route("/staff/headsets", get(headsets::show_headsets))
+        .route("/staff/headsets/{number}/{command}", post(headsets::ask_command))
+        .route("/staff/attempts/{number}/{action}", post(headsets::decide_attempt))
+        .route_layer(from_fn_with_state(app.clone(), login::require_login));
+    Router::new()
+        .merge(for_staff)
+        .route("/", get(|| async { Redirect::to("/staff") }))
+        .route("/staff/login", get(login::show_login).post(login::log_in))
+        .route("/staff/first", get(login::show_first).post(login::add_first))
+        .route("/staff/logout", post(login::log_out))
+        .route("/staff/language/{code}", get(choose_language))
+        .route("/staff/style.css", get(|| async { asset("text/css", include_str!("style.css")) }))
+        .route(
+            "/staff/page.js",
+            get(|| async { asset("text/javascript", include_str!("page.js")) }),
+        )
+        .route_layer(from_fn(guard))
+}
+
+async fn guard(request: Request, next: Next) -> Response {
+    let mut answer = next.run(request).await;
+    for (name, value) in HEADERS {
+        answer.headers_mut().insert(name, HeaderValue::from_static(value));
+    }
+    answer
+}
+
+fn asset(kind: &'static str, text: &'static str) -> Response {
+    ([(header::CONTENT_TYPE, kind)], text).into_response()
+}
+
+/// `GET /staff/language/{code}`: the language of this browser from now on.
+async fn choose_language(Path(code): Path<String>) -> Response {
+    let code = if code == "el" { "el" } else { "en" };
+    let cookie =
+        format!("language={code}; Path=/; Secure; HttpOnly; SameSite=Strict; Max-Age=31536000");
+    page::with_cookie(Redirect::to("/staff").into_response(), &cookie)
+}

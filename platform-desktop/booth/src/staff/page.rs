@@ -1,0 +1,124 @@
+//! What all staff pages share: their frame, their forms, and how they refuse.
+
+use std::collections::HashMap;
+
+use axum::http::{HeaderValue, StatusCode, header};
+use axum::response::{Html, IntoResponse, Response};
+use maud::{DOCTYPE, Markup, html};
+use paros_booth_rules::{LoggedIn, Refusal};
+use serde::Deserialize;
+use tracing::warn;
+
+use super::texts::Texts;
+
+/// The fields of a form.
+#[derive(Deserialize)]
+#[serde(transparent)]
+pub(crate) struct Fields(HashMap<String, String>);
+
+impl Fields {
+    /// A field; empty where there is none.
+    pub(crate) fn get(&self, name: &str) -> String {
+        self.0.get(name).cloned().unwrap_or_default()
+    }
+
+    /// Checks that the form was made for this login.
+    ///
+    /// # Errors
+    /// [`Refusal::Forbidden`] where it wasn't.
+    pub(crate) fn check(&self, login: &LoggedIn) -> Result<(), Refusal> {
+        // The form's token has the form of an id.
+        let token = paros_core::outbox::messages::SculptureId::parse_hex(&self.get("form"));
+        login.check_form(&token.map_or([0; 16], |token| token.0))
+    }
+}
+
+/// A refusal as a page.
+pub(crate) struct StaffAnswer(pub(crate) &'static Texts, pub(crate) Refusal);
+
+impl IntoResponse for StaffAnswer {
+    fn into_response(self) -> Response {
+        let StaffAnswer(texts, refusal) = self;
+        let status = StatusCode::from_u16(refusal.status());
+        let status = status.unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
+        let why = if status.is_server_error() {
+            warn!(%refusal, "a page failed");
+            "the booth can't now; its log says why".to_owned()
+        } else {
+            refusal.to_string()
+        };
+        let mut answer = page(
+            texts,
+            None,
+            texts.title,
+            &html! {
+                p class="note" role="alert" { (why) }
+                p { a class="button" href="/staff" { (texts.newest) } }
+            },
+        );
+        *answer.status_mut() = status;
+        answer
+    }
+}
+
+/// A page with its frame: for who is logged in, with the way to the others.
+pub(crate) fn page(
+    texts: &Texts,
+    login: Option<&LoggedIn>,
+    heading: &str,
+    body: &Markup,
+) -> Response {
+    let markup = html! {
+        (DOCTYPE)
+        html lang=(texts.code) {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (heading) " – " (texts.title) }
+                link rel="stylesheet" href="/staff/style.css";
+                script src="/staff/page.js" defer {}
+            }
+            body {
+                header {
+                    @if let Some(login) = login {
+                        nav aria-label=(texts.title) {
+                            a href="/staff" { (texts.newest) } " "
+                            a href="/staff/find" { (texts.find) } " "
+                            a href="/staff/withdrawn" { (texts.withdrawn) } " "
+                            a href="/staff/missing" { (texts.missing) } " "
+                            a href="/staff/headsets" { (texts.headsets) }
+                        }
+                        form method="post" action="/staff/logout" {
+                            button { (texts.log_out) " (" (login.account) ")" }
+                        }
+                    }
+                    a href={ "/staff/language/" (texts.other_code) } lang=(texts.other_code) { (texts.other_language) }
+                }
+                main {
+                    h1 { (heading) }
+                    (body)
+                }
+            }
+        }
+    };
+    Html(markup.into_string()).into_response()
+}
+
+/// A button that does something, as a form of this login.
+pub(crate) fn action_button(login: &LoggedIn, action: &str, text: &str, class: &str) -> Markup {
+    let token: String = login.form_token.iter().map(|byte| format!("{byte:02x}")).collect();
+    html! {
+        form method="post" action=(action) {
+            input type="hidden" name="form" value=(token);
+            button class=(class) { (text) }
+        }
+    }
+}
+
+/// An answer that sets a cookie.
+pub(crate) fn with_cookie(mut answer: Response, cookie: &str) -> Response {
+    if let Ok(value) = HeaderValue::from_str(cookie) {
+        answer.headers_mut().append(header::SET_COOKIE, value);
+    }
+    answer
+}

@@ -1,0 +1,83 @@
+//! Badges as SVG, of the same shapes that headsets draw.
+
+use std::fmt::Write as _;
+
+use maud::{Markup, PreEscaped, html};
+use paros_core::badge::{
+    Badge, BadgeColour, BadgeLanguage, BadgePart, BadgeShape, Pictogram, write_words,
+};
+
+/// A badge with its words as its label.
+pub(crate) fn draw_badge(badge: &Badge, language: BadgeLanguage) -> Markup {
+    let mut words = String::new();
+    // Writing to a String doesn't fail.
+    let _ = write_words(&mut words, badge, language);
+    let (ground, ink) = (hex(badge.colour.ground()), hex(badge.colour.ink()));
+    let parts: Vec<(usize, String)> = badge
+        .pictograms
+        .iter()
+        .enumerate()
+        .map(|(k, pictogram)| (8 + 72 * k, draw_parts(pictogram.parts(), &ink, &ground)))
+        .collect();
+    html! {
+        figure class="badge" {
+            svg viewBox="0 0 296 80" role="img" aria-label=(words) {
+                rect width="296" height="80" rx="10" fill=(ground) stroke=(ink) stroke-width="2" {}
+                @for (x, parts) in &parts {
+                    g transform={ "translate(" (x) " 8)" } { (PreEscaped(parts)) }
+                }
+            }
+            figcaption { (words) }
+        }
+    }
+}
+
+/// A pictogram in black on white.
+pub(crate) fn draw_pictogram(pictogram: Pictogram) -> Markup {
+    let parts = draw_parts(pictogram.parts(), "#000000", "#ffffff");
+    html! { svg viewBox="0 0 64 64" aria-hidden="true" { (PreEscaped(parts)) } }
+}
+
+/// A field of a colour.
+pub(crate) fn draw_colour(colour: BadgeColour) -> Markup {
+    html! {
+        svg viewBox="0 0 64 64" aria-hidden="true" {
+            rect x="2" y="2" width="60" height="60" rx="8" fill=(hex(colour.ground())) stroke="#000000" {}
+        }
+    }
+}
+
+/// Parts one over the other; holes show the ground. All of it is numbers of the program's own.
+fn draw_parts(parts: &[BadgePart], ink: &str, ground: &str) -> String {
+    let mut svg = String::new();
+    for BadgePart { shape, is_hole } in parts {
+        let colour = if *is_hole { ground } else { ink };
+        let _ = match shape {
+            BadgeShape::Polygon(points) => {
+                write!(svg, "<polygon fill=\"{colour}\" points=\"{}\"/>", join(points))
+            }
+            BadgeShape::Ellipse { centre: [x, y], radii: [rx, ry] } => {
+                write!(
+                    svg,
+                    "<ellipse fill=\"{colour}\" cx=\"{x}\" cy=\"{y}\" rx=\"{rx}\" ry=\"{ry}\"/>"
+                )
+            }
+            BadgeShape::Line { points, width } => write!(
+                svg,
+                "<polyline fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\" \
+                 stroke-linecap=\"round\" stroke-linejoin=\"round\" points=\"{}\"/>",
+                join(points)
+            ),
+        };
+    }
+    svg
+}
+
+fn join(points: &[[i8; 2]]) -> String {
+    let points: Vec<String> = points.iter().map(|[x, y]| format!("{x},{y}")).collect();
+    points.join(" ")
+}
+
+fn hex([red, green, blue]: [u8; 3]) -> String {
+    format!("#{red:02x}{green:02x}{blue:02x}")
+}

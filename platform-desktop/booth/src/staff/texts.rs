@@ -1,0 +1,184 @@
+//! What the staff page says, in two languages.
+
+use axum::http::{HeaderMap, header};
+use paros_booth_rules::records::{BadgeClaim, CommandState, ExportState};
+use paros_core::badge::BadgeLanguage;
+use paros_core::outbox::messages::CommandKind;
+
+/// What the staff page says.
+pub(crate) struct Texts {
+    pub(crate) language: BadgeLanguage,
+    pub(crate) code: &'static str,
+    pub(crate) title: &'static str,
+    pub(crate) newest: &'static str,
+    pub(crate) find: &'static str,
+    pub(crate) headsets: &'static str,
+    pub(crate) withdrawn: &'static str,
+    pub(crate) missing: &'static str,
+    pub(crate) log_in: &'static str,
+    pub(crate) log_out: &'static str,
+    pub(crate) name: &'static str,
+    pub(crate) password: &'static str,
+    pub(crate) code_of_start: &'static str,
+    pub(crate) first_account: &'static str,
+    pub(crate) wrong_login: &'static str,
+    pub(crate) words: &'static str,
+    pub(crate) tap_badge: &'static str,
+    pub(crate) nothing: &'static str,
+    pub(crate) nearest: &'static str,
+    pub(crate) no_picture: &'static str,
+    pub(crate) no_badge: &'static str,
+    pub(crate) headset: &'static str,
+    pub(crate) received: &'static str,
+    pub(crate) download: &'static str,
+    pub(crate) withdraw: &'static str,
+    pub(crate) bring_back: &'static str,
+    pub(crate) delete: &'static str,
+    pub(crate) delete_for_good: &'static str,
+    pub(crate) not_here_yet: &'static str,
+    pub(crate) lost: &'static str,
+    pub(crate) last_seen: &'static str,
+    pub(crate) battery: &'static str,
+    pub(crate) worn: &'static str,
+    pub(crate) waiting: &'static str,
+    pub(crate) wiped: &'static str,
+    pub(crate) new_headsets: &'static str,
+    pub(crate) same_pictures: &'static str,
+    pub(crate) accept: &'static str,
+    pub(crate) accept_as: &'static str,
+    pub(crate) decline: &'static str,
+    pub(crate) minutes: &'static str,
+    pub(crate) other_language: &'static str,
+    pub(crate) other_code: &'static str,
+    commands: [&'static str; 5],
+    command_states: [&'static str; 5],
+    exports: [&'static str; 4],
+    claims: [&'static str; 3],
+}
+
+impl Texts {
+    pub(crate) const fn command(&self, kind: CommandKind) -> &'static str {
+        self.commands[kind as usize]
+    }
+
+    pub(crate) const fn command_state(&self, state: CommandState) -> &'static str {
+        self.command_states[state as usize]
+    }
+
+    pub(crate) const fn export(&self, state: ExportState) -> &'static str {
+        self.exports[state as usize]
+    }
+
+    pub(crate) const fn claim(&self, claim: BadgeClaim) -> &'static str {
+        self.claims[claim as usize]
+    }
+
+    /// Those of the language that a browser was set to, or asks for first.
+    pub(crate) fn of_request(headers: &HeaderMap) -> &'static Texts {
+        let text = |name| headers.get(name).and_then(|value| value.to_str().ok()).unwrap_or("");
+        let chosen =
+            text(header::COOKIE).split("; ").find_map(|pair| pair.strip_prefix("language="));
+        let wanted = chosen.unwrap_or_else(|| text(header::ACCEPT_LANGUAGE));
+        if wanted.starts_with("el") { &GREEK } else { &ENGLISH }
+    }
+}
+
+const ENGLISH: Texts = Texts {
+    language: BadgeLanguage::English,
+    code: "en",
+    title: "Paros booth",
+    newest: "Newest",
+    find: "Find",
+    headsets: "Headsets",
+    withdrawn: "Withdrawn",
+    missing: "Not here yet",
+    log_in: "Log in",
+    log_out: "Log out",
+    name: "Name",
+    password: "Password",
+    code_of_start: "Code that the booth printed at its start",
+    first_account: "First account",
+    wrong_login: "Name or password is wrong.",
+    words: "Say or type the badge: a colour and four pictures",
+    tap_badge: "Or tap the colour, then the four pictures from left to right",
+    nothing: "Nothing.",
+    nearest: "No badge looks like that. Perhaps one of these:",
+    no_picture: "no picture",
+    no_badge: "without a badge",
+    headset: "Headset",
+    received: "Received",
+    download: "Download STL",
+    withdraw: "Withdraw",
+    bring_back: "Bring back",
+    delete: "Delete",
+    delete_for_good: "Delete it for good",
+    not_here_yet: "announced, not here yet",
+    lost: "lost: the headset was wiped",
+    last_seen: "Last seen",
+    battery: "Battery",
+    worn: "Worn for",
+    waiting: "Waiting to be sent",
+    wiped: "wiped",
+    new_headsets: "New headsets",
+    same_pictures: "Does the headset show these pictures?",
+    accept: "Yes, let it in",
+    accept_as: "Yes, it is headset",
+    decline: "No",
+    minutes: "min",
+    other_language: "Ελληνικά",
+    other_code: "el",
+    commands: ["Which one is it?", "A minute more", "End", "Recentre", "Reset"],
+    command_states: ["waiting", "sent", "done", "expired", "refused"],
+    exports: ["mesh not compared yet", "mesh is the headset's", "mesh differs", "no mesh"],
+    claims: ["", "others may have this badge", "badge is disputed"],
+};
+
+const GREEK: Texts = Texts {
+    language: BadgeLanguage::Greek,
+    code: "el",
+    title: "Περίπτερο Paros",
+    newest: "Πρόσφατα",
+    find: "Εύρεση",
+    headsets: "Συσκευές",
+    withdrawn: "Αποσυρμένα",
+    missing: "Δεν έχουν έρθει",
+    log_in: "Σύνδεση",
+    log_out: "Αποσύνδεση",
+    name: "Όνομα",
+    password: "Κωδικός",
+    code_of_start: "Κωδικός που τύπωσε το περίπτερο στην αρχή",
+    first_account: "Πρώτος λογαριασμός",
+    wrong_login: "Λάθος όνομα ή κωδικός.",
+    words: "Πείτε ή γράψτε το σήμα: χρώμα και τέσσερις εικόνες",
+    tap_badge: "Ή αγγίξτε το χρώμα και μετά τις τέσσερις εικόνες από αριστερά",
+    nothing: "Τίποτα.",
+    nearest: "Δεν υπάρχει τέτοιο σήμα. Ίσως ένα από αυτά:",
+    no_picture: "χωρίς εικόνα",
+    no_badge: "χωρίς σήμα",
+    headset: "Συσκευή",
+    received: "Ελήφθη",
+    download: "Λήψη STL",
+    withdraw: "Απόσυρση",
+    bring_back: "Επαναφορά",
+    delete: "Διαγραφή",
+    delete_for_good: "Οριστική διαγραφή",
+    not_here_yet: "αναγγέλθηκε, δεν έχει έρθει",
+    lost: "χάθηκε: η συσκευή διαγράφηκε",
+    last_seen: "Τελευταία επαφή",
+    battery: "Μπαταρία",
+    worn: "Φοριέται",
+    waiting: "Περιμένουν αποστολή",
+    wiped: "διαγράφηκε",
+    new_headsets: "Νέες συσκευές",
+    same_pictures: "Δείχνει η συσκευή αυτές τις εικόνες;",
+    accept: "Ναι, αποδοχή",
+    accept_as: "Ναι, είναι η συσκευή",
+    decline: "Όχι",
+    minutes: "λεπτά",
+    other_language: "English",
+    other_code: "en",
+    commands: ["Ποια είναι;", "Ένα λεπτό ακόμη", "Τέλος", "Κεντράρισμα", "Επανεκκίνηση"],
+    command_states: ["περιμένει", "στάλθηκε", "έγινε", "έληξε", "δεν γίνεται"],
+    exports: ["το πλέγμα δεν συγκρίθηκε", "ίδιο πλέγμα", "άλλο πλέγμα", "χωρίς πλέγμα"],
+    claims: ["", "ίσως και άλλοι έχουν αυτό το σήμα", "αμφισβητούμενο σήμα"],
+};

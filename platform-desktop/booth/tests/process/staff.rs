@@ -1,0 +1,202 @@
+//! What staff see and do, in the HTML and headers that the booth sends.
+
+use std::time::{Duration, Instant};
+
+use paros_core::badge::{BadgeLanguage, BadgeNumber, write_words};
+use paros_core::outbox::messages::*;
+
+use crate::rig::{Answer, BoothFolder, Client, Headset, Parcel, figure, heartbeat};
+
+/// A browser that is logged in.
+struct Browser<'a> {
+    client: &'a Client,
+    cookie: String,
+}
+
+impl<'a> Browser<'a> {
+    /// Makes the first account, and is logged in by that.
+    fn first(client: &'a Client, code: &str) -> Self {
+        let form = format!("code={code}&name=ana&password=correct+horse+battery");
+        let answer = post_form(client, "/staff/first", "", &form);
+        assert_eq!(answer.status, 303, "{answer:?}");
+        Browser { client, cookie: cookie_of(&answer) }
+    }
+
+    fn get(&self, path: &str) -> Answer {
+        self.client.ask("GET", path, &[("Cookie", self.cookie.clone())], &[]).expect("an answer")
+    }
+
+    /// Sends the form of a page that goes to `action`, as a click on its button does.
+    fn click(&self, page: &str, action: &str) -> Answer {
+        let page = self.get(page);
+        let form =
+            page.text().split("<form").find(|form| form.contains(&format!("action=\"{action}\"")));
+        let token = form.expect("a form").split("name=\"form\" value=\"").nth(1).expect("a token");
+        post_form(self.client, action, &self.cookie, &format!("form={}", &token[..32]))
+    }
+}
+
+fn post_form(client: &Client, path: &str, cookie: &str, form: &str) -> Answer {
+    let kind = ("Content-Type", "application/x-www-form-urlencoded".to_owned());
+    let headers = [kind, ("Cookie", cookie.to_owned())];
+    client.ask("POST", path, &headers, form.as_bytes()).expect("an answer")
+}
+
+fn cookie_of(answer: &Answer) -> String {
+    let cookie = answer.head.lines().find_map(|line| line.strip_prefix("set-cookie: "));
+    let cookie = cookie.expect("a cookie");
+    for word in ["path=/", "secure", "httponly", "samesite=strict"] {
+        assert!(cookie.contains(word), "{cookie}");
+    }
+    // Its name has capitals, and heads are read in small letters.
+    cookie.split(';').next().expect("a pair").replace("__host-paros", "__Host-paros")
+}
+
+#[test]
+fn staff_make_the_first_account_and_log_in_and_out() {
+    let folder = BoothFolder::new("accounts");
+    let mut booth = folder.start();
+    let code = booth.first_code().expect("there is no account");
+    let client = &booth.client;
+    assert!(client.get("/").head.contains("location: /staff\r\n"));
+    assert!(client.get("/staff").head.contains("location: /staff/first\r\n"));
+    let form = "code=0000-0000-0000&name=eve&password=correct+horse+battery";
+    assert_eq!(post_form(client, "/staff/first", "", form).status, 403);
+    let short = format!("code={code}&name=ana&password=short");
+    assert_eq!(post_form(client, "/staff/first", "", &short).status, 400);
+    let browser = Browser::first(client, &code);
+    let page = browser.get("/staff");
+    assert_eq!(page.status, 200);
+    for header in [
+        "content-security-policy: default-src 'none';",
+        "x-content-type-options: nosniff",
+        "referrer-policy: no-referrer",
+        "cache-control: no-store",
+    ] {
+        assert!(page.head.contains(header), "{header}: {}", page.head);
+    }
+    assert!(!page.text().contains("http:") && !page.text().contains("https:"), "a foreign host");
+    let again = format!("code={code}&name=eve&password=correct+horse+battery");
+    assert_eq!(post_form(client, "/staff/first", "", &again).status, 403, "the code is used up");
+    assert_eq!(post_form(client, "/staff/logout", &browser.cookie, "").status, 303);
+    assert!(browser.get("/staff").head.contains("location: /staff/login\r\n"));
+
+    let log_in = |name: &str, password: &str| {
+        post_form(client, "/staff/login", "", &format!("name={name}&password={password}"))
+    };
+    assert_eq!(log_in("ana", "wrong+horse+battery").status, 403);
+    assert_eq!(log_in("nobody", "correct+horse+battery").status, 403);
+    let answer = log_in("ana", "correct+horse+battery");
+    assert_eq!(answer.status, 303);
+    let guesses: Vec<u16> =
+        (0..9).map(|k| log_in("ana", &format!("guess+number+{k}")).status).collect();
+    assert_eq!(guesses.last(), Some(&429), "{guesses:?}");
+    // Who is in stays in, also when the booth starts anew.
+    let cookie = cookie_of(&answer);
+    assert_eq!(booth.terminate(), Some(0));
+    let booth = folder.start();
+    assert_eq!(booth.first_code(), None);
+    let browser = Browser { client: &booth.client, cookie };
+    assert_eq!(browser.get("/staff").status, 200);
+}
+
+#[test]
+fn staff_find_download_withdraw_and_delete_a_sculpture() {
+    let folder = BoothFolder::new("staff-sculptures");
+    let booth = folder.start();
+    let client = &booth.client;
+    let headset = Headset::enrol(client, folder.fleet_token(), 1);
+    let parcel = Parcel::volume(headset.number, 77);
+    headset.upload(client, &parcel).unwrap().expect("a receipt");
+    let at = format!("/staff/sculptures/{}", parcel.facts.id);
+    for path in [at.clone(), format!("{at}/model.stl"), format!("{at}/picture.png")] {
+        let answer = client.get(&path);
+        assert_eq!((answer.status, answer.body.len()), (303, 0), "{path}");
+    }
+    let browser = Browser::first(client, &booth.first_code().expect("a code"));
+    let badge = BadgeNumber::new(77).expect("a number").badge();
+    let mut words = String::new();
+    write_words(&mut words, &badge, BadgeLanguage::English).expect("text");
+    assert!(browser.get("/staff").text().contains(&words));
+    let asked = words.replace([':', ','], "").replace(' ', "+");
+    let found = browser.get(&format!("/staff/find?words={asked}"));
+    assert!(found.text().contains(&format!("href=\"{at}\"")), "{}", found.text());
+    let pictures = badge.pictograms.map(|shown| shown.number().to_string()).join("-");
+    let tapped =
+        browser.get(&format!("/staff/find?colour={}&pictures={pictures}", badge.colour as u8));
+    assert!(tapped.text().contains(&format!("href=\"{at}\"")));
+    let hostile = browser.get("/staff/find?words=%3Cscript%3Ealert(1)%3C/script%3E");
+    assert!(hostile.text().contains("&lt;script&gt;") && !hostile.text().contains("<script>alert"));
+
+    let stl = browser.get(&format!("{at}/model.stl"));
+    assert!(stl.head.contains("content-disposition: attachment"));
+    assert!(stl.body == figure().stl, "the mesh that the headset exported");
+    let start = Instant::now();
+    let picture = loop {
+        let picture = browser.get(&format!("{at}/picture.png"));
+        if picture.status == 200 || start.elapsed() > Duration::from_secs(60) {
+            break picture;
+        }
+        std::thread::sleep(Duration::from_millis(100));
+    };
+    assert_eq!(&picture.body[..8], b"\x89PNG\r\n\x1a\n");
+
+    // A form of another page, or of none.
+    let forged = post_form(client, &format!("{at}/withdraw"), &browser.cookie, "form=00");
+    assert_eq!(forged.status, 403);
+    assert_eq!(browser.click(&at, &format!("{at}/withdraw")).status, 303);
+    assert!(!browser.get("/staff").text().contains(&words));
+    assert!(browser.get("/staff/withdrawn").text().contains(&words));
+    assert_eq!(browser.click(&at, &format!("{at}/bring-back")).status, 303);
+    assert!(browser.get("/staff").text().contains(&words));
+    assert_eq!(browser.click(&at, &format!("{at}/delete")).status, 303);
+    assert_eq!(browser.get(&at).status, 404);
+    assert_eq!(folder.files("sculptures"), [""; 0]);
+    let late = headset.upload(client, &parcel).unwrap().expect("a receipt").receipt;
+    assert_eq!(late.outcome, ReceiptOutcome::Deleted);
+}
+
+#[test]
+fn staff_command_headsets_and_let_them_in() {
+    let folder = BoothFolder::new("staff-headsets");
+    let booth = folder.start();
+    let client = &booth.client;
+    let headset = Headset::enrol(client, folder.fleet_token(), 1);
+    let browser = Browser::first(client, &booth.first_code().expect("a code"));
+    let beat = |last_command| {
+        let beat = Heartbeat { last_command, session_id: 5, ..heartbeat(headset.number) };
+        let answer = client.ask("POST", "/v1/heartbeat", &[headset.bearer()], &beat.to_bytes());
+        HeartbeatAnswer::from_bytes(&answer.expect("an answer").body).expect("a message").command
+    };
+    assert_eq!(beat(None), None);
+    let number = headset.number;
+    let action = format!("/staff/headsets/{number}/{}", CommandKind::Extend as u8);
+    assert_eq!(browser.click("/staff/headsets", &action).status, 303);
+    let command = beat(None).expect("it was asked");
+    assert_eq!((command.kind, command.session_id), (CommandKind::Extend, 5));
+    assert!(browser.get("/staff/headsets").text().contains("A minute more: sent"));
+    beat(Some(CommandReport { id: command.id, outcome: CommandOutcome::Done }));
+    assert!(browser.get("/staff/headsets").text().contains("A minute more: done"));
+    let greek = [("Cookie", browser.cookie.clone()), ("Accept-Language", "el-GR".to_owned())];
+    let page = client.ask("GET", "/staff/headsets", &greek, &[]).unwrap();
+    assert!(
+        page.text().contains("Ένα λεπτό ακόμη: έγινε") && page.text().contains("<html lang=\"el\"")
+    );
+
+    let (nonce, token) = (EnrolNonce([2; 32]), DeviceToken([3; 32]));
+    let token_hash = paros_booth_rules::hash_of(&token.0);
+    let commit = EnrolCommit {
+        commitment: paros_booth_rules::hash_of(&nonce_commitment(&nonce, &token_hash)),
+        hint: DeviceHint([3; 16]),
+        name: DeviceName::new("<i>Quest</i>").expect("a name"),
+    };
+    let answer = client.post("/v1/enrol/commit", &commit.to_bytes());
+    let attempt = EnrolCommitAnswer::from_bytes(&answer.body).expect("a message").attempt;
+    client.post("/v1/enrol/reveal", &EnrolReveal { attempt, nonce, token_hash }.to_bytes());
+    assert!(browser.get("/staff/headsets").text().contains("&lt;i&gt;Quest"));
+    let accept = format!("/staff/attempts/{attempt}/accept");
+    assert_eq!(browser.click("/staff/headsets", &accept).status, 303);
+    let poll = client.post("/v1/enrol/poll", &EnrolPoll { attempt, token_hash }.to_bytes());
+    let poll = EnrolPollAnswer::from_bytes(&poll.body).expect("a message");
+    assert_eq!(poll, EnrolPollAnswer { state: EnrolState::Accepted, headset: 2 });
+}
