@@ -31,6 +31,8 @@ const SWEEP_EVERY: Duration = Duration::from_secs(300);
 /// What keeps it from starting.
 pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     start_log(options.json);
+    // Pictures are drawn on one thread, beside all that is more urgent. A pool that is there already stays.
+    let _ = rayon::ThreadPoolBuilder::new().num_threads(1).build_global();
     let plan = BoothPlan { retention_days: options.keep_days, ..BoothPlan::default() };
     let quota = u64::from(options.quota_gb) * 1_000_000_000;
     let open = OpenBooth::open(&options.folder.folder, plan, quota)?;

@@ -7,7 +7,7 @@ use paros_core::badge::{
     Badge, BadgeColour, BadgeLanguage, BadgePart, BadgeShape, Pictogram, write_words,
 };
 
-/// A badge with its words as its label.
+/// A badge with its words as its label: its colour with the rim, which tells it without any colour, and its pictograms.
 pub(crate) fn draw_badge(badge: &Badge, language: BadgeLanguage) -> Markup {
     let mut words = String::new();
     // Writing to a String doesn't fail.
@@ -17,12 +17,13 @@ pub(crate) fn draw_badge(badge: &Badge, language: BadgeLanguage) -> Markup {
         .pictograms
         .iter()
         .enumerate()
-        .map(|(k, pictogram)| (8 + 72 * k, draw_parts(pictogram.parts(), &ink, &ground)))
+        .map(|(k, pictogram)| (8 + 72 * (k + 1), draw_parts(pictogram.parts(), &ink, &ground)))
         .collect();
     html! {
         figure class="badge" {
-            svg viewBox="0 0 296 80" role="img" aria-label=(words) {
-                rect width="296" height="80" rx="10" fill=(ground) stroke=(ink) stroke-width="2" {}
+            svg viewBox="0 0 368 80" role="img" aria-label=(words) {
+                rect x="1" y="1" width="366" height="78" rx="10" fill=(ground) stroke="#000000" {}
+                g transform="translate(8 8)" { (PreEscaped(draw_rim(badge.colour))) }
                 @for (x, parts) in &parts {
                     g transform={ "translate(" (x) " 8)" } { (PreEscaped(parts)) }
                 }
@@ -38,13 +39,21 @@ pub(crate) fn draw_pictogram(pictogram: Pictogram) -> Markup {
     html! { svg viewBox="0 0 64 64" aria-hidden="true" { (PreEscaped(parts)) } }
 }
 
-/// A field of a colour.
+/// A field of a colour with its rim.
 pub(crate) fn draw_colour(colour: BadgeColour) -> Markup {
     html! {
-        svg viewBox="0 0 64 64" aria-hidden="true" {
-            rect x="2" y="2" width="60" height="60" rx="8" fill=(hex(colour.ground())) stroke="#000000" {}
+        svg viewBox="-4 -4 72 72" aria-hidden="true" {
+            rect x="-3" y="-3" width="70" height="70" rx="8" fill=(hex(colour.ground())) stroke="#000000" {}
+            (PreEscaped(draw_rim(colour)))
         }
     }
+}
+
+/// The rim of a colour around the unit square: its upper edge and three quarter turns of it.
+fn draw_rim(colour: BadgeColour) -> String {
+    let edge = draw_parts(colour.rim(), &hex(colour.ink()), &hex(colour.ground()));
+    let turned = |turn| format!("<g transform=\"rotate({} 32 32)\">{edge}</g>", 90 * turn);
+    (0..4).map(turned).collect()
 }
 
 /// Parts one over the other; holes show the ground. All of it is numbers of the program's own.

@@ -90,7 +90,9 @@ impl BoothFolder {
 
     /// A new enrolment token.
     pub(crate) fn fleet_token(&self) -> EnrolmentToken {
-        let file = self.run(&["fleet-file", "--address", "https://booth.test:8443"]).expect("made");
+        let file = self
+            .run(&["fleet-file", "--address", "https://booth.test:8443", "--uses", "300"])
+            .expect("made");
         let line = file.lines().find_map(|line| line.strip_prefix("enrolment_token = \""));
         EnrolmentToken::parse_hex(line.expect("a token").trim_end_matches('"')).expect("a token")
     }

@@ -1,10 +1,14 @@
 //! Sculptures go in, and their receipts come out.
 
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use paros_core::outbox::messages::*;
 
-use crate::rig::{BoothFolder, Client, Headset, PIECE, Parcel, heartbeat};
+use crate::rig::{
+    BoothFolder, Client, Headset, PIECE, Parcel, heartbeat, read_answer, write_request,
+};
 
 /// Waits until no mesh is left to be compared.
 fn wait_for_exports(client: &Client) {
@@ -118,16 +122,61 @@ fn heartbeats_are_answered_and_counted() {
     );
 }
 
+/// What is measured while headsets send at once.
+#[derive(Default)]
+struct Load {
+    /// How long heartbeats took.
+    beats: Mutex<Vec<Duration>>,
+    /// Bytes of parcels that were kept.
+    bytes: AtomicU64,
+    /// Headsets that are done.
+    done: AtomicU64,
+}
+
+/// Sends a headset's parcels: volumes, and a mesh.
+fn send_parcels(client: &Client, headset: &Headset, load: &Load) {
+    for k in 0..PARCELS_EACH {
+        let kind = if k == 1 { ParcelKind::Mesh } else { ParcelKind::Volume };
+        let parcel = Parcel::new(headset.number, headset.number * 100 + k, kind);
+        loop {
+            match headset.upload(client, &parcel).unwrap() {
+                Ok(_) => break,
+                // It is asked to wait, as an outbox is.
+                Err(answer) => assert_eq!(answer.status, 429, "{answer:?}"),
+            }
+            std::thread::sleep(Duration::from_millis(200));
+        }
+        load.bytes.fetch_add(parcel.bytes.len() as u64, Ordering::Relaxed);
+    }
+    load.done.fetch_add(1, Ordering::Relaxed);
+}
+
+/// Beats every tenth of a second on one connection, as long as others send.
+fn beat_meanwhile(client: &Client, headset: &Headset, headsets: u64, load: &Load) {
+    let mut stream = client.connect().expect("a connection");
+    let beat = heartbeat(headset.number).to_bytes();
+    while load.done.load(Ordering::Relaxed) < headsets {
+        let start = Instant::now();
+        write_request(&mut stream, "POST", "/v1/heartbeat", &[headset.bearer()], &beat).unwrap();
+        assert_eq!(read_answer(&mut stream).expect("an answer").status, 200);
+        load.beats.lock().unwrap().push(start.elapsed());
+        std::thread::sleep(Duration::from_millis(100));
+    }
+}
+
+const PARCELS_EACH: u32 = 3;
+
+/// `PAROS_BOOTH_HEADSETS` says how many.
 #[test]
 fn many_headsets_at_once_lose_nothing_and_take_little_memory() {
-    const HEADSETS: u8 = 40;
-    const EACH: u32 = 3;
+    let count = std::env::var("PAROS_BOOTH_HEADSETS").ok().and_then(|count| count.parse().ok());
+    let count: u8 = count.unwrap_or(40);
     let folder = BoothFolder::new("many");
     let booth = folder.start();
     let client = &booth.client;
     let fleet = folder.fleet_token();
     let headsets: Vec<Headset> =
-        (1..=HEADSETS).map(|byte| Headset::enrol(client, fleet, byte)).collect();
+        (1..=count).map(|byte| Headset::enrol(client, fleet, byte)).collect();
     // What each thread and buffer takes once is taken: one of each kind.
     for (id, kind) in [(1, ParcelKind::Volume), (2, ParcelKind::Mesh)] {
         let parcel = Parcel::new(headsets[0].number, id, kind);
@@ -135,23 +184,28 @@ fn many_headsets_at_once_lose_nothing_and_take_little_memory() {
     }
     wait_for_exports(client);
     let before = booth.peak_memory();
+    let (load, start) = (Load::default(), Instant::now());
     std::thread::scope(|scope| {
+        let load = &load;
+        scope.spawn(|| beat_meanwhile(client, &headsets[0], count.into(), load));
         for headset in &headsets {
-            scope.spawn(move || {
-                for k in 0..EACH {
-                    let kind = if k == 1 { ParcelKind::Mesh } else { ParcelKind::Volume };
-                    let parcel = Parcel::new(headset.number, headset.number * 100 + k, kind);
-                    headset.upload(client, &parcel).unwrap().expect("a receipt");
-                }
-            });
+            scope.spawn(move || send_parcels(client, headset, load));
         }
     });
-    let all = u64::from(HEADSETS) * u64::from(EACH) + 2;
+    let seconds = start.elapsed().as_secs_f64();
+    let all = u64::from(count) * u64::from(PARCELS_EACH) + 2;
     assert_eq!(client.metric("paros_booth_sculptures"), all);
     let files = folder.files("sculptures");
     assert_eq!(files.iter().filter(|name| name.ends_with(".sculpture")).count() as u64, all);
-    println!("{} bytes of STL", crate::rig::figure().stl.len());
     let grown = booth.peak_memory().saturating_sub(before);
     assert!(grown < 64 << 20, "it grew by {grown} bytes");
-    println!("grown by {grown} bytes");
+    let mut beats = load.beats.into_inner().unwrap();
+    beats.sort_unstable();
+    let p99 = beats[beats.len() * 99 / 100];
+    println!(
+        "{count} headsets: {all} parcels, {:.1} MB/s, {} heartbeats, p99 {p99:?}, grown by {grown} bytes",
+        load.bytes.into_inner() as f64 / 1e6 / seconds,
+        beats.len()
+    );
+    assert!(p99 < Duration::from_secs(1), "{p99:?}");
 }
