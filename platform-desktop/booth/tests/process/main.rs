@@ -3,6 +3,7 @@
 mod attacks;
 mod enrolment;
 mod kills;
+mod parcels;
 mod rig;
 mod staff;
 mod uploads;

@@ -1,29 +1,20 @@
 //! A booth process, and headsets that speak HTTPS to it.
 
 use std::fs::{self, File};
-use std::io::{self, BufRead as _, BufReader, Write as _};
+use std::io::{self, BufRead as _, BufReader};
 use std::net::{SocketAddr, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 use std::time::Duration;
 
-use flate2::Compression;
-use flate2::write::DeflateEncoder;
 use paros_booth_rules::hash_of;
-use paros_core::TickInput;
-use paros_core::badge::BadgeNumber;
-use paros_core::limits::INTERVALS;
 use paros_core::outbox::messages::*;
-use paros_core::session::SessionMode;
-use paros_core::volume::Grid;
-use paros_shell::rmap;
-use paros_shell::statics::Resident;
-use paros_shell::stl_export::StlExporter;
-use paros_shell::tick_runner::with_fresh_world;
 use tokio_rustls::rustls::crypto::ring::default_provider;
 use tokio_rustls::rustls::pki_types::{CertificateDer, ServerName, pem::PemObject as _};
 use tokio_rustls::rustls::{ClientConfig, ClientConnection, RootCertStore, StreamOwned};
+
+pub(crate) use crate::parcels::{Parcel, deflate, figure, heartbeat};
 
 /// Bytes of a piece of a parcel.
 pub(crate) const PIECE: usize = 64 << 10;
@@ -342,128 +333,4 @@ impl Headset {
         assert_eq!((headset, badge), (self.number, parcel.facts.badge));
         signed
     }
-}
-
-/// What a headset says that nobody wears.
-pub(crate) fn heartbeat(headset: u32) -> Heartbeat {
-    Heartbeat {
-        headset,
-        boot_id: 1,
-        number: 1,
-        session_id: 0,
-        is_charging: true,
-        is_worn: false,
-        is_glowing: false,
-        was_wiped: false,
-        battery_percent: Some(70),
-        heat: HeatLevel::Normal,
-        phase: paros_core::visit::VisitPhase::Welcome,
-        worn_seconds: 0,
-        outbox_depth: 1,
-        outbox_full_percent: 0,
-        app_version: [0, 1, 0],
-        core_version: 1,
-        lease: None,
-        last_command: None,
-        announcements: Announcements::new(),
-    }
-}
-
-/// A sculpture's files.
-pub(crate) struct Figure {
-    pub(crate) rmap: Vec<u8>,
-    pub(crate) stl: Vec<u8>,
-}
-
-/// The toy that a creative session starts from.
-pub(crate) fn figure() -> &'static Figure {
-    static FIGURE: OnceLock<Figure> = OnceLock::new();
-    FIGURE.get_or_init(|| {
-        with_fresh_world::<128, INTERVALS, _>(|mut runner| {
-            runner.run_tick(&TickInput { start: SessionMode::Creative, ..TickInput::default() });
-            let volume = runner.world().volume();
-            let mut buffers = <Grid<128> as Resident<128, INTERVALS>>::lock_stl_buffers();
-            let mut exporter = StlExporter::new(&mut buffers, 120.0).expect("a height");
-            exporter.begin_export(volume.rows(), runner.world().mask());
-            let stl = exporter.run_export_to_end().expect("a mesh").bytes;
-            Figure { rmap: rmap::encode(volume.maps()), stl }
-        })
-    })
-}
-
-/// What a headset sends.
-#[derive(Clone)]
-pub(crate) struct Parcel {
-    pub(crate) facts: UploadFacts,
-    pub(crate) hash: ContentHash,
-    pub(crate) bytes: Vec<u8>,
-}
-
-impl Parcel {
-    /// The same sculpture, under another id; as a volume, or as the mesh.
-    pub(crate) fn new(headset: u32, id: u32, kind: ParcelKind) -> Self {
-        let Figure { rmap, stl } = figure();
-        let first = if kind == ParcelKind::Volume { rmap } else { stl };
-        let mut bytes = [7; 16];
-        bytes[..4].copy_from_slice(&id.to_le_bytes());
-        let facts = UploadFacts {
-            kind,
-            id: SculptureId(bytes),
-            headset,
-            badge: BadgeNumber::new(id),
-            core_version: paros_core::codec::trace::CORE_VERSION,
-            side: 128,
-            cause: FinishCause::Finished,
-            language: *b"en",
-            mode: SessionMode::Creative,
-            age_group: AgeGroup::Unknown,
-            sculpting_seconds: 300,
-            finished_at: 1_790_000_000,
-            height_mm_tenths: 1200,
-            stl_hash: hash_of(stl),
-            stl_bytes: stl.len() as u64,
-            volume_bytes: 0,
-            volume_raw_bytes: first.len() as u32,
-            trace_bytes: 0,
-            trace_raw_bytes: 0,
-        };
-        // Packed once: a mesh takes a while.
-        static PACKED: [OnceLock<Vec<u8>>; 2] = [OnceLock::new(), OnceLock::new()];
-        let packed = PACKED[kind as usize].get_or_init(|| deflate(first));
-        Parcel::of_packed(UploadFacts { volume_bytes: packed.len() as u32, ..facts }, packed, &[])
-    }
-
-    pub(crate) fn volume(headset: u32, id: u32) -> Self {
-        Parcel::new(headset, id, ParcelKind::Volume)
-    }
-
-    /// With the trace of some session.
-    pub(crate) fn with_trace(headset: u32, id: u32) -> Self {
-        let facts = Parcel::volume(headset, id).facts;
-        let trace = include_bytes!("../../../../core/examples/replay/groove.trace");
-        Parcel::pack(facts, &figure().rmap, trace)
-    }
-
-    /// Packs files, and says so in the head.
-    pub(crate) fn pack(facts: UploadFacts, first: &[u8], trace: &[u8]) -> Self {
-        let (first, packed_trace) = (deflate(first), deflate(trace));
-        let packed_trace = if trace.is_empty() { Vec::new() } else { packed_trace };
-        let facts = UploadFacts {
-            volume_bytes: first.len() as u32,
-            trace_bytes: packed_trace.len() as u32,
-            trace_raw_bytes: trace.len() as u32,
-            ..facts
-        };
-        Parcel::of_packed(facts, &first, &packed_trace)
-    }
-
-    pub(crate) fn of_packed(facts: UploadFacts, first: &[u8], trace: &[u8]) -> Self {
-        let bytes = [&facts.to_bytes()[..], first, trace].concat();
-        Parcel { facts, hash: hash_of(&bytes), bytes }
-    }
-}
-
-pub(crate) fn deflate(bytes: &[u8]) -> Vec<u8> {
-    let mut encoder = DeflateEncoder::new(Vec::new(), Compression::fast());
-    encoder.write_all(bytes).and_then(|()| encoder.finish()).expect("memory")
 }
