@@ -3,13 +3,14 @@
 use std::net::IpAddr;
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Duration;
 
 use paros_booth_rules::{Booth, BoothPlan, Refusal};
-use tokio::sync::Semaphore;
 
 use crate::disk_files::DiskFiles;
 use crate::error::Error;
 use crate::exporter::ExportWaker;
+use crate::gate::Gate;
 use crate::keys::BoothKeys;
 use crate::metrics::Metrics;
 use crate::places::Places;
@@ -17,19 +18,32 @@ use crate::rate::RateLimiter;
 use crate::sqlite_store::SqliteStore;
 use crate::staff::LoginGate;
 
-/// Requests that are at the store or the disk at once: more only wait there, each with its memory.
-const MAX_WORK: usize = 8;
+/// Heartbeats and tokens that are at the store at once. They have places of their own: each takes a moment, and
+/// doesn't wait behind pieces of parcels that are synced to the disk.
+const MAX_SMALL: usize = 4;
+
+/// Other requests that are at the store or the disk at once: more only wait there, each with its memory.
+const MAX_WORK: usize = 6;
 
 /// Parcels that are unpacked and checked at once: each holds its packed and unpacked bytes.
 const MAX_DECODES: usize = 2;
 
 /// Threads for work that waits for the disk.
-pub(crate) const WORK_THREADS: usize = MAX_WORK + MAX_DECODES;
+pub(crate) const WORK_THREADS: usize = MAX_SMALL + MAX_WORK + MAX_DECODES;
 
 /// Pieces of parcels that are read from the network at once, all and of a headset: each has up to a quarter of a
 /// megabyte, and a slow radio takes its time.
-const MAX_PIECES: usize = 64;
+const MAX_PIECES: usize = 32;
 const MAX_PIECES_OF_ONE: usize = 2;
+
+/// Requests that wait for one of these: about as many as connections may be open; whoever waits holds little.
+const MAX_WAITING: usize = 640;
+
+/// Parcels that wait to be unpacked: what two at once do in [`LONGEST_WAIT`].
+const MAX_WAITING_DECODES: usize = 32;
+
+/// How long a request waits in a line of the booth's, so that its headset hears before it gives up by itself.
+const LONGEST_WAIT: Duration = Duration::from_secs(5);
 
 /// What all requests share.
 pub(crate) struct App {
@@ -44,10 +58,11 @@ pub(crate) struct App {
     pub(crate) logins: LoginGate,
     pub(crate) of_device: RateLimiter<u32>,
     pub(crate) of_stranger: RateLimiter<IpAddr>,
-    pub(crate) pieces: Arc<Semaphore>,
+    pub(crate) pieces: Gate,
     pub(crate) pieces_of_device: Arc<Places<u32>>,
-    work: Arc<Semaphore>,
-    decodes: Arc<Semaphore>,
+    small: Gate,
+    work: Gate,
+    decodes: Gate,
 }
 
 /// A booth's parts in a folder.
@@ -96,17 +111,18 @@ impl App {
             of_device: RateLimiter::new(200, 50.0),
             // A wall of headsets that enrol at once, behind one address.
             of_stranger: RateLimiter::new(250, 2.0),
-            pieces: Arc::new(Semaphore::new(MAX_PIECES)),
+            pieces: Gate::new(MAX_PIECES, MAX_WAITING, LONGEST_WAIT),
             pieces_of_device: Arc::new(Places::new(usize::MAX, MAX_PIECES_OF_ONE)),
-            work: Arc::new(Semaphore::new(MAX_WORK)),
-            decodes: Arc::new(Semaphore::new(MAX_DECODES)),
+            small: Gate::new(MAX_SMALL, MAX_WAITING, LONGEST_WAIT),
+            work: Gate::new(MAX_WORK, MAX_WAITING, LONGEST_WAIT),
+            decodes: Gate::new(MAX_DECODES, MAX_WAITING_DECODES, LONGEST_WAIT),
         }
     }
 
     /// Does work that waits for the disk, on a thread for such, when it is its turn.
     ///
     /// # Errors
-    /// The work's.
+    /// The work's, or [`Refusal::Overloaded`].
     pub(crate) async fn run<T: Send + 'static>(
         self: &Arc<Self>,
         work: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
@@ -114,10 +130,21 @@ impl App {
         self.run_behind(&self.work, work).await
     }
 
+    /// Does work that takes a moment and is asked for often.
+    ///
+    /// # Errors
+    /// The work's, or [`Refusal::Overloaded`].
+    pub(crate) async fn run_small<T: Send + 'static>(
+        self: &Arc<Self>,
+        work: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
+    ) -> Result<T, Refusal> {
+        self.run_behind(&self.small, work).await
+    }
+
     /// Does work that unpacks a parcel.
     ///
     /// # Errors
-    /// The work's.
+    /// The work's, or [`Refusal::Overloaded`].
     pub(crate) async fn run_decode<T: Send + 'static>(
         self: &Arc<Self>,
         work: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
@@ -127,10 +154,10 @@ impl App {
 
     async fn run_behind<T: Send + 'static>(
         self: &Arc<Self>,
-        gate: &Arc<Semaphore>,
+        gate: &Gate,
         work: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
     ) -> Result<T, Refusal> {
-        let permit = gate.clone().acquire_owned().await;
+        let permit = gate.enter().await?;
         let app = self.clone();
         let done = tokio::task::spawn_blocking(move || {
             // The work goes on where nobody waits for it any more, and holds its place.

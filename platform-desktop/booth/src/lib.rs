@@ -3,11 +3,13 @@
 #![forbid(unsafe_code)]
 
 mod app;
+mod body;
 mod clock;
 mod commands;
 mod disk_files;
 mod error;
 mod exporter;
+mod gate;
 mod keys;
 mod mesh_check;
 mod metrics;

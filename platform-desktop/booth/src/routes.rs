@@ -2,6 +2,7 @@
 
 use std::net::IpAddr;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use axum::body::{Body, Bytes, to_bytes};
@@ -18,16 +19,18 @@ use paros_core::outbox::messages::{
     ContentHash, DeviceToken, EnrolCommit, EnrolNonce, EnrolPoll, EnrolReveal, FleetEnrolment,
     Heartbeat, SculptureId,
 };
+use tokio::sync::OwnedSemaphorePermit;
 use tracing::{info, warn};
 
 use crate::app::App;
+use crate::body::{TimedBody, pass_over};
 use crate::clock::booth_time;
 use crate::parcel_decode::check_parcel;
 use crate::random::random_bytes;
 use crate::staff;
 
-/// How long a request may take, from its head to its answer: a piece of a parcel over a slow radio.
-const REQUEST_TIMEOUT: Duration = Duration::from_secs(30);
+/// How long what comes after a request's head may take: a piece of a parcel over a slow radio.
+const BODY_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// Who asks.
 #[derive(Clone, Copy)]
@@ -61,16 +64,19 @@ pub(crate) fn router(app: &Arc<App>) -> Router {
         .with_state(app.clone())
 }
 
-/// Ends a request that takes too long, and counts its answer.
+/// Ends a request whose body takes too long, and counts its answer.
 async fn bound_and_count(State(app): State<Arc<App>>, request: Request, next: Next) -> Response {
     let answer = if says_too_long(request.headers()) {
         let most = MAX_CHUNK_BYTES as u64;
         RefusalAnswer(Refusal::TooLarge { what: "bytes of a request", most }).into_response()
     } else {
-        let answer = tokio::time::timeout(REQUEST_TIMEOUT, next.run(request)).await;
-        answer.unwrap_or_else(|_| {
-            (StatusCode::REQUEST_TIMEOUT, "the request took too long\n").into_response()
-        })
+        let (head, body) = request.into_parts();
+        let (body, is_late) = TimedBody::new(body, BODY_TIMEOUT);
+        let answer = next.run(Request::from_parts(head, body)).await;
+        match is_late.load(Ordering::Relaxed) {
+            true => (StatusCode::REQUEST_TIMEOUT, "the request took too long\n").into_response(),
+            false => answer,
+        }
     };
     app.metrics.count_answer(answer.status().as_u16());
     answer
@@ -101,7 +107,7 @@ async fn authenticate(
 
 async fn find_device(app: &Arc<App>, peer: IpAddr, headers: &HeaderMap) -> Result<Device, Refusal> {
     let found = match bearer_token(headers) {
-        Some(token) => app.run(move |app| app.booth.authenticate(&token)).await,
+        Some(token) => app.run_small(move |app| app.booth.authenticate(&token)).await,
         None => Err(Refusal::UnknownToken),
     };
     match &found {
@@ -124,9 +130,8 @@ async fn limit_stranger(
     }
 }
 
-/// Takes what comes of a request and forgets it: who is still sending when the connection is closed doesn't hear why.
 async fn refuse_after_body(request: Request, refusal: Refusal) -> RefusalAnswer {
-    let _ = to_bytes(request.into_body(), MAX_CHUNK_BYTES).await;
+    pass_over(request.into_body()).await;
     refusal.into()
 }
 
@@ -158,8 +163,10 @@ async fn put_parcel(
         return Err(refuse_after_body(request, head.err().unwrap_or(Refusal::UnknownToken)).await);
     };
     let of_chunk = device.clone();
-    let bytes = read_piece(&app, &device, request).await?;
+    let (bytes, turn) = read_piece(&app, &device, request).await?;
     let progress = app.run(move |app| {
+        // Until it is on the disk its memory is in use.
+        let _turn = turn;
         let chunk = Chunk { id, hash, parcel_bytes, offset, bytes: &bytes };
         app.booth.take_chunk(&of_chunk, &chunk)
     });
@@ -184,17 +191,24 @@ async fn put_parcel(
     })
 }
 
-/// Reads a piece of a parcel from the network, when it is its turn.
-async fn read_piece(app: &App, device: &Device, request: Request) -> Result<Bytes, RefusalAnswer> {
+/// Reads a piece of a parcel from the network, when it is its turn, and holds that.
+async fn read_piece(
+    app: &App,
+    device: &Device,
+    request: Request,
+) -> Result<(Bytes, OwnedSemaphorePermit), RefusalAnswer> {
     let Some(_place) = app.pieces_of_device.take(device.headset) else {
         let refusal = Refusal::Busy { what: "pieces of this headset at once", retry_after: 1 };
         return Err(refuse_after_body(request, refusal).await);
     };
-    let _turn = app.pieces.acquire().await;
+    let turn = match app.pieces.enter().await {
+        Ok(turn) => turn,
+        Err(refusal) => return Err(refuse_after_body(request, refusal).await),
+    };
     let read = to_bytes(request.into_body(), MAX_CHUNK_BYTES).await;
     let bytes = read.map_err(|error| Refusal::BadRequest(format!("no whole piece: {error}")))?;
     app.metrics.parcel_bytes.add(bytes.len() as u64);
-    Ok(bytes)
+    Ok((bytes, turn))
 }
 
 type PutHead = (SculptureId, ContentHash, u64, u64);
@@ -225,7 +239,8 @@ async fn take_heartbeat(
     bytes: Bytes,
 ) -> Answer {
     let beat = read_message(Heartbeat::from_bytes(&bytes))?;
-    let answer = app.run(move |app| app.booth.take_heartbeat(&device, &beat, booth_time())).await?;
+    let answer =
+        app.run_small(move |app| app.booth.take_heartbeat(&device, &beat, booth_time())).await?;
     app.metrics.heartbeats.add(1);
     Ok(bytes_answer(StatusCode::OK, &answer.to_bytes()))
 }
@@ -309,7 +324,7 @@ impl IntoResponse for RefusalAnswer {
         let RefusalAnswer(refusal) = self;
         let status = refusal.status();
         // What store and disk say is for the log.
-        let text = if status >= 500 {
+        let text = if refusal.is_failure() {
             warn!(%refusal, "a request failed");
             "the booth can't now; its log says why\n".to_owned()
         } else {

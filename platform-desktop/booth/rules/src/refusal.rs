@@ -34,6 +34,11 @@ pub enum Refusal {
         /// Seconds.
         retry_after: u32,
     },
+    /// All that may wait here waits: again after so many seconds.
+    Overloaded {
+        /// Seconds.
+        retry_after: u32,
+    },
     /// The database failed.
     Store(StoreError),
     /// The disk failed.
@@ -53,15 +58,23 @@ impl Refusal {
             Refusal::TooLarge { .. } => 413,
             Refusal::Undecodable(_) => 422,
             Refusal::Busy { .. } => 429,
-            Refusal::Store(_) | Refusal::Files(_) => 503,
+            Refusal::Overloaded { .. } | Refusal::Store(_) | Refusal::Files(_) => 503,
         }
+    }
+
+    /// Whether store or disk failed: what they say is for the log alone.
+    #[must_use]
+    pub const fn is_failure(&self) -> bool {
+        matches!(self, Refusal::Store(_) | Refusal::Files(_))
     }
 
     /// Seconds after which it is worth to ask again, where it is.
     #[must_use]
     pub const fn retry_after(&self) -> Option<u32> {
         match self {
-            Refusal::Busy { retry_after, .. } => Some(*retry_after),
+            Refusal::Busy { retry_after, .. } | Refusal::Overloaded { retry_after } => {
+                Some(*retry_after)
+            }
             Refusal::Store(_) | Refusal::Files(_) => Some(5),
             _ => None,
         }
@@ -92,6 +105,9 @@ impl fmt::Display for Refusal {
             Refusal::Undecodable(why) => write!(f, "no sculpture: {why}"),
             Refusal::Busy { what, retry_after } => {
                 write!(f, "too many {what}; again in {retry_after} s")
+            }
+            Refusal::Overloaded { retry_after } => {
+                write!(f, "the booth is busy; again in {retry_after} s")
             }
             Refusal::Store(error) => write!(f, "{error}"),
             Refusal::Files(error) => write!(f, "the booth's files: {error}"),

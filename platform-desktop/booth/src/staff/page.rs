@@ -41,7 +41,7 @@ impl IntoResponse for StaffAnswer {
         let StaffAnswer(texts, refusal) = self;
         let status = StatusCode::from_u16(refusal.status());
         let status = status.unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
-        let why = if status.is_server_error() {
+        let why = if refusal.is_failure() {
             warn!(%refusal, "a page failed");
             "the booth can't now; its log says why".to_owned()
         } else {

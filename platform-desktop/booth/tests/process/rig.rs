@@ -10,6 +10,7 @@ use std::time::Duration;
 
 use paros_booth_rules::hash_of;
 use paros_core::outbox::messages::*;
+use tokio_rustls::rustls::client::Resumption;
 use tokio_rustls::rustls::crypto::ring::default_provider;
 use tokio_rustls::rustls::pki_types::{CertificateDer, ServerName, pem::PemObject as _};
 use tokio_rustls::rustls::{ClientConfig, ClientConnection, RootCertStore, StreamOwned};
@@ -168,11 +169,13 @@ impl Client {
     fn new(address: SocketAddr, ca: CertificateDer<'static>) -> Self {
         let mut roots = RootCertStore::empty();
         roots.add(ca).expect("a certificate");
-        let config = ClientConfig::builder_with_provider(default_provider().into())
+        let mut config = ClientConfig::builder_with_provider(default_provider().into())
             .with_safe_default_protocol_versions()
             .expect("TLS 1.3")
             .with_root_certificates(roots)
             .with_no_client_auth();
+        // A session that goes on tells nothing of the certificate that is shown now.
+        config.resumption = Resumption::disabled();
         Client { address, config: Arc::new(config) }
     }
 
@@ -323,7 +326,8 @@ impl Headset {
         }
     }
 
-    fn verify(&self, parcel: &Parcel, bytes: &[u8]) -> SignedReceipt {
+    /// The receipt of a parcel, checked by the site's key.
+    pub(crate) fn verify(&self, parcel: &Parcel, bytes: &[u8]) -> SignedReceipt {
         let signed = SignedReceipt::from_bytes(bytes).expect("a message");
         let key = ed25519_dalek::VerifyingKey::from_bytes(&self.receipt_key.0).expect("a key");
         let signature = ed25519_dalek::Signature::from_bytes(&signed.signature);
