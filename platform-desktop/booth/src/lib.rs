@@ -9,6 +9,7 @@ mod commands;
 mod disk_files;
 mod error;
 mod exporter;
+mod folder_lock;
 mod gate;
 mod keys;
 mod mesh_check;

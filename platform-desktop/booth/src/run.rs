@@ -16,6 +16,7 @@ use crate::app::{App, OpenBooth, WORK_THREADS};
 use crate::clock::booth_time;
 use crate::error::Error;
 use crate::exporter::ExportWorker;
+use crate::folder_lock::FolderLock;
 use crate::keys::{local_names, primary_address};
 use crate::options::ServeOptions;
 use crate::random::random_bytes;
@@ -35,6 +36,7 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     let _ = rayon::ThreadPoolBuilder::new().num_threads(1).build_global();
     let plan = BoothPlan { retention_days: options.keep_days, ..BoothPlan::default() };
     let quota = u64::from(options.quota_gb) * 1_000_000_000;
+    let _lock = FolderLock::take(&options.folder.folder)?;
     let open = OpenBooth::open(&options.folder.folder, plan, quota)?;
     let names = local_names(options.listen.ip(), &options.name);
     let tls = TlsAcceptor::from(Arc::new(open.keys.tls_config(&names)?));

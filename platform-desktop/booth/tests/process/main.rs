@@ -5,5 +5,6 @@ mod enrolment;
 mod kills;
 mod parcels;
 mod rig;
+mod running;
 mod staff;
 mod uploads;

@@ -1,0 +1,38 @@
+//! One process serves a folder: two would each count bytes, memory and logins without the other.
+
+use std::fs::{File, OpenOptions};
+use std::path::Path;
+
+use paros_shell::durable;
+use rustix::fs::{FlockOperation, flock};
+use rustix::io::Errno;
+
+use crate::error::Error;
+
+/// A folder that this process serves alone. The kernel frees it with the process, however that ends.
+#[derive(Debug)]
+pub(crate) struct FolderLock {
+    // Held for its drop.
+    _file: File,
+}
+
+impl FolderLock {
+    /// Takes a folder, which is made where there is none.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where another process serves it; or what the disk says.
+    pub(crate) fn take(folder: &Path) -> Result<Self, Error> {
+        durable::make_folder(folder).map_err(|error| Error::at(folder, error))?;
+        let path = folder.join("lock");
+        let file = OpenOptions::new().write(true).create(true).truncate(false).open(&path);
+        let file = file.map_err(|error| Error::at(&path, error))?;
+        match flock(&file, FlockOperation::NonBlockingLockExclusive) {
+            Ok(()) => Ok(FolderLock { _file: file }),
+            Err(Errno::WOULDBLOCK) => {
+                let why = "another booth runs in this folder; end it first, or name another";
+                Err(Error::Input(format!("{}: {why}", folder.display())))
+            }
+            Err(error) => Err(Error::at(&path, error)),
+        }
+    }
+}
