@@ -3,21 +3,16 @@
 
 use std::fs::{self, DirBuilder, File, OpenOptions};
 use std::io::{self, Write as _};
-use std::net::IpAddr;
 use std::os::unix::fs::{DirBuilderExt as _, OpenOptionsExt as _};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, SystemTime};
 
 use paros_booth_rules::{SiteKeys, hash_of};
 use paros_core::outbox::messages::SiteId;
 use rcgen::{
-    BasicConstraints, CertificateParams, DnType, ExtendedKeyUsagePurpose, IsCa, Issuer, KeyPair,
-    KeyUsagePurpose, PKCS_ECDSA_P256_SHA256, date_time_ymd,
+    BasicConstraints, CertificateParams, DnType, IsCa, KeyPair, KeyUsagePurpose,
+    PKCS_ECDSA_P256_SHA256, date_time_ymd,
 };
-use tokio_rustls::rustls::crypto::ring::default_provider;
-use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer, pem::PemObject as _};
-use tokio_rustls::rustls::version::TLS13;
-use tokio_rustls::rustls::{ServerConfig, sign::CertifiedKey};
+use tokio_rustls::rustls::pki_types::{CertificateDer, pem::PemObject as _};
 
 use crate::error::Error;
 use crate::random::random_bytes;
@@ -28,16 +23,14 @@ const SECRETS_MAGIC: [u8; 8] = *b"PBSITE\0\x01";
 /// A site's name, the seed of its receipts' key, the secret of its links.
 const SECRETS_BYTES: usize = 8 + 16 + 32 + 32;
 
-/// How long a leaf is valid. Each start makes one; browsers of tablets take none that is valid for longer than 825 days.
-const LEAF_LIFE: Duration = Duration::from_secs(800 * 86_400);
-
 /// The keys of a site.
 pub(crate) struct BoothKeys {
     /// For decisions.
     pub site: SiteKeys,
     /// The certificate authority's certificate, in PEM.
     pub ca_pem: String,
-    ca_key: KeyPair,
+    /// What it signs by.
+    pub ca_key: KeyPair,
 }
 
 impl BoothKeys {
@@ -57,62 +50,10 @@ impl BoothKeys {
         }
         load(&folder)
     }
-
-    /// TLS by a new leaf for these names and addresses.
-    ///
-    /// # Errors
-    /// A name that is none, or what the libraries say.
-    pub(crate) fn tls_config(&self, names: &[String]) -> Result<ServerConfig, Error> {
-        let fail = |why: &dyn std::fmt::Display| Error::failure("certificate", why);
-        let leaf_key = KeyPair::generate_for(&PKCS_ECDSA_P256_SHA256).map_err(|e| fail(&e))?;
-        let mut params = CertificateParams::new(names).map_err(|e| fail(&e))?;
-        params.distinguished_name = Default::default();
-        params.distinguished_name.push(DnType::CommonName, "Paros booth");
-        params.not_before = date_time_ymd(2020, 1, 1);
-        let age = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-        params.not_after = date_time_ymd(1970, 1, 1) + (age + LEAF_LIFE);
-        params.is_ca = IsCa::ExplicitNoCa;
-        params.key_usages = vec![KeyUsagePurpose::DigitalSignature];
-        params.extended_key_usages = vec![ExtendedKeyUsagePurpose::ServerAuth];
-        params.use_authority_key_identifier_extension = true;
-        let issuer = Issuer::new(ca_params(&self.site.site), &self.ca_key);
-        let leaf = params.signed_by(&leaf_key, &issuer).map_err(|e| fail(&e))?;
-        let ca = CertificateDer::from_pem_slice(self.ca_pem.as_bytes()).map_err(|e| fail(&e))?;
-        let key = PrivateKeyDer::try_from(leaf_key.serialize_der()).map_err(|e| fail(&e))?;
-        let provider = default_provider();
-        // The authority goes along: who enrols by hand takes it from here, and compares its hash.
-        let chain = vec![leaf.der().clone(), ca];
-        CertifiedKey::from_der(chain.clone(), key.clone_key(), &provider).map_err(|e| fail(&e))?;
-        let mut config = ServerConfig::builder_with_provider(provider.into())
-            .with_protocol_versions(&[&TLS13])
-            .and_then(|config| config.with_no_client_auth().with_single_cert(chain, key))
-            .map_err(|e| fail(&e))?;
-        config.alpn_protocols = vec![b"http/1.1".to_vec()];
-        Ok(config)
-    }
 }
 
-/// The names and addresses by which this machine may be asked.
-#[must_use]
-pub(crate) fn local_names(listen: IpAddr, others: &[String]) -> Vec<String> {
-    let mut names = vec!["localhost".to_owned(), "127.0.0.1".to_owned(), "::1".to_owned()];
-    let address = if listen.is_unspecified() { primary_address() } else { Some(listen) };
-    names.extend(address.map(|address| address.to_string()));
-    names.extend(others.iter().cloned());
-    names.dedup();
-    names
-}
-
-/// The address from which this machine would go to others. Nothing is sent.
-#[must_use]
-pub(crate) fn primary_address() -> Option<IpAddr> {
-    let socket = std::net::UdpSocket::bind("0.0.0.0:0").ok()?;
-    // A network that is reserved for documents: any would do.
-    socket.connect("192.0.2.1:9").ok()?;
-    socket.local_addr().ok().map(|address| address.ip())
-}
-
-fn ca_params(site: &SiteId) -> CertificateParams {
+/// What a site's authority says of itself.
+pub(crate) fn ca_params(site: &SiteId) -> CertificateParams {
     let mut params = CertificateParams::default();
     params.distinguished_name = Default::default();
     // Each site's is another, so that a tablet may know several.

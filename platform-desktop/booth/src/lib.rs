@@ -12,6 +12,7 @@ mod exporter;
 mod folder_lock;
 mod gate;
 mod keys;
+mod leaf;
 mod mesh_check;
 mod metrics;
 mod migrations;

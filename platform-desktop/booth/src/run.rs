@@ -3,12 +3,12 @@
 use std::io::{self, Write as _};
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
-use paros_booth_rules::BoothPlan;
+use paros_booth_rules::{Booth, BoothPlan};
 use paros_shell::durable::take_storage_warnings;
 use tokio::net::TcpListener;
-use tokio::signal::unix::{SignalKind, signal};
+use tokio::signal::unix::{Signal, SignalKind, signal};
 use tokio_rustls::TlsAcceptor;
 use tracing::{info, warn};
 
@@ -17,7 +17,7 @@ use crate::clock::booth_time;
 use crate::error::Error;
 use crate::exporter::ExportWorker;
 use crate::folder_lock::FolderLock;
-use crate::keys::{local_names, primary_address};
+use crate::leaf::{LeafKeeper, local_names, primary_address};
 use crate::options::ServeOptions;
 use crate::random::random_bytes;
 use crate::server::serve;
@@ -25,6 +25,9 @@ use crate::staff::LoginGate;
 
 /// How often what is past its time is deleted.
 const SWEEP_EVERY: Duration = Duration::from_secs(300);
+
+/// How often the certificate's age and the machine's addresses are looked at.
+const LOOK_AT_LEAF_EVERY: Duration = Duration::from_secs(86_400);
 
 /// Serves until the program is told to end by SIGTERM or SIGINT.
 ///
@@ -38,10 +41,9 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     let quota = u64::from(options.quota_gb) * 1_000_000_000;
     let _lock = FolderLock::take(&options.folder.folder)?;
     let open = OpenBooth::open(&options.folder.folder, plan, quota)?;
-    let names = local_names(options.listen.ip(), &options.name);
-    let tls = TlsAcceptor::from(Arc::new(open.keys.tls_config(&names)?));
+    let names = LeafNames { listen: options.listen.ip(), others: options.name.clone() };
     let worker = ExportWorker::start(open.booth.clone());
-    let first_code = draw_first_code(&open)?;
+    let first_code = draw_first_code(&open.booth)?;
     let logins = LoginGate::new(first_code.clone());
     let app = Arc::new(App::new(open.booth, open.files, worker.waker(), logins));
     let runtime = tokio::runtime::Builder::new_multi_thread()
@@ -50,12 +52,17 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
         .build()
         .map_err(|error| Error::failure("threads", error))?;
     let fingerprint = open.keys.site.ca_hash;
+    let leaf = LeafKeeper::new(open.keys, names.now(), SystemTime::now())?;
+    let tls = TlsAcceptor::from(Arc::new(leaf.tls_config()?));
     let served = runtime.block_on(async {
         let listener = TcpListener::bind(options.listen).await;
         let listener = listener.map_err(|error| Error::failure(options.listen, error))?;
         let listen = listener.local_addr().map_err(|error| Error::failure("socket", error))?;
         let end = end_of_program()?;
+        let hangup = signal(SignalKind::hangup());
+        let hangup = hangup.map_err(|error| Error::failure("signals", error))?;
         tell_address(listen, &fingerprint.to_string(), first_code.as_deref());
+        tokio::spawn(keep_leaf(leaf, names, hangup));
         tokio::spawn(sweep_now_and_then(app.clone()));
         serve(app.clone(), listener, tls, end).await;
         Ok(())
@@ -82,8 +89,8 @@ fn tell_address(listen: SocketAddr, fingerprint: &str, first_code: Option<&str>)
 }
 
 /// The code that the first account has to bring, as long as there is none. It isn't logged.
-fn draw_first_code(open: &OpenBooth) -> Result<Option<String>, Error> {
-    if open.booth.has_accounts()? {
+fn draw_first_code(booth: &Booth) -> Result<Option<String>, Error> {
+    if booth.has_accounts()? {
         return Ok(None);
     }
     let bits = random_bytes::<6>().map_err(|error| Error::failure("random bits", error))?;
@@ -104,6 +111,35 @@ fn end_of_program() -> Result<impl Future<Output = ()>, Error> {
         }
         info!("told to end");
     })
+}
+
+/// By which names and addresses the booth is asked.
+struct LeafNames {
+    listen: IpAddr,
+    others: Vec<String>,
+}
+
+impl LeafNames {
+    fn now(&self) -> Vec<String> {
+        local_names(self.listen, &self.others)
+    }
+}
+
+/// Looks after the certificate: every day, and when it is told to by SIGHUP, which makes a new one.
+async fn keep_leaf(leaf: Arc<LeafKeeper>, names: LeafNames, mut hangup: Signal) {
+    loop {
+        let renewed = tokio::select! {
+            () = tokio::time::sleep(LOOK_AT_LEAF_EVERY) => {
+                leaf.renew_if_due(&names.now(), SystemTime::now())
+            }
+            _ = hangup.recv() => leaf.renew(&names.now(), SystemTime::now()).map(|()| true),
+        };
+        match renewed {
+            Ok(true) => info!("a new certificate"),
+            Ok(false) => {}
+            Err(error) => warn!(%error, "no new certificate; the one that there is stays"),
+        }
+    }
 }
 
 async fn sweep_now_and_then(app: Arc<App>) {

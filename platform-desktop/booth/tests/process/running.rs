@@ -1,8 +1,11 @@
 //! What a booth is told, and who else may run, while it serves.
 
 use std::process::{Command, Output};
+use std::time::{Duration, Instant};
 
-use crate::rig::BoothFolder;
+use tokio_rustls::rustls::pki_types::CertificateDer;
+
+use crate::rig::{BoothFolder, Client, read_answer, write_request};
 
 /// Tries to serve a folder that is served.
 fn start_second(folder: &BoothFolder) -> Output {
@@ -30,4 +33,33 @@ fn a_second_one_in_a_folder_is_refused_until_the_first_has_ended() {
     booth.wait();
     let booth = folder.start();
     assert_eq!(booth.client.get("/healthz").status, 200);
+}
+
+/// The certificate of a new connection.
+fn leaf(client: &Client) -> CertificateDer<'static> {
+    let mut stream = client.connect().expect("a connection");
+    write_request(&mut stream, "GET", "/healthz", &[], &[]).expect("it is open");
+    assert_eq!(read_answer(&mut stream).expect("an answer").status, 200);
+    stream.conn.peer_certificates().expect("TLS")[0].clone().into_owned()
+}
+
+#[test]
+fn a_new_certificate_is_shown_without_a_restart() {
+    let folder = BoothFolder::new("leaf");
+    let booth = folder.start();
+    let client = &booth.client;
+    let mut stays = client.connect().expect("a connection");
+    write_request(&mut stays, "GET", "/healthz", &[], &[]).expect("it is open");
+    read_answer(&mut stays).expect("an answer");
+    let first = leaf(client);
+    assert_eq!(leaf(client), first, "one for all");
+    let told = Command::new("kill").args(["-HUP", &booth.id().to_string()]).status();
+    assert!(told.expect("kill").success());
+    let start = Instant::now();
+    while leaf(client) == first {
+        assert!(start.elapsed() < Duration::from_secs(30), "the old one is shown still");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    write_request(&mut stays, "GET", "/healthz", &[], &[]).expect("it is open still");
+    assert_eq!(read_answer(&mut stays).expect("an answer").status, 200);
 }
