@@ -14,7 +14,7 @@ use paros_booth_rules::limits::MAX_CHUNK_BYTES;
 use tokio::time::{Sleep, sleep};
 
 /// A body that has to be there within a time.
-pub(crate) struct TimedBody {
+struct TimedBody {
     body: Body,
     longest: Duration,
     /// From when on it is too late, once somebody reads it.
@@ -22,13 +22,11 @@ pub(crate) struct TimedBody {
     is_late: Arc<AtomicBool>,
 }
 
-impl TimedBody {
-    /// Of a body, and whether it came too late.
-    pub(crate) fn new(body: Body, longest: Duration) -> (Body, Arc<AtomicBool>) {
-        let is_late = Arc::new(AtomicBool::new(false));
-        let timed = TimedBody { body, longest, deadline: None, is_late: is_late.clone() };
-        (Body::new(timed), is_late)
-    }
+/// A body that has so long from when it is first read; and whether it came too late.
+pub(crate) fn bound_body(body: Body, longest: Duration) -> (Body, Arc<AtomicBool>) {
+    let is_late = Arc::new(AtomicBool::new(false));
+    let timed = TimedBody { body, longest, deadline: None, is_late: is_late.clone() };
+    (Body::new(timed), is_late)
 }
 
 impl HttpBody for TimedBody {

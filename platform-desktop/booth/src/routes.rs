@@ -23,7 +23,7 @@ use tokio::sync::OwnedSemaphorePermit;
 use tracing::{info, warn};
 
 use crate::app::App;
-use crate::body::{TimedBody, pass_over};
+use crate::body::{bound_body, pass_over};
 use crate::clock::booth_time;
 use crate::parcel_decode::check_parcel;
 use crate::random::random_bytes;
@@ -71,7 +71,7 @@ async fn bound_and_count(State(app): State<Arc<App>>, request: Request, next: Ne
         RefusalAnswer(Refusal::TooLarge { what: "bytes of a request", most }).into_response()
     } else {
         let (head, body) = request.into_parts();
-        let (body, is_late) = TimedBody::new(body, BODY_TIMEOUT);
+        let (body, is_late) = bound_body(body, BODY_TIMEOUT);
         let answer = next.run(Request::from_parts(head, body)).await;
         match is_late.load(Ordering::Relaxed) {
             true => (StatusCode::REQUEST_TIMEOUT, "the request took too long\n").into_response(),
