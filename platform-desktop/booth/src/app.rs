@@ -9,7 +9,6 @@ use paros_booth_rules::{Booth, BoothPlan, Refusal};
 
 use crate::disk_files::DiskFiles;
 use crate::error::Error;
-use crate::exporter::ExportWaker;
 use crate::gate::Gate;
 use crate::keys::BoothKeys;
 use crate::metrics::Metrics;
@@ -17,6 +16,7 @@ use crate::places::Places;
 use crate::rate::RateLimiter;
 use crate::sqlite_store::SqliteStore;
 use crate::staff::LoginGate;
+use crate::worker::Waker;
 
 /// Heartbeats and tokens that are at the store at once. They have places of their own: each takes a moment, and
 /// doesn't wait behind pieces of parcels that are synced to the disk.
@@ -54,7 +54,9 @@ pub(crate) struct App {
     /// What is counted.
     pub metrics: Metrics,
     /// Tells the exporter of work.
-    pub export_waker: ExportWaker,
+    pub export_waker: Waker,
+    /// Tells the mailer of work, where mails are sent.
+    pub mail_waker: Option<Waker>,
     pub(crate) logins: LoginGate,
     pub(crate) of_device: RateLimiter<u32>,
     pub(crate) of_stranger: RateLimiter<IpAddr>,
@@ -98,7 +100,7 @@ impl App {
     pub(crate) fn new(
         booth: Booth,
         files: Arc<DiskFiles>,
-        export_waker: ExportWaker,
+        (export_waker, mail_waker): (Waker, Option<Waker>),
         logins: LoginGate,
     ) -> Self {
         App {
@@ -106,6 +108,7 @@ impl App {
             files,
             metrics: Metrics::default(),
             export_waker,
+            mail_waker,
             logins,
             // A mesh of 5 MB comes in 20 pieces.
             of_device: RateLimiter::new(200, 50.0),

@@ -1,9 +1,5 @@
 //! The thread that makes each sculpture's mesh anew, one after the other, and compares it with the headset's.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use paros_booth_rules::records::{ExportState, Sculpture};
@@ -28,88 +24,17 @@ const MAX_EXPORT_TIME: Duration = Duration::from_secs(60);
 /// How often the thread looks for work that nobody told it of, as what was left by a start before.
 const LOOK_AGAIN: Duration = Duration::from_secs(30);
 
-/// The thread; it ends when this is dropped.
-pub(crate) struct ExportWorker {
-    wake: SyncSender<()>,
-    is_over: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
-}
-
-/// What wakes the thread.
-#[derive(Clone)]
-pub(crate) struct ExportWaker(SyncSender<()>);
-
-impl ExportWorker {
-    /// Starts the thread.
-    #[must_use]
-    pub(crate) fn start(booth: Booth) -> Self {
-        let (wake, woken) = sync_channel(1);
-        let is_over = Arc::new(AtomicBool::new(false));
-        let pause = Pause { woken, is_over: is_over.clone() };
-        let thread = Some(thread::spawn(move || run(&booth, &pause)));
-        ExportWorker { wake, is_over, thread }
-    }
-
-    /// What tells the thread that there is work.
-    #[must_use]
-    pub(crate) fn waker(&self) -> ExportWaker {
-        ExportWaker(self.wake.clone())
-    }
-}
-
-impl ExportWaker {
-    /// Tells the thread that there is work.
-    pub(crate) fn wake(&self) {
-        // Full, it is about to look; closed, nobody waits for it.
-        let _ = self.0.try_send(());
-    }
-}
-
-impl Drop for ExportWorker {
-    fn drop(&mut self) {
-        self.is_over.store(true, Ordering::Relaxed);
-        // Full, it is about to look.
-        let _ = self.wake.try_send(());
-        if let Some(thread) = self.thread.take() {
-            // A panic of it was printed.
-            let _ = thread.join();
-        }
-    }
-}
-
-/// What the thread waits at.
-struct Pause {
-    woken: Receiver<()>,
-    is_over: Arc<AtomicBool>,
-}
-
-impl Pause {
-    /// Waits until the thread is woken; false where it is to end.
-    fn goes_on_after(&self, timeout: Duration) -> bool {
-        // Woken or not, it looks again.
-        let _ = self.woken.recv_timeout(timeout);
-        !self.is_over.load(Ordering::Relaxed)
-    }
-}
-
-fn run(booth: &Booth, pause: &Pause) {
-    loop {
-        let wait = match booth.next_export().and_then(|next| {
-            let Some(sculpture) = next else { return Ok(false) };
-            compare(booth, &sculpture).map(|()| true)
-        }) {
-            Ok(true) => Duration::ZERO,
-            Ok(false) => LOOK_AGAIN,
-            Err(error) => {
-                // Disk and database may be well again later.
-                warn!(%error, "a mesh could not be compared");
-                LOOK_AGAIN
-            }
-        };
-        if !pause.goes_on_after(wait) {
-            return;
-        }
-    }
+/// Compares the next mesh, if there is one. Returns for how long there is nothing to do.
+pub(crate) fn export_next(booth: &Booth) -> Duration {
+    let compared = booth.next_export().and_then(|next| {
+        let Some(sculpture) = next else { return Ok(LOOK_AGAIN) };
+        compare(booth, &sculpture).map(|()| Duration::ZERO)
+    });
+    compared.unwrap_or_else(|error| {
+        // Disk and database may be well again later.
+        warn!(%error, "a mesh could not be compared");
+        LOOK_AGAIN
+    })
 }
 
 fn compare(booth: &Booth, sculpture: &Sculpture) -> Result<(), Refusal> {

@@ -6,7 +6,7 @@ use rusqlite::{Connection, TransactionBehavior};
 use crate::sqlite_store::store_error;
 
 /// From version k to k + 1.
-const STEPS: [&str; 1] = [include_str!("schema/001.sql")];
+const STEPS: [&str; 2] = [include_str!("schema/001.sql"), include_str!("schema/002.sql")];
 
 /// Brings a database to this program's version.
 ///

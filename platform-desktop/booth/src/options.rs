@@ -6,6 +6,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use paros_booth_rules::BoothPlan;
 
+use crate::mailer::MailOptions;
+
 /// Keeps what headsets send, and lets staff find it by its badge.
 #[derive(Debug, Parser)]
 #[command(name = "paros-booth", version, args_conflicts_with_subcommands = true)]
@@ -41,6 +43,9 @@ pub struct ServeOptions {
     #[arg(long, value_name = "GB", default_value_t = 20,
         value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub quota_gb: u32,
+    /// How mails go.
+    #[command(flatten)]
+    pub mail: MailOptions,
 }
 
 /// Where everything is kept.

@@ -15,13 +15,15 @@ use tracing::{info, warn};
 use crate::app::{App, OpenBooth, WORK_THREADS};
 use crate::clock::booth_time;
 use crate::error::Error;
-use crate::exporter::ExportWorker;
+use crate::exporter::export_next;
 use crate::folder_lock::FolderLock;
 use crate::leaf::{LeafKeeper, local_names, primary_address};
+use crate::mailer::Mailer;
 use crate::options::ServeOptions;
 use crate::random::random_bytes;
 use crate::server::serve;
 use crate::staff::LoginGate;
+use crate::worker::Worker;
 
 /// How often what is past its time is deleted.
 const SWEEP_EVERY: Duration = Duration::from_secs(300);
@@ -37,15 +39,20 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     start_log(options.json);
     // Pictures are drawn on one thread, beside all that is more urgent. A pool that is there already stays.
     let _ = rayon::ThreadPoolBuilder::new().num_threads(1).build_global();
+    let mailer = Mailer::new(&options.mail)?;
     let plan = BoothPlan { retention_days: options.keep_days, ..BoothPlan::default() };
     let quota = u64::from(options.quota_gb) * 1_000_000_000;
     let _lock = FolderLock::take(&options.folder.folder)?;
     let open = OpenBooth::open(&options.folder.folder, plan, quota)?;
     let names = LeafNames { listen: options.listen.ip(), others: options.name.clone() };
-    let worker = ExportWorker::start(open.booth.clone());
+    let of_exports = open.booth.clone();
+    let exports = Worker::start(move || export_next(&of_exports));
+    let of_mails = open.booth.clone();
+    let mails = mailer.map(|mailer| Worker::start(move || mailer.send_next(&of_mails)));
+    let wakers = (exports.waker(), mails.as_ref().map(Worker::waker));
     let first_code = draw_first_code(&open.booth)?;
     let logins = LoginGate::new(first_code.clone());
-    let app = Arc::new(App::new(open.booth, open.files, worker.waker(), logins));
+    let app = Arc::new(App::new(open.booth, open.files, wakers, logins));
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()
         .max_blocking_threads(WORK_THREADS)
@@ -67,10 +74,10 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
         serve(app.clone(), listener, tls, end).await;
         Ok(())
     });
-    // Its threads end with what they do; the app goes with them, and then the exporter can end.
+    // Its threads end with what they do; the app goes with them, and then its workers can end.
     runtime.shutdown_timeout(Duration::from_secs(10));
     drop(app);
-    drop(worker);
+    drop((exports, mails));
     info!("ended");
     served
 }

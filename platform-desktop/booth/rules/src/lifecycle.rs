@@ -9,6 +9,7 @@ use crate::audit::{Subject, note};
 use crate::booth::{Booth, Tx};
 use crate::find::NO_SCULPTURE;
 use crate::limits::{OPEN_PARCEL_LIFE, SWEEP_BATCH};
+use crate::mail::withdraw_mails;
 use crate::parcel_files::{KeptName, KeptPart};
 use crate::records::{Announcement, ExportState, MailOrder, PrintOrder, Sculpture, Tombstone};
 use crate::refusal::Refusal;
@@ -197,6 +198,9 @@ impl Booth {
             // Withdrawn twice, it doesn't stay for longer.
             sculpture.withdrawn_at = withdrawn_at.map(|now| sculpture.withdrawn_at.unwrap_or(now));
             tx.put(&sculpture)?;
+            if withdrawn_at.is_some() {
+                withdraw_mails(tx, &id.0)?;
+            }
             let action = if withdrawn_at.is_some() { "withdraw" } else { "bring back" };
             Ok(note(tx, now, Some(account), action, subject_of(&sculpture))?)
         })
@@ -306,12 +310,16 @@ fn is_withdrawn_too_long(sculpture: &Sculpture, days: u16, now: BoothTime) -> bo
     sculpture.withdrawn_at.is_some_and(|withdrawn_at| withdrawn_at < days_before(now, days))
 }
 
-fn get_kept(tx: &mut Tx<'_>, id: &SculptureId, now: BoothTime) -> Result<Sculpture, Refusal> {
+pub(crate) fn get_kept(
+    tx: &mut Tx<'_>,
+    id: &SculptureId,
+    now: BoothTime,
+) -> Result<Sculpture, Refusal> {
     let found: Option<Sculpture> = tx.get(&[id.0.to_value()])?;
     found.filter(|found| found.keep_day >= now.day()).ok_or(NO_SCULPTURE)
 }
 
-fn subject_of(sculpture: &Sculpture) -> Subject {
+pub(crate) fn subject_of(sculpture: &Sculpture) -> Subject {
     Subject {
         headset: Some(sculpture.headset),
         sculpture: Some(sculpture.id),

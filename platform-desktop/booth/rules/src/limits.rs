@@ -41,6 +41,18 @@ pub const MAX_ANNOUNCED: u64 = 1500;
 /// Sculptures that a list shows at once.
 pub const MAX_LISTED: usize = 200;
 
+/// Mails of a sculpture: a family's, and a mistake or two.
+pub const MAX_MAILS_OF_ONE: u64 = 8;
+
+/// How long it is from the first try of a mail to the second; then twice that, and so on.
+pub const MIN_RETRY_WAIT: Duration = Duration::from_secs(60);
+
+/// The longest time between two tries of a mail.
+pub const MAX_RETRY_WAIT: Duration = Duration::from_secs(3600);
+
+/// Tries of a mail: some three days, as a booth may be without the Internet for a weekend.
+pub const MAX_MAIL_TRIES: u32 = 80;
+
 /// Records that a sweep deals with in one transaction, so that requests find a gap between two.
 pub const SWEEP_BATCH: usize = 64;
 

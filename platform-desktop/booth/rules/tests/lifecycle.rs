@@ -47,6 +47,7 @@ fn what_is_deleted_leaves_a_tombstone_until_the_horizon() {
         state: MailState::Queued,
         tries: 0,
         next_try_at: START,
+        why: String::new(),
     };
     update(rig.store.as_ref(), |tx| tx.put(&order)).unwrap();
     rig.booth.delete(&parcel.id, "ana", START).unwrap();

@@ -2,6 +2,7 @@
 
 mod headsets;
 mod login;
+mod mails;
 mod page;
 mod sculptures;
 mod svg;
@@ -44,6 +45,8 @@ pub(crate) fn router(app: &Arc<App>) -> Router<Arc<App>> {
         .route("/staff/sculptures/{id}", get(sculptures::show))
         .route("/staff/sculptures/{id}/picture.png", get(sculptures::send_picture))
         .route("/staff/sculptures/{id}/model.stl", get(sculptures::send_stl))
+        .route("/staff/sculptures/{id}/model.3mf", get(sculptures::send_3mf))
+        .route("/staff/sculptures/{id}/mail", post(mails::ask_mail))
         .route("/staff/sculptures/{id}/{action}", post(sculptures::change))
         .route("/staff/headsets", get(headsets::show_headsets))
         .route("/staff/headsets/{number}/{command}", post(headsets::ask_command))

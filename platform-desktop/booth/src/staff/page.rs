@@ -104,12 +104,16 @@ pub(crate) fn page(
     Html(markup.into_string()).into_response()
 }
 
+/// What each form of a login has to bring, as its hidden field has it.
+pub(crate) fn form_token(login: &LoggedIn) -> String {
+    login.form_token.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 /// A button that does something, as a form of this login.
 pub(crate) fn action_button(login: &LoggedIn, action: &str, text: &str, class: &str) -> Markup {
-    let token: String = login.form_token.iter().map(|byte| format!("{byte:02x}")).collect();
     html! {
         form method="post" action=(action) {
-            input type="hidden" name="form" value=(token);
+            input type="hidden" name="form" value=(form_token(login));
             button class=(class) { (text) }
         }
     }

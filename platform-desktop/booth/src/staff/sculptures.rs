@@ -14,12 +14,14 @@ use paros_booth_rules::{
 use paros_core::badge::{Badge, BadgeColour, BadgeNumber, Pictogram};
 use paros_core::outbox::messages::SculptureId;
 
+use super::mails::mails_of;
 use super::page::{Fields, StaffAnswer, action_button, page};
 use super::svg::{draw_badge, draw_colour, draw_pictogram};
 use super::texts::Texts;
 use crate::app::App;
 use crate::clock::booth_time;
 use crate::exporter::make_stl;
+use crate::threemf::write_3mf;
 
 /// Sculptures of a list.
 const LISTED: usize = 60;
@@ -131,11 +133,18 @@ pub(crate) async fn show(
 ) -> Answer {
     let texts = Texts::of_request(&headers);
     let found = find_sculpture(&app, &id).await.map_err(|refusal| StaffAnswer(texts, refusal))?;
-    let at = format!("/staff/sculptures/{}", SculptureId(found.id));
+    let id = SculptureId(found.id);
+    let mails = app.run(move |app| app.booth.list_mails(&id)).await;
+    let mails = mails.map_err(|refusal| StaffAnswer(texts, refusal))?;
+    let at = format!("/staff/sculptures/{id}");
     let is_admin = login.check_admin().is_ok();
     let body = html! {
         div class="card" { (sculpture_facts(texts, &found)) }
-        p class="actions" { a class="button" href={ (at) "/model.stl" } { (texts.download) } }
+        p class="actions" {
+            a class="button" href={ (at) "/model.stl" } { (texts.download) " STL" } " "
+            a class="button" href={ (at) "/model.3mf" } { (texts.download) " 3MF" }
+        }
+        (mails_of(texts, &login, &found, &mails, app.mail_waker.is_some()))
         div class="actions" {
             @if found.withdrawn_at.is_none() {
                 (action_button(&login, &format!("{at}/withdraw"), texts.withdraw, ""))
@@ -176,20 +185,32 @@ pub(crate) async fn send_picture(
 }
 
 /// `GET /staff/sculptures/{id}/model.stl`.
-pub(crate) async fn send_stl(
+pub(crate) async fn send_stl(app: State<Arc<App>>, headers: HeaderMap, id: Path<String>) -> Answer {
+    send_model(app, headers, id, "stl", Ok).await
+}
+
+/// `GET /staff/sculptures/{id}/model.3mf`.
+pub(crate) async fn send_3mf(app: State<Arc<App>>, headers: HeaderMap, id: Path<String>) -> Answer {
+    send_model(app, headers, id, "3mf", |stl| write_3mf(&stl)).await
+}
+
+async fn send_model(
     State(app): State<Arc<App>>,
     headers: HeaderMap,
     Path(id): Path<String>,
+    format: &str,
+    convert: fn(Vec<u8>) -> Result<Vec<u8>, String>,
 ) -> Answer {
     let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
     let found = find_sculpture(&app, &id).await.map_err(fail)?;
-    let name = format!("attachment; filename=\"paros-{}.stl\"", SculptureId(found.id));
-    let stl = app.run_decode(move |app| {
-        make_stl(&app.booth.read_kept(&found)?).map_err(Refusal::Undecodable)
+    let name = format!("attachment; filename=\"paros-{}.{format}\"", SculptureId(found.id));
+    let kind = format!("model/{format}");
+    let model = app.run_decode(move |app| {
+        make_stl(&app.booth.read_kept(&found)?).and_then(convert).map_err(Refusal::Undecodable)
     });
-    let stl = stl.await.map_err(fail)?;
-    let kind = [(header::CONTENT_TYPE, "model/stl"), (header::CONTENT_DISPOSITION, name.as_str())];
-    Ok((kind, Body::from(stl)).into_response())
+    let model = model.await.map_err(fail)?;
+    let head = [(header::CONTENT_TYPE, kind), (header::CONTENT_DISPOSITION, name)];
+    Ok((head, Body::from(model)).into_response())
 }
 
 /// `POST /staff/sculptures/{id}/{action}`.

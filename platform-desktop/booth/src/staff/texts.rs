@@ -1,7 +1,7 @@
 //! What the staff page says, in two languages.
 
 use axum::http::{HeaderMap, header};
-use paros_booth_rules::records::{BadgeClaim, CommandState, ExportState};
+use paros_booth_rules::records::{BadgeClaim, CommandState, ExportState, MailState};
 use paros_core::badge::BadgeLanguage;
 use paros_core::outbox::messages::CommandKind;
 
@@ -48,12 +48,18 @@ pub(crate) struct Texts {
     pub(crate) accept_as: &'static str,
     pub(crate) decline: &'static str,
     pub(crate) minutes: &'static str,
+    pub(crate) address: &'static str,
+    pub(crate) address_of_parent: &'static str,
+    pub(crate) address_is_deleted: &'static str,
+    pub(crate) send_mail: &'static str,
+    pub(crate) next_try: &'static str,
     pub(crate) other_language: &'static str,
     pub(crate) other_code: &'static str,
     commands: [&'static str; 5],
     command_states: [&'static str; 5],
     exports: [&'static str; 4],
     claims: [&'static str; 3],
+    mail_states: [&'static str; 3],
 }
 
 impl Texts {
@@ -71,6 +77,10 @@ impl Texts {
 
     pub(crate) const fn claim(&self, claim: BadgeClaim) -> &'static str {
         self.claims[claim as usize]
+    }
+
+    pub(crate) const fn mail_state(&self, state: MailState) -> &'static str {
+        self.mail_states[state as usize]
     }
 
     /// Those of the language that a browser was set to, or asks for first.
@@ -107,7 +117,7 @@ const ENGLISH: Texts = Texts {
     no_badge: "without a badge",
     headset: "Headset",
     received: "Received",
-    download: "Download STL",
+    download: "Download",
     withdraw: "Withdraw",
     bring_back: "Bring back",
     delete: "Delete",
@@ -125,12 +135,18 @@ const ENGLISH: Texts = Texts {
     accept_as: "Yes, it is headset",
     decline: "No",
     minutes: "min",
+    address: "Visitor's e-mail address",
+    address_of_parent: "E-mail address of a parent: the visitor is under age",
+    address_is_deleted: "The address is deleted as soon as the mail is sent.",
+    send_mail: "Send by e-mail",
+    next_try: "again at",
     other_language: "Ελληνικά",
     other_code: "el",
     commands: ["Which one is it?", "A minute more", "End", "Recentre", "Reset"],
     command_states: ["waiting", "sent", "done", "expired", "refused"],
     exports: ["mesh not compared yet", "mesh is the headset's", "mesh differs", "no mesh"],
     claims: ["", "others may have this badge", "badge is disputed"],
+    mail_states: ["mail waiting", "mail sent", "mail failed"],
 };
 
 const GREEK: Texts = Texts {
@@ -157,7 +173,7 @@ const GREEK: Texts = Texts {
     no_badge: "χωρίς σήμα",
     headset: "Συσκευή",
     received: "Ελήφθη",
-    download: "Λήψη STL",
+    download: "Λήψη",
     withdraw: "Απόσυρση",
     bring_back: "Επαναφορά",
     delete: "Διαγραφή",
@@ -175,10 +191,16 @@ const GREEK: Texts = Texts {
     accept_as: "Ναι, είναι η συσκευή",
     decline: "Όχι",
     minutes: "λεπτά",
+    address: "E-mail του επισκέπτη",
+    address_of_parent: "E-mail γονέα: ο επισκέπτης είναι ανήλικος",
+    address_is_deleted: "Η διεύθυνση διαγράφεται μόλις σταλεί το μήνυμα.",
+    send_mail: "Αποστολή με e-mail",
+    next_try: "ξανά στις",
     other_language: "English",
     other_code: "en",
     commands: ["Ποια είναι;", "Ένα λεπτό ακόμη", "Τέλος", "Κεντράρισμα", "Επανεκκίνηση"],
     command_states: ["περιμένει", "στάλθηκε", "έγινε", "έληξε", "δεν γίνεται"],
     exports: ["το πλέγμα δεν συγκρίθηκε", "ίδιο πλέγμα", "άλλο πλέγμα", "χωρίς πλέγμα"],
     claims: ["", "ίσως και άλλοι έχουν αυτό το σήμα", "αμφισβητούμενο σήμα"],
+    mail_states: ["το μήνυμα περιμένει", "το μήνυμα στάλθηκε", "το μήνυμα απέτυχε"],
 };

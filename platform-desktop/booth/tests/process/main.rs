@@ -3,8 +3,10 @@
 mod attacks;
 mod enrolment;
 mod kills;
+mod mail;
 mod parcels;
 mod rig;
 mod running;
+mod smtp_sink;
 mod staff;
 mod uploads;

@@ -8,21 +8,21 @@ use paros_core::outbox::messages::*;
 use crate::rig::{Answer, BoothFolder, Client, Headset, Parcel, figure, heartbeat};
 
 /// A browser that is logged in.
-struct Browser<'a> {
-    client: &'a Client,
-    cookie: String,
+pub(crate) struct Browser<'a> {
+    pub(crate) client: &'a Client,
+    pub(crate) cookie: String,
 }
 
 impl<'a> Browser<'a> {
     /// Makes the first account, and is logged in by that.
-    fn first(client: &'a Client, code: &str) -> Self {
+    pub(crate) fn first(client: &'a Client, code: &str) -> Self {
         let form = format!("code={code}&name=ana&password=correct+horse+battery");
         let answer = post_form(client, "/staff/first", "", &form);
         assert_eq!(answer.status, 303, "{answer:?}");
         Browser { client, cookie: cookie_of(&answer) }
     }
 
-    fn get(&self, path: &str) -> Answer {
+    pub(crate) fn get(&self, path: &str) -> Answer {
         self.client.ask("GET", path, &[("Cookie", self.cookie.clone())], &[]).expect("an answer")
     }
 
@@ -36,7 +36,7 @@ impl<'a> Browser<'a> {
     }
 }
 
-fn post_form(client: &Client, path: &str, cookie: &str, form: &str) -> Answer {
+pub(crate) fn post_form(client: &Client, path: &str, cookie: &str, form: &str) -> Answer {
     let kind = ("Content-Type", "application/x-www-form-urlencoded".to_owned());
     let headers = [kind, ("Cookie", cookie.to_owned())];
     client.ask("POST", path, &headers, form.as_bytes()).expect("an answer")

@@ -75,6 +75,8 @@ record! {
         pub tries: u32,
         /// When it is tried next.
         pub next_try_at: BoothTime,
+        /// What came of the last try, if it wasn't taken.
+        pub why: String,
     }
 }
 

@@ -1,0 +1,208 @@
+//! Sculptures that visitors want by e-mail: an order each, tried until a server took it. An address is kept no longer
+//! than until then, or until the order has failed; it is in no log and no audit.
+
+use std::time::Duration;
+
+use paros_core::badge::BadgeLanguage;
+use paros_core::outbox::messages::{SculptureId, UploadFacts};
+
+use crate::audit::note;
+use crate::booth::{Booth, Tx};
+use crate::find::NO_SCULPTURE;
+use crate::lifecycle::{get_kept, subject_of};
+use crate::limits::{MAX_MAIL_TRIES, MAX_MAILS_OF_ONE, MAX_RETRY_WAIT, MIN_RETRY_WAIT};
+use crate::records::{MailOrder, MailState, Sculpture};
+use crate::refusal::Refusal;
+use crate::store::{Order, Query, StoreError};
+use crate::time::BoothTime;
+use crate::value::Field as _;
+
+/// A mail whose time it is.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct MailJob {
+    /// The order's number.
+    pub order: u64,
+    /// Where to.
+    pub address: String,
+    /// In which language.
+    pub language: BadgeLanguage,
+    /// What to send.
+    pub sculpture: Sculpture,
+}
+
+/// What came of a try. What is said of it names no address.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum MailOutcome {
+    /// The server took it.
+    Accepted,
+    /// It may go another time.
+    Later(String),
+    /// It won't ever go.
+    Refused(String),
+}
+
+impl Booth {
+    /// Notes that somebody wants a sculpture by e-mail, in the language of its visit. `order` is random bits.
+    ///
+    /// # Errors
+    /// [`Refusal::BadRequest`] where the address is none, [`Refusal::NotFound`] where the sculpture isn't shown,
+    /// [`Refusal::Conflict`] where it has as many orders as it may; or those of the store.
+    pub fn ask_mail(
+        &self,
+        id: &SculptureId,
+        address: &str,
+        order: u64,
+        account: &str,
+        now: BoothTime,
+    ) -> Result<(), Refusal> {
+        let address = address.trim();
+        if !is_address(address) {
+            return Err(Refusal::BadRequest(
+                "expected an e-mail address, as ana@example.org".into(),
+            ));
+        }
+        self.update(|tx| {
+            let sculpture = get_kept(tx, id, now)?;
+            if sculpture.withdrawn_at.is_some() {
+                return Err(NO_SCULPTURE);
+            }
+            let key = [order.to_value()];
+            let is_full = tx.count_rows(&orders_of(&id.0))? >= MAX_MAILS_OF_ONE;
+            if is_full || tx.get::<MailOrder>(&key)?.is_some() {
+                return Err(Refusal::Conflict("as many mails of this sculpture as may be"));
+            }
+            let facts = UploadFacts::from_bytes(&sculpture.facts);
+            let is_greek = facts.is_ok_and(|facts| &facts.language == b"el");
+            let language = if is_greek { BadgeLanguage::Greek } else { BadgeLanguage::English };
+            tx.put(&MailOrder {
+                order,
+                sculpture: id.0,
+                address: Some(address.to_owned()),
+                language: language as u8,
+                asked_at: now,
+                state: MailState::Queued,
+                tries: 0,
+                next_try_at: now,
+                why: String::new(),
+            })?;
+            Ok(note(tx, now, Some(account), "mail", subject_of(&sculpture))?)
+        })
+    }
+
+    /// The mails of a sculpture, the newest first.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn list_mails(&self, id: &SculptureId) -> Result<Vec<MailOrder>, Refusal> {
+        self.view(|tx| tx.find(&orders_of(&id.0).ordered("asked_at", Order::Descending)))
+    }
+
+    /// The mail that is due for longest. Those whose sculpture isn't shown any more fail.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn next_mail(&self, now: BoothTime) -> Result<Option<MailJob>, Refusal> {
+        let due = Query::all::<MailOrder>()
+            .equal("state", &MailState::Queued)
+            .below("next_try_at", &BoothTime(now.0.saturating_add(1)))
+            .ordered("next_try_at", Order::Ascending);
+        loop {
+            let Some(order) = self.view(|tx| tx.find_first::<MailOrder>(due.clone()))? else {
+                return Ok(None);
+            };
+            let id = SculptureId(order.sculpture);
+            let sculpture = match self.find_sculpture(&id, now) {
+                Ok(sculpture) => Some(sculpture).filter(|found| found.withdrawn_at.is_none()),
+                Err(Refusal::NotFound(_)) => None,
+                Err(refusal) => return Err(refusal),
+            };
+            if let (Some(sculpture), Some(address)) = (sculpture, order.address) {
+                let is_greek = order.language == BadgeLanguage::Greek as u8;
+                let language = if is_greek { BadgeLanguage::Greek } else { BadgeLanguage::English };
+                return Ok(Some(MailJob { order: order.order, address, language, sculpture }));
+            }
+            self.note_mail(order.order, &MailOutcome::Refused(WITHDRAWN.into()), now)?;
+        }
+    }
+
+    /// Notes what came of a mail; nothing where its order is gone or over meanwhile.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn note_mail(
+        &self,
+        order: u64,
+        outcome: &MailOutcome,
+        now: BoothTime,
+    ) -> Result<(), Refusal> {
+        self.update(|tx| {
+            let found: Option<MailOrder> = tx.get(&[order.to_value()])?;
+            let Some(mut order) = found.filter(|order| order.state == MailState::Queued) else {
+                return Ok(());
+            };
+            order.tries += 1;
+            match outcome {
+                MailOutcome::Accepted => end_order(&mut order, MailState::Accepted, ""),
+                MailOutcome::Later(why) if order.tries < MAX_MAIL_TRIES => {
+                    order.next_try_at = now.after(retry_wait(order.tries));
+                    order.why.clone_from(why);
+                }
+                MailOutcome::Later(why) | MailOutcome::Refused(why) => {
+                    end_order(&mut order, MailState::Failed, why);
+                }
+            }
+            Ok(tx.put(&order)?)
+        })
+    }
+}
+
+/// Said of a mail whose sculpture isn't shown any more.
+const WITHDRAWN: &str = "the sculpture was withdrawn";
+
+/// Ends what is still to be sent of a sculpture, as its visitor wants it hidden.
+pub(crate) fn withdraw_mails(tx: &mut Tx<'_>, sculpture: &[u8; 16]) -> Result<(), StoreError> {
+    for mut order in tx.find::<MailOrder>(&orders_of(sculpture))? {
+        if order.state == MailState::Queued {
+            end_order(&mut order, MailState::Failed, WITHDRAWN);
+            tx.put(&order)?;
+        }
+    }
+    Ok(())
+}
+
+fn orders_of(sculpture: &[u8; 16]) -> Query {
+    Query::all::<MailOrder>().equal("sculpture", sculpture)
+}
+
+/// An order that is over has no address.
+fn end_order(order: &mut MailOrder, state: MailState, why: &str) {
+    order.state = state;
+    order.address = None;
+    order.why = why.to_owned();
+}
+
+/// How long it is until the next try, after so many.
+fn retry_wait(tries: u32) -> Duration {
+    let doubled = MIN_RETRY_WAIT.saturating_mul(1 << (tries - 1).min(16));
+    doubled.min(MAX_RETRY_WAIT)
+}
+
+/// Whether it has the form of an address: letters that need no quotes, and a domain of several labels.
+fn is_address(text: &str) -> bool {
+    let Some((local, domain)) = text.rsplit_once('@') else { return false };
+    let is_local =
+        |letter: u8| letter.is_ascii_alphanumeric() || b"!#$%&'*+-/=?^_`{|}~".contains(&letter);
+    let is_label = |label: &str| {
+        let is_plain = label.bytes().all(|letter| letter.is_ascii_alphanumeric() || letter == b'-');
+        (1..=63).contains(&label.len())
+            && is_plain
+            && !label.starts_with('-')
+            && !label.ends_with('-')
+    };
+    let is_atom = |atom: &str| !atom.is_empty() && atom.bytes().all(is_local);
+    text.len() <= 254
+        && local.len() <= 64
+        && local.split('.').all(is_atom)
+        && domain.contains('.')
+        && domain.split('.').all(is_label)
+}

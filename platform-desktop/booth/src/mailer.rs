@@ -1,0 +1,234 @@
+//! The thread that sends mails, one after the other, to the server that the booth was told of.
+
+use std::fs;
+use std::net::IpAddr;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, ValueEnum};
+use lettre::message::header::ContentType;
+use lettre::message::{Attachment, Mailbox, MultiPart, SinglePart};
+use lettre::transport::smtp::authentication::Credentials;
+use lettre::transport::smtp::client::{Certificate, CertificateStore, Tls, TlsParameters};
+use lettre::transport::smtp::extension::ClientId;
+use lettre::{Address, Message, SmtpTransport, Transport as _};
+use paros_booth_rules::records::ExportState;
+use paros_booth_rules::{Booth, MailJob, MailOutcome, Refusal};
+use paros_core::badge::{BadgeLanguage, BadgeNumber, write_words};
+use tracing::{info, warn};
+
+use crate::clock::booth_time;
+use crate::error::Error;
+use crate::exporter::make_stl;
+use crate::threemf::write_3mf;
+
+/// Bytes of a model that goes by mail: most servers take no more, in the letters that a mail is made of.
+const MAX_MODEL_BYTES: usize = 10_000_000;
+
+/// How long a server may be silent.
+const SMTP_TIMEOUT: Duration = Duration::from_secs(20);
+
+/// How often the thread looks for mails whose time has come.
+const LOOK_AGAIN: Duration = Duration::from_secs(15);
+
+/// How mails go. Without a server none can be asked for.
+#[derive(Clone, Debug, Args)]
+pub struct MailOptions {
+    /// The server that takes mails.
+    #[arg(long, value_name = "HOST:PORT", requires = "mail_from")]
+    pub smtp: Option<String>,
+    /// How to speak with it. Unencrypted to this machine alone.
+    #[arg(long, value_name = "HOW", default_value = "starttls")]
+    pub smtp_tls: SmtpTls,
+    /// As whom to log in there.
+    #[arg(long, value_name = "NAME", requires_all = ["smtp", "smtp_password_file"])]
+    pub smtp_user: Option<String>,
+    /// A file with the password in its first line.
+    #[arg(long, value_name = "FILE", requires = "smtp_user")]
+    pub smtp_password_file: Option<PathBuf>,
+    /// A certificate authority in PEM that the server is checked by, instead of the system's.
+    #[arg(long, value_name = "FILE", requires = "smtp")]
+    pub smtp_ca: Option<PathBuf>,
+    /// From whom mails are.
+    #[arg(long, value_name = "ADDRESS", requires = "smtp")]
+    pub mail_from: Option<Address>,
+}
+
+/// How to speak with a mail server.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
+pub enum SmtpTls {
+    /// TLS after a first word (usually port 587).
+    Starttls,
+    /// TLS from the first byte (usually port 465).
+    Tls,
+    /// Without.
+    None,
+}
+
+/// Where mails go, and from whom.
+pub(crate) struct Mailer {
+    transport: SmtpTransport,
+    from: Mailbox,
+}
+
+impl Mailer {
+    /// By the options; `None` without a server.
+    ///
+    /// # Errors
+    /// What is wrong with them, or with a file.
+    pub(crate) fn new(options: &MailOptions) -> Result<Option<Self>, Error> {
+        let (Some(server), Some(from)) = (&options.smtp, &options.mail_from) else {
+            return Ok(None);
+        };
+        let bad = |expected: &str| Error::Input(format!("--smtp {server}: expected {expected}"));
+        let (host, port) = server.rsplit_once(':').ok_or_else(|| bad("HOST:PORT"))?;
+        let port: u16 = port.parse().map_err(|_| bad("a port"))?;
+        let host = host.trim_matches(['[', ']']);
+        let tls = match options.smtp_tls {
+            SmtpTls::None if !is_this_machine(host) => {
+                return Err(bad("an address of this machine, or TLS"));
+            }
+            SmtpTls::None => Tls::None,
+            SmtpTls::Starttls => Tls::Required(tls_parameters(host, options)?),
+            SmtpTls::Tls => Tls::Wrapper(tls_parameters(host, options)?),
+        };
+        let mut transport = SmtpTransport::builder_dangerous(host)
+            .port(port)
+            .tls(tls)
+            .timeout(Some(SMTP_TIMEOUT))
+            .hello_name(ClientId::Domain("paros-booth.invalid".into()));
+        if let (Some(user), Some(path)) = (&options.smtp_user, &options.smtp_password_file) {
+            let file = fs::read_to_string(path);
+            let file =
+                file.map_err(|error| Error::Input(format!("{}: {error}", path.display())))?;
+            let password = file.lines().next().unwrap_or_default().to_owned();
+            transport = transport.credentials(Credentials::new(user.clone(), password));
+        }
+        let from = Mailbox::new(Some("Paros".into()), from.clone());
+        Ok(Some(Mailer { transport: transport.build(), from }))
+    }
+
+    /// Sends the next mail, if one is due. Returns for how long there is nothing to do.
+    pub(crate) fn send_next(&self, booth: &Booth) -> Duration {
+        let sent = booth.next_mail(booth_time()).and_then(|job| {
+            let Some(job) = job else { return Ok(LOOK_AGAIN) };
+            let outcome = self.send(booth, &job)?;
+            info!(order = job.order, ?outcome, "mail");
+            booth.note_mail(job.order, &outcome, booth_time())?;
+            Ok(Duration::ZERO)
+        });
+        sent.unwrap_or_else(|error| {
+            // Disk and database may be well again later.
+            warn!(%error, "a mail could not be sent");
+            LOOK_AGAIN
+        })
+    }
+
+    fn send(&self, booth: &Booth, job: &MailJob) -> Result<MailOutcome, Refusal> {
+        if job.sculpture.export == ExportState::Queued {
+            return Ok(MailOutcome::Later("its picture isn't drawn yet".into()));
+        }
+        let picture = booth.read_picture(&job.sculpture)?;
+        let model = make_stl(&booth.read_kept(&job.sculpture)?).and_then(|stl| write_3mf(&stl));
+        let model = match model {
+            Ok(model) if model.len() <= MAX_MODEL_BYTES => model,
+            Ok(_) => return Ok(MailOutcome::Refused("its model is too large for a mail".into())),
+            Err(why) => return Ok(MailOutcome::Refused(why)),
+        };
+        let Some(message) = self.write_message(job, picture, model) else {
+            // Why may name the address.
+            return Ok(MailOutcome::Refused("no mail can be made of it".into()));
+        };
+        Ok(match self.transport.send(&message) {
+            Ok(_) => MailOutcome::Accepted,
+            Err(error) => outcome_of(&error),
+        })
+    }
+
+    fn write_message(
+        &self,
+        job: &MailJob,
+        picture: Option<Vec<u8>>,
+        model: Vec<u8>,
+    ) -> Option<Message> {
+        let to: Address = job.address.parse().ok()?;
+        let (subject, text) = write_text(job);
+        let mut parts = MultiPart::mixed().singlepart(SinglePart::plain(text));
+        if let Some(png) = picture {
+            let kind = ContentType::parse("image/png").ok()?;
+            parts = parts.singlepart(Attachment::new("sculpture.png".into()).body(png, kind));
+        }
+        let kind = ContentType::parse("model/3mf").ok()?;
+        parts = parts.singlepart(Attachment::new("sculpture.3mf".into()).body(model, kind));
+        let message = Message::builder()
+            .from(self.from.clone())
+            .to(Mailbox::new(None, to))
+            .subject(subject)
+            // Sent twice, as after a power cut, it is one mail still.
+            .message_id(Some(format!("<{:016x}@{}>", job.order, self.from.email.domain())))
+            .date_now()
+            .multipart(parts);
+        message.ok()
+    }
+}
+
+/// Whether what is said to a host doesn't leave the machine.
+fn is_this_machine(host: &str) -> bool {
+    host == "localhost" || host.parse().is_ok_and(|address: IpAddr| address.is_loopback())
+}
+
+fn tls_parameters(host: &str, options: &MailOptions) -> Result<TlsParameters, Error> {
+    let mut tls = TlsParameters::builder(host.to_owned());
+    if let Some(path) = &options.smtp_ca {
+        let bad = |why: &dyn std::fmt::Display| Error::Input(format!("{}: {why}", path.display()));
+        let pem = fs::read(path).map_err(|error| bad(&error))?;
+        tls = tls
+            .certificate_store(CertificateStore::None)
+            .add_root_certificate(Certificate::from_pem(&pem).map_err(|error| bad(&error))?);
+    }
+    tls.build_rustls().map_err(|error| Error::failure("mail server", error))
+}
+
+/// What a failure means. What servers say may name the address: of that the code alone is told.
+fn outcome_of(error: &lettre::transport::smtp::Error) -> MailOutcome {
+    let Some(code) = error.status() else {
+        let why = if error.is_timeout() { "was silent" } else { "can't be reached, or TLS failed" };
+        return MailOutcome::Later(format!("the mail server {why}"));
+    };
+    let code = code.to_string();
+    // To log in is the booth's matter, and may be set right.
+    let is_login = ["530", "534", "535", "538"].contains(&code.as_str());
+    let why = format!("the mail server said {code}");
+    if error.is_permanent() && !is_login {
+        MailOutcome::Refused(why)
+    } else {
+        MailOutcome::Later(why)
+    }
+}
+
+/// Subject and text, in the visitor's language.
+fn write_text(job: &MailJob) -> (&'static str, String) {
+    let mut words = String::new();
+    if let Some(badge) = job.sculpture.badge.and_then(BadgeNumber::new) {
+        // Writing to a String doesn't fail.
+        let _ = write_words(&mut words, &badge.badge(), job.language);
+    }
+    match job.language {
+        BadgeLanguage::English => (
+            "Your sculpture",
+            format!(
+                "Hello,\n\nthis is the sculpture that you carved with Paros. Its badge: {words}\n\n\
+                 The .3mf file is what 3D printers' programs open.\n\n\
+                 Your address was kept for this mail alone, and is deleted now.\n"
+            ),
+        ),
+        BadgeLanguage::Greek => (
+            "Το γλυπτό σας",
+            format!(
+                "Γεια σας,\n\nαυτό είναι το γλυπτό που σκαλίσατε με το Paros. Το σήμα του: {words}\n\n\
+                 Το αρχείο .3mf ανοίγει στα προγράμματα των τρισδιάστατων εκτυπωτών.\n\n\
+                 Η διεύθυνσή σας κρατήθηκε μόνο για αυτό το μήνυμα, και τώρα διαγράφεται.\n"
+            ),
+        ),
+    }
+}

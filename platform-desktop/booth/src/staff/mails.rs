@@ -1,0 +1,83 @@
+//! Mails of a sculpture: asked for, and how far they have come.
+
+use std::sync::Arc;
+
+use axum::extract::{Extension, Form, Path, State};
+use axum::http::HeaderMap;
+use axum::response::{IntoResponse, Redirect, Response};
+use maud::{Markup, html};
+use paros_booth_rules::records::{MailOrder, MailState, Sculpture};
+use paros_booth_rules::{LoggedIn, Refusal};
+use paros_core::outbox::messages::{AgeGroup, SculptureId, UploadFacts};
+
+use super::page::{Fields, StaffAnswer, form_token};
+use super::sculptures::utc;
+use super::texts::Texts;
+use crate::app::App;
+use crate::clock::booth_time;
+use crate::random::random_bytes;
+
+/// `POST /staff/sculptures/{id}/mail`.
+pub(crate) async fn ask_mail(
+    State(app): State<Arc<App>>,
+    Extension(login): Extension<LoggedIn>,
+    headers: HeaderMap,
+    Path(id): Path<String>,
+    Form(fields): Form<Fields>,
+) -> Result<Response, StaffAnswer> {
+    let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
+    fields.check(&login).map_err(fail)?;
+    let id = SculptureId::parse_hex(&id).ok_or(fail(Refusal::NotFound("no such sculpture")))?;
+    let Some(waker) = app.mail_waker.clone() else {
+        return Err(fail(Refusal::NotFound("no mail server was set")));
+    };
+    let order = u64::from_le_bytes(random_bytes().map_err(|error| fail(error.into()))?);
+    // A column of SQLite has a sign.
+    let order = order >> 1;
+    let asked = app.run(move |app| {
+        let address = fields.get("address");
+        app.booth.ask_mail(&id, &address, order, &login.account, booth_time())
+    });
+    asked.await.map_err(fail)?;
+    waker.wake();
+    Ok(Redirect::to(&format!("/staff/sculptures/{id}")).into_response())
+}
+
+/// The mails of a sculpture; and a form for one more, where there is a server and it isn't withdrawn.
+pub(crate) fn mails_of(
+    texts: &Texts,
+    login: &LoggedIn,
+    sculpture: &Sculpture,
+    mails: &[MailOrder],
+    has_server: bool,
+) -> Markup {
+    let action = format!("/staff/sculptures/{}/mail", SculptureId(sculpture.id));
+    let facts = UploadFacts::from_bytes(&sculpture.facts);
+    let is_under_age = facts.is_ok_and(|facts| facts.age_group == AgeGroup::UnderAge);
+    html! {
+        @if has_server && sculpture.withdrawn_at.is_none() {
+            form class="narrow" method="post" action=(action) {
+                input type="hidden" name="form" value=(form_token(login));
+                label {
+                    (if is_under_age { texts.address_of_parent } else { texts.address })
+                    input name="address" type="email" autocomplete="off" required maxlength="254";
+                }
+                p { (texts.address_is_deleted) }
+                button { (texts.send_mail) }
+            }
+        }
+        @if !mails.is_empty() {
+            ul {
+                @for mail in mails {
+                    li {
+                        (utc(mail.asked_at)) ": " (texts.mail_state(mail.state))
+                        @if !mail.why.is_empty() { " (" (mail.why) ")" }
+                        @if mail.state == MailState::Queued && mail.tries > 0 {
+                            ", " (texts.next_try) " " (utc(mail.next_try_at))
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
