@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use paros_booth_rules::BoothPlan;
-use paros_core::badge::{BadgeLanguage, Pictogram};
+use paros_core::badge::{Language, Pictogram};
 use paros_core::outbox::messages::EnrolmentToken;
 
 use crate::app::OpenBooth;
@@ -70,7 +70,7 @@ fn list_attempts(folder: &Path) -> Result<String, Error> {
     let mut list = String::new();
     for attempt in open(folder)?.booth.list_attempts(booth_time())? {
         let shown = attempt.pictograms.map(|number| {
-            Pictogram::new(number).map_or("?", |shown| shown.name(BadgeLanguage::English))
+            Pictogram::new(number).map_or("?", |shown| shown.name(Language::English))
         });
         // Writing to a String doesn't fail.
         let _ = write!(list, "{}: {} ({})", attempt.attempt, shown.join(", "), attempt.name);

@@ -14,7 +14,7 @@ use lettre::transport::smtp::extension::ClientId;
 use lettre::{Address, Message, SmtpTransport, Transport as _};
 use paros_booth_rules::records::ExportState;
 use paros_booth_rules::{Booth, MailJob, MailOutcome, Refusal};
-use paros_core::badge::{BadgeLanguage, BadgeNumber, write_words};
+use paros_core::badge::{BadgeNumber, Language, write_words};
 use tracing::{info, warn};
 
 use crate::clock::booth_time;
@@ -214,7 +214,7 @@ fn write_text(job: &MailJob) -> (&'static str, String) {
         let _ = write_words(&mut words, &badge.badge(), job.language);
     }
     match job.language {
-        BadgeLanguage::English => (
+        Language::English => (
             "Your sculpture",
             format!(
                 "Hello,\n\nthis is the sculpture that you carved with Paros. Its badge: {words}\n\n\
@@ -222,7 +222,7 @@ fn write_text(job: &MailJob) -> (&'static str, String) {
                  Your address was kept for this mail alone, and is deleted now.\n"
             ),
         ),
-        BadgeLanguage::Greek => (
+        Language::Greek => (
             "Το γλυπτό σας",
             format!(
                 "Γεια σας,\n\nαυτό είναι το γλυπτό που σκαλίσατε με το Paros. Το σήμα του: {words}\n\n\

@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use paros_core::badge::BadgeLanguage;
+use paros_core::badge::Language;
 use paros_core::outbox::messages::{SculptureId, UploadFacts};
 
 use crate::audit::note;
@@ -25,7 +25,7 @@ pub struct MailJob {
     /// Where to.
     pub address: String,
     /// In which language.
-    pub language: BadgeLanguage,
+    pub language: Language,
     /// What to send.
     pub sculpture: Sculpture,
 }
@@ -73,7 +73,7 @@ impl Booth {
             }
             let facts = UploadFacts::from_bytes(&sculpture.facts);
             let is_greek = facts.is_ok_and(|facts| &facts.language == b"el");
-            let language = if is_greek { BadgeLanguage::Greek } else { BadgeLanguage::English };
+            let language = if is_greek { Language::Greek } else { Language::English };
             tx.put(&MailOrder {
                 order,
                 sculpture: id.0,
@@ -117,8 +117,8 @@ impl Booth {
                 Err(refusal) => return Err(refusal),
             };
             if let (Some(sculpture), Some(address)) = (sculpture, order.address) {
-                let is_greek = order.language == BadgeLanguage::Greek as u8;
-                let language = if is_greek { BadgeLanguage::Greek } else { BadgeLanguage::English };
+                let is_greek = order.language == Language::Greek as u8;
+                let language = if is_greek { Language::Greek } else { Language::English };
                 return Ok(Some(MailJob { order: order.order, address, language, sculpture }));
             }
             self.note_mail(order.order, &MailOutcome::Refused(WITHDRAWN.into()), now)?;

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use paros_core::badge::{Badge, BadgeColour, BadgeLanguage, Pictogram};
+use paros_core::badge::{Badge, BadgeColour, Language, Pictogram};
 
 /// Why words are no badge.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -53,7 +53,7 @@ fn find_meaning(folded: &str) -> Option<Meaning> {
     let all: Vec<Meaning> = colours.chain(Pictogram::all().map(Meaning::Pictogram)).collect();
     let at_distance = |most: usize| {
         let mut near = all.iter().copied().filter(|meaning| {
-            BadgeLanguage::ALL.iter().any(|&language| {
+            Language::ALL.iter().any(|&language| {
                 let name = fold(meaning.name(language));
                 // Short words are too near to others' slips.
                 name == folded
@@ -68,7 +68,7 @@ fn find_meaning(folded: &str) -> Option<Meaning> {
 }
 
 impl Meaning {
-    const fn name(self, language: BadgeLanguage) -> &'static str {
+    const fn name(self, language: Language) -> &'static str {
         match self {
             Meaning::Colour(colour) => colour.name(language),
             Meaning::Pictogram(pictogram) => pictogram.name(language),

@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 use paros_booth_rules::{FoundByBadge, LinkToken, WordsFault, parse_badge_words};
-use paros_core::badge::{Badge, BadgeLanguage, BadgeNumber, write_words};
+use paros_core::badge::{Badge, BadgeNumber, Language, write_words};
 use paros_core::outbox::messages::SculptureId;
 use proptest::prelude::*;
 
@@ -67,7 +67,7 @@ proptest! {
     fn words_are_read_as_they_are_said(number in 0..BadgeNumber::COUNT, greek: bool) {
         let badge = BadgeNumber::new(number).unwrap().badge();
         let mut words = String::new();
-        write_words(&mut words, &badge, BadgeLanguage::ALL[usize::from(greek)]).unwrap();
+        write_words(&mut words, &badge, Language::ALL[usize::from(greek)]).unwrap();
         prop_assert_eq!(parse_badge_words(&words), Ok(badge));
         prop_assert_eq!(parse_badge_words(&words.to_uppercase()), Ok(badge));
     }

@@ -6,7 +6,7 @@ use common::*;
 use paros_booth_rules::limits::{MAX_MAIL_TRIES, MAX_MAILS_OF_ONE, MAX_RETRY_WAIT, MIN_RETRY_WAIT};
 use paros_booth_rules::records::{MailOrder, MailState};
 use paros_booth_rules::{BoothTime, MailOutcome};
-use paros_core::badge::BadgeLanguage;
+use paros_core::badge::Language;
 use paros_core::outbox::messages::*;
 
 const ANA: &str = "ana.p+paros@example.org";
@@ -37,7 +37,7 @@ fn a_mail_is_tried_until_a_server_takes_it_and_then_its_address_is_gone() {
     for tries in 1..12 {
         let job = booth.next_mail(now).unwrap().expect("it is due");
         assert_eq!((job.order, job.address.as_str(), job.sculpture.id), (7, ANA, id.0));
-        assert_eq!(job.language, BadgeLanguage::Greek);
+        assert_eq!(job.language, Language::Greek);
         booth.note_mail(7, &MailOutcome::Later("no answer".into()), now).unwrap();
         let order = rig.mail(&id);
         assert_eq!(

@@ -4,11 +4,11 @@ use std::fmt::Write as _;
 
 use maud::{Markup, PreEscaped, html};
 use paros_core::badge::{
-    Badge, BadgeColour, BadgeLanguage, BadgePart, BadgeShape, Pictogram, write_words,
+    Badge, BadgeColour, BadgePart, BadgeShape, Language, Pictogram, write_words,
 };
 
 /// A badge with its words as its label: its colour with the rim, which tells it without any colour, and its pictograms.
-pub(crate) fn draw_badge(badge: &Badge, language: BadgeLanguage) -> Markup {
+pub(crate) fn draw_badge(badge: &Badge, language: Language) -> Markup {
     let mut words = String::new();
     // Writing to a String doesn't fail.
     let _ = write_words(&mut words, badge, language);

@@ -2,12 +2,12 @@
 
 use axum::http::{HeaderMap, header};
 use paros_booth_rules::records::{BadgeClaim, CommandState, ExportState, MailState};
-use paros_core::badge::BadgeLanguage;
+use paros_core::badge::Language;
 use paros_core::outbox::messages::CommandKind;
 
 /// What the staff page says.
 pub(crate) struct Texts {
-    pub(crate) language: BadgeLanguage,
+    pub(crate) language: Language,
     pub(crate) code: &'static str,
     pub(crate) title: &'static str,
     pub(crate) newest: &'static str,
@@ -94,7 +94,7 @@ impl Texts {
 }
 
 const ENGLISH: Texts = Texts {
-    language: BadgeLanguage::English,
+    language: Language::English,
     code: "en",
     title: "Paros booth",
     newest: "Newest",
@@ -150,7 +150,7 @@ const ENGLISH: Texts = Texts {
 };
 
 const GREEK: Texts = Texts {
-    language: BadgeLanguage::Greek,
+    language: Language::Greek,
     code: "el",
     title: "Περίπτερο Paros",
     newest: "Πρόσφατα",

@@ -4,7 +4,7 @@ use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
 
 use paros_booth_rules::hash_of;
-use paros_core::badge::BadgeLanguage;
+use paros_core::badge::Language;
 use paros_core::outbox::messages::*;
 
 use crate::rig::{BoothFolder, Headset, Parcel};
@@ -31,7 +31,7 @@ fn a_headset_enrols_by_hand_while_staff_compare_pictograms() {
     assert_eq!(revealed.state, EnrolState::Waiting);
     let transcript = enrolment_transcript(&commit, &answer, &reveal);
     let shown = enrolment_pictograms(&hash_of(&transcript));
-    let shown = shown.map(|shown| shown.name(BadgeLanguage::English)).join(", ");
+    let shown = shown.map(|shown| shown.name(Language::English)).join(", ");
     let list = folder.run(&["attempts"]).expect("a list");
     assert_eq!(list, format!("{}: {shown} ({})\n", answer.attempt, commit.name.as_str()));
     let poll = EnrolPoll { attempt: answer.attempt, token_hash };

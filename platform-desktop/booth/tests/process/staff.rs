@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use paros_core::badge::{BadgeLanguage, BadgeNumber, write_words};
+use paros_core::badge::{BadgeNumber, Language, write_words};
 use paros_core::outbox::messages::*;
 
 use crate::rig::{Answer, BoothFolder, Client, Headset, Parcel, figure, heartbeat};
@@ -116,7 +116,7 @@ fn staff_find_download_withdraw_and_delete_a_sculpture() {
     let browser = Browser::first(client, &booth.first_code().expect("a code"));
     let badge = BadgeNumber::new(77).expect("a number").badge();
     let mut words = String::new();
-    write_words(&mut words, &badge, BadgeLanguage::English).expect("text");
+    write_words(&mut words, &badge, Language::English).expect("text");
     assert!(browser.get("/staff").text().contains(&words));
     let asked = words.replace([':', ','], "").replace(' ', "+");
     let found = browser.get(&format!("/staff/find?words={asked}"));

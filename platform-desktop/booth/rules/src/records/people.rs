@@ -65,7 +65,7 @@ record! {
         pub sculpture: [u8; 16],
         /// Where to. Kept no longer than until the mail is accepted.
         pub address: Option<String>,
-        /// In which language, by the number of `BadgeLanguage`.
+        /// In which language, by the number of `Language`.
         pub language: u8,
         /// When it was asked for.
         pub asked_at: BoothTime,
