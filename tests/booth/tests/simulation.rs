@@ -73,6 +73,9 @@ fn run_all(base: u64, is_enough: impl Fn(u64) -> bool + Sync) -> Sums {
     })
 }
 
+/// How many there are at the least where time is the limit, however slow the machine is.
+const LEAST_SEEDS: u64 = 2_000;
+
 #[test]
 fn nothing_is_lost_whatever_happens() {
     if let Some(seed) = setting("PAROS_SEED") {
@@ -84,10 +87,10 @@ fn nothing_is_lost_whatever_happens() {
     let most = setting("PAROS_SEEDS").unwrap_or(if limit.is_some() { u64::MAX } else { 150 });
     let began = Instant::now();
     let is_late = || limit.is_some_and(|limit| began.elapsed() >= limit);
-    let Sums { seeds, receipts, renewed } = run_all(base, |count| count >= most || is_late());
+    let is_done = |count| count >= most || count >= LEAST_SEEDS && is_late();
+    let Sums { seeds, receipts, renewed } = run_all(base, is_done);
     let seconds = began.elapsed().as_secs_f32();
     println!("{seeds} seeds from {base} in {seconds:.1} s: {receipts} receipts, {renewed} new ids");
-    assert!(limit.is_none() || seeds >= 2000, "{seeds} seeds are too few");
     // Otherwise nothing was tried.
     assert!(receipts > seeds && renewed > 0);
 }
