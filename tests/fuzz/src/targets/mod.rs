@@ -9,11 +9,12 @@ mod saves;
 mod settings;
 mod steps;
 mod visits;
+mod words;
 
 use crate::engine::FuzzTarget;
 
 /// All targets.
-pub const ALL: [FuzzTarget; 16] = [
+pub const ALL: [FuzzTarget; 17] = [
     meshes::OBJ,
     meshes::STL,
     meshes::PLY,
@@ -30,4 +31,5 @@ pub const ALL: [FuzzTarget; 16] = [
     outbox::PARCEL,
     visits::LAST_USE,
     steps::STEP,
+    words::WORDS,
 ];

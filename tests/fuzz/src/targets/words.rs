@@ -1,0 +1,59 @@
+//! What staff type or say of a badge: read, or a word that is none is named; written again it is the same badge.
+
+use paros_booth_rules::{WordsFault, parse_badge_words};
+use paros_core::badge::{Badge, BadgeLanguage, BadgeNumber, write_words};
+
+use crate::engine::FuzzTarget;
+
+/// An input is text; what isn't UTF-8 of it is replaced, as a browser's form does.
+pub(super) const WORDS: FuzzTarget = FuzzTarget {
+    name: "words",
+    seeds,
+    words: &[b" and ", b", ", b": ", "\u{301}".as_bytes(), "ς".as_bytes(), b"\xff", b"a"],
+    longest: 400,
+    runs: 4_000,
+    run,
+};
+
+fn seeds() -> Vec<Vec<u8>> {
+    let numbers = [0, 1, 77, 1_000_003].map(|number| BadgeNumber::new(number).expect("a number"));
+    let all = BadgeLanguage::ALL
+        .iter()
+        .flat_map(|language| numbers.map(|number| write(&number.badge(), *language).into_bytes()));
+    all.collect()
+}
+
+fn write(badge: &Badge, language: BadgeLanguage) -> String {
+    let mut words = String::new();
+    write_words(&mut words, badge, language).expect("text");
+    words
+}
+
+fn run(bytes: &[u8]) -> String {
+    let text = String::from_utf8_lossy(bytes);
+    let badge = match parse_badge_words(&text) {
+        Ok(badge) => badge,
+        Err(fault) => {
+            if let WordsFault::UnknownWord(word) = &fault {
+                assert!(text.contains(word.as_str()), "{word:?} isn't in {text:?}");
+            }
+            return match fault {
+                WordsFault::UnknownWord(_) => "unknown word".into(),
+                WordsFault::Colours(count) => format!("{} colours", count > 0),
+                WordsFault::Pictograms(count) => format!("{} pictograms", count.min(6)),
+            };
+        }
+    };
+    for &language in &BadgeLanguage::ALL {
+        assert_eq!(parse_badge_words(&write(&badge, language)), Ok(badge), "{text:?}");
+    }
+    match badge.number() {
+        Ok(_) => "a badge".into(),
+        Err(_) => {
+            for candidate in badge.nearest_candidates() {
+                assert!(candidate.number().is_ok() && candidate != badge, "{candidate:?}");
+            }
+            "a wrong badge".into()
+        }
+    }
+}
