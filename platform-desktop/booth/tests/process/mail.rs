@@ -108,6 +108,25 @@ fn a_mail_that_is_refused_says_why_and_one_that_is_put_off_waits() {
     assert!(!folder.log().contains("example.org"), "{}", folder.log());
 }
 
+/// A server that takes no TLS, as one that somebody put in between, hears no address.
+#[test]
+fn nothing_is_said_without_tls_where_that_was_asked() {
+    let (folder, sink) = (BoothFolder::new("mail-starttls"), SmtpSink::start());
+    let server = sink.address.to_string();
+    let booth = folder.start_with(&["--smtp", &server, "--mail-from", "booth@example.org"]);
+    let client = &booth.client;
+    let at = with_sculpture(client, &folder);
+    let browser = Browser::first(client, &booth.first_code().expect("a code"));
+    assert_eq!(ask(&browser, &at, "nobody@example.org"), 303);
+    let waits = "mail waiting (the mail server can&#39;t be reached, or TLS failed)";
+    let waits = [waits, &waits.replace("&#39;", "'")];
+    wait_until(|| {
+        let page = browser.get(&at);
+        waits.iter().any(|waits| page.text().contains(waits)).then_some(())
+    });
+    assert_eq!((sink.refused().len(), sink.mails().len()), (0, 0));
+}
+
 #[test]
 fn what_is_no_address_goes_nowhere() {
     let (folder, sink) = (BoothFolder::new("mail-hostile"), SmtpSink::start());
