@@ -1,7 +1,7 @@
 //! What staff type or say of a badge: read, or a word that is none is named; written again it is the same badge.
 
 use paros_booth_rules::{WordsFault, parse_badge_words};
-use paros_core::badge::{Badge, BadgeLanguage, BadgeNumber, write_words};
+use paros_core::badge::{Badge, BadgeNumber, Language, write_words};
 
 use crate::engine::FuzzTarget;
 
@@ -17,13 +17,13 @@ pub(super) const WORDS: FuzzTarget = FuzzTarget {
 
 fn seeds() -> Vec<Vec<u8>> {
     let numbers = [0, 1, 77, 1_000_003].map(|number| BadgeNumber::new(number).expect("a number"));
-    let all = BadgeLanguage::ALL
+    let all = Language::ALL
         .iter()
         .flat_map(|language| numbers.map(|number| write(&number.badge(), *language).into_bytes()));
     all.collect()
 }
 
-fn write(badge: &Badge, language: BadgeLanguage) -> String {
+fn write(badge: &Badge, language: Language) -> String {
     let mut words = String::new();
     write_words(&mut words, badge, language).expect("text");
     words
@@ -44,7 +44,7 @@ fn run(bytes: &[u8]) -> String {
             };
         }
     };
-    for &language in &BadgeLanguage::ALL {
+    for &language in &Language::ALL {
         assert_eq!(parse_badge_words(&write(&badge, language)), Ok(badge), "{text:?}");
     }
     match badge.number() {
