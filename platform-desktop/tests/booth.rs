@@ -4,6 +4,14 @@ use std::fs::{self, Permissions};
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// One test after the other: a program that is being written is busy as long as a child that another test started in the
+/// meantime has it open.
+fn take_turn() -> MutexGuard<'static, ()> {
+    static TURN: Mutex<()> = Mutex::new(());
+    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// A folder with a copy of the program.
 fn folder_with_paros(name: &str) -> PathBuf {
@@ -20,6 +28,7 @@ fn booth(folder: &Path, arguments: &[&str]) -> Output {
 
 #[test]
 fn it_names_the_command_where_it_isnt_built() {
+    let _turn = take_turn();
     let folder = folder_with_paros("booth-not-built");
     let output = booth(&folder, &["--json"]);
     assert_eq!(output.status.code(), Some(1));
@@ -29,6 +38,7 @@ fn it_names_the_command_where_it_isnt_built() {
 
 #[test]
 fn it_hands_all_arguments_on_and_ends_as_the_booth_does() {
+    let _turn = take_turn();
     let folder = folder_with_paros("booth-built");
     let stand_in = folder.join("paros-booth");
     fs::write(&stand_in, "#!/bin/sh\nprintf '[%s]' \"$@\"\nexit 7\n").expect("room on the disk");
