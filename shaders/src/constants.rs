@@ -36,7 +36,7 @@ pub const MARCH_FRACTION_BITS: u32 = 16;
 /// each as (offset, slope). This line holds far from the surface, at low density.
 pub const FAST_STEP_FAR: [f32; 2] = [2.6, 16.0];
 /// The line that holds near the surface; see [`FAST_STEP_FAR`].
-pub const FAST_STEP_NEAR: [f32; 2] = [1.8, 2.65];
+pub const FAST_STEP_NEAR: [f32; 2] = [1.75, 2.6];
 /// Distance marched by density between two tries of empty-space skipping, in voxels.
 pub const FAST_SKIP_INTERVAL: f32 = 8.0;
 /// Cubic coefficient, relative to the linear one, of the distance to a plane as a function of its
