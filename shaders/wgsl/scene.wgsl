@@ -30,8 +30,9 @@ struct VertexOutput {
     @location(0) normal: vec3<f32>,
     @location(1) color: vec3<f32>,
     @location(2) sun_position: vec3<f32>,
-    // Ambient occlusion, and the tint's w: emission or opacity.
-    @location(3) ambient_and_glow: vec2<f32>,
+    // Ambient irradiance over pi that arrives, and the tint's w: emission or opacity. Flat faces have one normal, and
+    // on round ones a quadratic of it is as good as linear between vertices.
+    @location(3) ambient_and_glow: vec4<f32>,
     // A place above the surface, in the density texture.
     @location(4) above: vec3<f32>,
 }
@@ -42,12 +43,13 @@ fn vertex(v: VertexInput, @builtin(view_index) view: u32) -> VertexOutput {
     let room = vec3<f32>(dot(v.row_x, p), dot(v.row_y, p), dot(v.row_z, p));
     let n = v.normal.xyz;
     let normal = normalize(vec3<f32>(dot(v.row_x.xyz, n), dot(v.row_y.xyz, n), dot(v.row_z.xyz, n)));
+    let in_grid = (vec4<f32>(normal, 0.0) * frame.room_from_grid).xyz / frame.voxel_size;
     return VertexOutput(
         frame.views[view].clip_from_room * vec4<f32>(room, 1.0),
         normal,
         v.color.xyz * v.tint.xyz,
         (frame.shadow_from_room * vec4<f32>(room + normal * NORMAL_OFFSET, 1.0)).xyz,
-        vec2<f32>(v.color.w, v.tint.w),
+        vec4<f32>(light::ambient_over_pi(in_grid) * v.color.w, v.tint.w),
         density_place(room + normal * (frame.voxel_size * CONTACT_HEIGHT)),
     );
 }
@@ -57,22 +59,19 @@ fn fragment(
     @location(0) normal: vec3<f32>,
     @location(1) color: vec3<f32>,
     @location(2) sun_position: vec3<f32>,
-    @location(3) ambient_and_glow: vec2<f32>,
+    @location(3) ambient_and_glow: vec4<f32>,
     @location(4) above: vec3<f32>,
 ) -> @location(0) vec4<f32> {
-    let contact = contact_openness(above);
-    let n = normalize(normal);
-    let facing = dot(n, frame.sun_in_room);
-    let in_grid = (vec4<f32>(n, 0.0) * frame.room_from_grid).xyz / frame.voxel_size;
-    var irradiance = light::ambient_over_pi(in_grid) * ambient_and_glow.x;
+    let facing = dot(normalize(normal), frame.sun_in_room);
+    var irradiance = ambient_and_glow.xyz;
     if facing > 0.0 {
         irradiance += frame.sun_color * (facing * shadow::soft_visibility(sun_position));
     }
 #ifdef PARTICLES
-    let opacity = ambient_and_glow.y;
+    let opacity = ambient_and_glow.w;
 #else
-    irradiance *= contact;
-    irradiance += ambient_and_glow.y;
+    irradiance *= contact_openness(above);
+    irradiance += ambient_and_glow.w;
     let opacity = 1.0;
 #endif
     return vec4<f32>(light::tone_map(color * irradiance), opacity);
