@@ -38,9 +38,9 @@ pub enum UploadAnswer {
     Receipt(Receipt),
     /// The booth can't take this parcel: it is too large, or not to be read.
     Refused,
-    /// The booth has too much to do.
+    /// The booth has too much to do. It answers, so that this is a wait and no failure.
     Busy {
-        /// Seconds after which it may be asked again.
+        /// Seconds after which it may be asked again; 0 where it doesn't say, which is a failure.
         retry_after_seconds: u32,
     },
     /// Nothing was heard, or nothing that is an answer; or the booth knew the id as another's, and the sculpture was
@@ -131,15 +131,16 @@ impl Outbox {
         match answer {
             UploadAnswer::Receipt(_) => match taken {
                 Ok(()) | Err(OutboxRefusal::WrongState) => self.uploads.failures = 0,
-                Err(_) => self.note_upload_failed(request.id, 0, random),
+                Err(_) => self.note_upload_failed(request.id, random),
             },
             UploadAnswer::Held { bytes } => self.note_held(&request, bytes, random),
             UploadAnswer::Refused => self.note_refused(request.id, random),
-            UploadAnswer::Busy { retry_after_seconds } => {
-                let seconds = retry_after_seconds.min(MAX_RETRY_AFTER_SECONDS);
-                self.note_upload_failed(request.id, u64::from(seconds) * 1000, random);
+            UploadAnswer::Busy { retry_after_seconds: 0 } | UploadAnswer::Failed => {
+                self.note_upload_failed(request.id, random);
             }
-            UploadAnswer::Failed => self.note_upload_failed(request.id, 0, random),
+            UploadAnswer::Busy { retry_after_seconds } => {
+                self.wait_for_busy_booth(retry_after_seconds, random);
+            }
         }
         taken
     }
@@ -152,11 +153,11 @@ impl Outbox {
 
     fn note_held(&mut self, request: &InFlight, bytes: u64, random: u32) {
         let held = u32::try_from(bytes).ok().filter(|&held| held <= request.parcel_bytes);
-        let Some(held) = held else { return self.note_upload_failed(request.id, 0, random) };
+        let Some(held) = held else { return self.note_upload_failed(request.id, random) };
         // It may have been signed for by a late receipt.
         let _ = self.apply(request.id, EntryEvent::PartHeld { held });
         if held <= request.offset {
-            return self.note_upload_failed(request.id, 0, random);
+            return self.note_upload_failed(request.id, random);
         }
         self.uploads.failures = 0;
         if let Ok(entry) = self.find_mut(request.id) {
@@ -179,11 +180,18 @@ impl Outbox {
         }
     }
 
-    fn note_upload_failed(&mut self, id: SculptureId, least_wait_ms: u64, random: u32) {
+    /// The booth is there: nothing has failed, and nothing is sent until it said so. What waits is spread, as others were
+    /// told the same.
+    fn wait_for_busy_booth(&mut self, retry_after_seconds: u32, random: u32) {
+        let asked_ms = u64::from(retry_after_seconds.min(MAX_RETRY_AFTER_SECONDS)) * 1000;
+        let spread_ms = jittered_wait_ms(UPLOAD_WAIT_MS, UPLOAD_WAIT_MS, 1, random);
+        self.uploads.failures = 0;
+        self.uploads.wait_until_ms = self.elapsed_ms.saturating_add(asked_ms + spread_ms);
+    }
+
+    fn note_upload_failed(&mut self, id: SculptureId, random: u32) {
         let failures = self.uploads.failures.saturating_add(1);
         let wait_ms = jittered_wait_ms(UPLOAD_WAIT_MS, MAX_UPLOAD_WAIT_MS, failures, random);
-        // What the booth asked for is spread too.
-        let wait_ms = wait_ms.max(least_wait_ms.saturating_add(wait_ms / 4));
         self.uploads.failures = failures;
         self.uploads.wait_until_ms = self.elapsed_ms.saturating_add(wait_ms);
         if let Ok(entry) = self.find_mut(id) {
@@ -197,7 +205,7 @@ impl Outbox {
         };
         if let Some(request) = self.uploads.in_flight.filter(is_late) {
             self.uploads.in_flight = None;
-            self.note_upload_failed(request.id, 0, random);
+            self.note_upload_failed(request.id, random);
         }
     }
 }

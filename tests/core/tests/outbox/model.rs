@@ -157,6 +157,9 @@ impl Exhibition {
                 return;
             }
         }
+        if matches!(answer, UploadAnswer::Busy { retry_after_seconds: 1.. }) {
+            return;
+        }
         self.model.note_answer(request.id, |sculpture| {
             let held = match answer {
                 UploadAnswer::Held { bytes } => u32::try_from(bytes).ok(),

@@ -131,10 +131,14 @@ fn a_booth_that_is_busy_is_left_alone_as_long_as_it_asks_but_not_for_ever() {
     for (asked, waited) in [(100, 100), (u32::MAX, 600)] {
         let mut outbox = keeping([1]);
         let request = outbox.begin_upload(0).expect("a parcel");
+        answer(&mut outbox, &request, UploadAnswer::Failed);
+        outbox.pass_time(MAX_UPLOAD_WAIT_MS);
+        let request = outbox.begin_upload(0).expect("again");
         answer(&mut outbox, &request, UploadAnswer::Busy { retry_after_seconds: asked });
-        outbox.pass_time(waited * 1000 - 1);
+        assert!(!outbox.is_waiting_for_booth(), "it answers");
+        outbox.pass_time(MAX_UPLOAD_WAIT_MS + waited * 1000 - 1);
         assert_eq!(outbox.begin_upload(0), None);
-        outbox.pass_time(waited * 1000 + 15_000);
+        outbox.pass_time(MAX_UPLOAD_WAIT_MS + waited * 1000 + UPLOAD_WAIT_MS);
         assert!(outbox.begin_upload(0).is_some());
     }
 }
