@@ -12,7 +12,7 @@ use crate::BoothAddress;
 /// Bytes of a body that are read at most: no answer of the booth has more.
 const MAX_BODY_BYTES: u64 = 4096;
 
-const OCTETS: &str = "application/octet-stream";
+pub(crate) const OCTETS: &str = "application/octet-stream";
 
 /// A booth, as one thread asks it.
 pub(crate) struct Booth {
@@ -58,7 +58,7 @@ impl Booth {
     }
 }
 
-fn read_answer(mut response: Response<Body>) -> Result<HttpAnswer, Error> {
+pub(crate) fn read_answer(mut response: Response<Body>) -> Result<HttpAnswer, Error> {
     let status = response.status().as_u16();
     let retry_after = response.headers().get(RETRY_AFTER);
     let retry_after = retry_after.and_then(|value| value.to_str().ok()?.trim().parse().ok());
@@ -67,7 +67,7 @@ fn read_answer(mut response: Response<Body>) -> Result<HttpAnswer, Error> {
 }
 
 /// What an error means for the outbox: nothing was heard, nothing in time, or by somebody else.
-fn fault_of(error: &Error) -> LinkFault {
+pub(crate) fn fault_of(error: &Error) -> LinkFault {
     match error {
         Error::Timeout(_) => LinkFault::TimedOut,
         Error::Tls(_) | Error::Rustls(_) => LinkFault::Untrusted,

@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 mod ask;
+mod enrol;
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -20,6 +21,7 @@ use ureq::Agent;
 use ureq::tls::{Certificate, RootCerts, TlsConfig, TlsProvider};
 
 use ask::Booth;
+pub use enrol::{EnrolHttps, fetch_shown_authority};
 
 /// Where a booth is, and by what it is known.
 #[derive(Clone, Debug)]

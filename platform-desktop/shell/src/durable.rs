@@ -4,14 +4,14 @@
 //! A storage that refuses the last of that, as some of Android's do, keeps its files all the same:
 //! [`take_storage_warnings`].
 
+mod names;
 mod warnings;
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU32, Ordering};
-use std::time::Duration;
 
+use names::{MAX_TEMPORARY_AGE, is_temporary_name, temporary_name};
 pub use warnings::{StorageLimit, StorageWarning, take_storage_warnings};
 
 /// Why a file could not be written. The target is as it was before.
@@ -95,12 +95,24 @@ pub fn remove_stale_temporaries(folder: &Path) {
     }
 }
 
+/// The modes of new files: as the process' mask has it, and its owner's alone.
+const SHARED_MODE: u32 = 0o666;
+const PRIVATE_MODE: u32 = 0o600;
+
 /// Writes a file, whole or not at all.
 ///
 /// # Errors
 /// Those of [`WriteTarget::write_file`].
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     WriteTarget::resolve(path)?.write_file(bytes)
+}
+
+/// Writes a file that nobody but its owner may read (mode 0600), whole or not at all.
+///
+/// # Errors
+/// Those of [`WriteTarget::write_file`].
+pub fn write_private_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    WriteTarget::resolve(path)?.write_temporary_of(PRIVATE_MODE, bytes)?.rename_over_target()
 }
 
 /// Writes several files, each whole or not at all. All are on the disk before the first is renamed,
@@ -233,9 +245,18 @@ impl WriteTarget {
     }
 
     fn write_temporary<'a>(&'a self, bytes: &[u8]) -> Result<TemporaryFile<'a>, WriteError> {
+        self.write_temporary_of(SHARED_MODE, bytes)
+    }
+
+    fn write_temporary_of<'a>(
+        &'a self,
+        mode: u32,
+        bytes: &[u8],
+    ) -> Result<TemporaryFile<'a>, WriteError> {
         let fail = |action| move |source| write_error(&self.path, action, source);
         let temporary = self.file.with_file_name(temporary_name());
         let mut options = OpenOptions::new();
+        set_mode(&mut options, mode);
         let opened = options.write(true).create_new(true).open(&temporary);
         let mut file = opened.map_err(fail("create"))?;
         let temporary = TemporaryFile { target: self, path: Some(temporary) };
@@ -308,26 +329,6 @@ fn ends_in_separator(path: &Path) -> bool {
     path.as_os_str().as_encoded_bytes().last().is_some_and(|&byte| byte == b'/')
 }
 
-/// The age at which a temporary file counts as stale: longer than the slowest disk takes. If a file
-/// still being written were removed, its rename would fail with an error and it would be written again.
-const MAX_TEMPORARY_AGE: Duration = Duration::from_secs(60 * 60);
-
-/// A temporary file name, unique among those of all processes. It is not derived from the target's
-/// name, which may have the greatest length allowed.
-fn temporary_name() -> String {
-    static COUNT: AtomicU32 = AtomicU32::new(0);
-    let number = COUNT.fetch_add(1, Ordering::Relaxed);
-    format!(".paros-{}-{number}.part", std::process::id())
-}
-
-/// Whether [`temporary_name`] makes such names.
-fn is_temporary_name(name: &str) -> bool {
-    let numbers = name.strip_prefix(".paros-").and_then(|rest| rest.strip_suffix(".part"));
-    numbers.and_then(|numbers| numbers.split_once('-')).is_some_and(|(process, number)| {
-        [process, number].iter().all(|number| number.parse::<u32>().is_ok())
-    })
-}
-
 fn parent_folder(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
@@ -340,6 +341,15 @@ fn sync_folder_or_warn(file: &Path) {
         warnings::note(StorageLimit::UnsyncedFolder, folder, refusal);
     }
 }
+
+#[cfg(unix)]
+fn set_mode(options: &mut OpenOptions, mode: u32) {
+    std::os::unix::fs::OpenOptionsExt::mode(options, mode);
+}
+
+/// On other systems files have no modes.
+#[cfg(not(unix))]
+fn set_mode(_options: &mut OpenOptions, _mode: u32) {}
 
 #[cfg(unix)]
 fn sync_folder(folder: &Path) -> io::Result<()> {

@@ -13,6 +13,7 @@
 
 mod answers;
 mod driver;
+pub mod enrolment;
 mod events;
 mod folder;
 mod link;

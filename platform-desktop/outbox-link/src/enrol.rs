@@ -1,0 +1,136 @@
+//! Links to a booth that doesn't know the device yet.
+
+use std::fmt;
+use std::io;
+use std::net::{TcpStream, ToSocketAddrs as _};
+use std::sync::Arc;
+use std::time::Duration;
+
+use paros_shell::outbox::enrolment::EnrolLink;
+use paros_shell::outbox::{HttpAnswer, LinkFault};
+use rustls::client::danger::{HandshakeSignatureValid, ServerCertVerified, ServerCertVerifier};
+use rustls::crypto::{CryptoProvider, ring, verify_tls12_signature, verify_tls13_signature};
+use rustls::pki_types::{CertificateDer, ServerName, UnixTime};
+use rustls::{ClientConfig, ClientConnection, DigitallySignedStruct, Error, SignatureScheme};
+use ureq::Agent;
+use ureq::http::header::CONTENT_TYPE;
+
+use crate::ask::{OCTETS, fault_of, read_answer};
+use crate::make_agent;
+
+/// How long an answer is waited for.
+const TIMEOUT: Duration = Duration::from_secs(10);
+
+/// The port where an address has none.
+const DEFAULT_PORT: u16 = 443;
+
+/// A link that trusts one authority alone.
+pub struct EnrolHttps {
+    agent: Agent,
+    url: String,
+}
+
+impl fmt::Debug for EnrolHttps {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("EnrolHttps").field("url", &self.url).finish_non_exhaustive()
+    }
+}
+
+impl EnrolHttps {
+    /// A link to `url`, `https://HOST:PORT` without a slash at its end, that trusts the authority of the certificate
+    /// `ca` (DER).
+    #[must_use]
+    pub fn open(url: &str, ca: &[u8]) -> Self {
+        EnrolHttps { agent: make_agent(ca, TIMEOUT), url: url.into() }
+    }
+}
+
+impl EnrolLink for EnrolHttps {
+    fn post(&mut self, path: &str, body: &[u8]) -> Result<HttpAnswer, LinkFault> {
+        let request = self.agent.post(format!("{}{path}", self.url)).header(CONTENT_TYPE, OCTETS);
+        request.send(body).and_then(read_answer).map_err(|error| fault_of(&error))
+    }
+}
+
+/// The certificate (DER) of the authority that a booth shows beside its own. Nothing says yet that it is the site's:
+/// that is what the pictograms of an enrolment by hand are for.
+///
+/// # Errors
+/// Where nobody is reached, or who is shows no authority.
+pub fn fetch_shown_authority(url: &str) -> Result<Vec<u8>, LinkFault> {
+    let host = url.strip_prefix("https://").unwrap_or(url);
+    let (name, port) = match host.rsplit_once(':') {
+        Some((name, port)) if !name.ends_with(':') => (name, port.parse().ok()),
+        _ => (host, Some(DEFAULT_PORT)),
+    };
+    let name = name.trim_start_matches('[').trim_end_matches(']').to_owned();
+    let port = port.ok_or(LinkFault::Unreachable)?;
+    let unreachable = |_| LinkFault::Unreachable;
+    let mut addresses = (&name[..], port).to_socket_addrs().map_err(unreachable)?;
+    let name = ServerName::try_from(name.clone()).map_err(|_| LinkFault::Unreachable)?;
+    let connect = |address| TcpStream::connect_timeout(&address, TIMEOUT).ok();
+    let mut stream = addresses.find_map(connect).ok_or(LinkFault::Unreachable)?;
+    stream.set_read_timeout(Some(TIMEOUT)).map_err(unreachable)?;
+    let mut connection =
+        ClientConnection::new(Arc::new(config()?), name).map_err(|_| LinkFault::Untrusted)?;
+    while connection.is_handshaking() {
+        connection.complete_io(&mut stream).map_err(|error| match error.kind() {
+            io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut => LinkFault::TimedOut,
+            _ => LinkFault::Untrusted,
+        })?;
+    }
+    match connection.peer_certificates() {
+        Some([_, .., authority]) => Ok(authority.to_vec()),
+        _ => Err(LinkFault::Untrusted),
+    }
+}
+
+fn config() -> Result<ClientConfig, LinkFault> {
+    let provider = Arc::new(ring::default_provider());
+    let config = ClientConfig::builder_with_provider(provider.clone())
+        .with_safe_default_protocol_versions()
+        .map_err(|_| LinkFault::Untrusted)?
+        .dangerous()
+        .with_custom_certificate_verifier(Arc::new(AnyCertificate(provider)))
+        .with_no_client_auth();
+    Ok(config)
+}
+
+/// Takes any certificate, to look at it. Who shows it must have its key.
+#[derive(Debug)]
+struct AnyCertificate(Arc<CryptoProvider>);
+
+impl ServerCertVerifier for AnyCertificate {
+    fn verify_server_cert(
+        &self,
+        _end_entity: &CertificateDer<'_>,
+        _intermediates: &[CertificateDer<'_>],
+        _server_name: &ServerName<'_>,
+        _ocsp_response: &[u8],
+        _now: UnixTime,
+    ) -> Result<ServerCertVerified, Error> {
+        Ok(ServerCertVerified::assertion())
+    }
+
+    fn verify_tls12_signature(
+        &self,
+        message: &[u8],
+        cert: &CertificateDer<'_>,
+        dss: &DigitallySignedStruct,
+    ) -> Result<HandshakeSignatureValid, Error> {
+        verify_tls12_signature(message, cert, dss, &self.0.signature_verification_algorithms)
+    }
+
+    fn verify_tls13_signature(
+        &self,
+        message: &[u8],
+        cert: &CertificateDer<'_>,
+        dss: &DigitallySignedStruct,
+    ) -> Result<HandshakeSignatureValid, Error> {
+        verify_tls13_signature(message, cert, dss, &self.0.signature_verification_algorithms)
+    }
+
+    fn supported_verify_schemes(&self) -> Vec<SignatureScheme> {
+        self.0.signature_verification_algorithms.supported_schemes()
+    }
+}

@@ -1,0 +1,338 @@
+//! What an enrolment gave, as a shell keeps it: a file of TOML that its owner alone may read.
+
+mod by_fleet;
+mod by_hand;
+mod fleet_file;
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use paros_core::codec::BadBytes;
+use paros_core::outbox::OutboxOwner;
+use paros_core::outbox::messages::{ContentHash, DeviceHint, DeviceName, DeviceToken};
+use paros_core::outbox::messages::{ReceiptKey, SiteId};
+use sha2::{Digest as _, Sha256};
+use toml::de::{DeTable, DeValue};
+
+use super::driver::OutboxEnrolment;
+use super::link::{HttpAnswer, LinkFault};
+use crate::durable::{self, WriteError};
+
+pub use by_fleet::enrol_by_fleet;
+pub use by_hand::{HandEnrolment, HandState};
+pub use fleet_file::FleetFile;
+
+/// The file's name, in the folder of saved sessions unless a setting says otherwise.
+pub const ENROLMENT_FILE_NAME: &str = "enrolment.toml";
+
+/// Bytes that such a file, or a fleet's, has at most: a certificate of an authority takes one or two thousand.
+const MAX_FILE_BYTES: u64 = 64 << 10;
+
+/// What an enrolment gave, and where the booth is.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Enrolment {
+    /// `https://HOST:PORT`, without a slash at its end.
+    pub address: String,
+    /// The certificate of the site's authority, DER.
+    pub ca: Vec<u8>,
+    /// By which the booth knows the device.
+    pub token: Secret,
+    /// By which the booth's receipts are checked.
+    pub receipt_key: ReceiptKey,
+    /// Whose headset it is now.
+    pub owner: OutboxOwner,
+}
+
+/// A token, which compares and is never shown.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct Secret([u8; DeviceToken::BYTES]);
+
+/// A device that wants to enrol.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct NewDevice {
+    /// By which staff find it again once it was wiped.
+    pub hint: DeviceHint,
+    /// What it calls itself.
+    pub name: DeviceName,
+    /// The token that it drew.
+    pub token: Secret,
+}
+
+/// A link to a booth that doesn't know the device yet. It asks and waits.
+pub trait EnrolLink {
+    /// `POST` of a message. The booth must be who its authority says.
+    ///
+    /// # Errors
+    /// Why there is no answer.
+    fn post(&mut self, path: &str, body: &[u8]) -> Result<HttpAnswer, LinkFault>;
+}
+
+/// Why a device isn't enrolled.
+#[derive(Debug)]
+pub enum EnrolError {
+    /// A file: which, where in it, and what was expected.
+    File(String),
+    /// There is no answer.
+    Link(LinkFault),
+    /// The booth answered something else.
+    Refused {
+        /// The status of HTTP.
+        status: u16,
+        /// What it says.
+        why: String,
+    },
+    /// An answer that is none.
+    BadAnswer(BadBytes),
+    /// The booth isn't the one that the fleet's file is of, or its authority isn't the one that it shows.
+    AnotherSite,
+    /// The staff declined, or what was revealed isn't what was committed to.
+    Declined,
+    /// Nobody accepted it in time.
+    Expired,
+    /// The system has no random bits.
+    NoRandomBits,
+    /// It can't be kept.
+    Write(WriteError),
+}
+
+impl Secret {
+    /// The token's bytes.
+    #[must_use]
+    pub const fn token(&self) -> DeviceToken {
+        DeviceToken(self.0)
+    }
+
+    /// Its SHA-256, which is all that the booth keeps of it.
+    #[must_use]
+    pub fn hash(&self) -> ContentHash {
+        ContentHash(Sha256::digest(self.0).into())
+    }
+}
+
+impl fmt::Debug for Secret {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Secret(not shown)")
+    }
+}
+
+impl NewDevice {
+    /// A device with a token that is drawn now. `hint` is what it remembers itself by; `None` for none, which is drawn
+    /// too.
+    ///
+    /// # Errors
+    /// [`EnrolError::NoRandomBits`].
+    pub fn draw(hint: Option<DeviceHint>, name: DeviceName) -> Result<Self, EnrolError> {
+        let hint = match hint {
+            Some(hint) => hint,
+            None => DeviceHint(random_bytes()?),
+        };
+        Ok(NewDevice { hint, name, token: Secret(random_bytes()?) })
+    }
+}
+
+impl Enrolment {
+    /// What the outbox takes of it.
+    #[must_use]
+    pub const fn for_outbox(&self) -> OutboxEnrolment {
+        OutboxEnrolment { owner: self.owner, receipt_key: self.receipt_key }
+    }
+
+    /// Writes it to a file that nobody else may read.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn write(&self, path: &Path) -> Result<(), WriteError> {
+        if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+            durable::make_folder(folder)?;
+        }
+        durable::write_private_file(path, self.to_toml().as_bytes())
+    }
+
+    /// Reads one; `None` where there is no file.
+    ///
+    /// # Errors
+    /// What the file can't be read by, or what is wrong with it: which file, where and what was expected.
+    pub fn read(path: &Path) -> Result<Option<Self>, EnrolError> {
+        let Some(fields) = Fields::read(path)? else { return Ok(None) };
+        let headset = fields.text("headset")?.parse().ok().filter(|&number: &u32| number > 0);
+        let headset = headset.ok_or_else(|| fields.expect("headset", "a number from 1"))?;
+        let ca = parse_hex(fields.text("ca")?).filter(|ca| !ca.is_empty());
+        let token = fields.hex("token", "64 hexadecimal digits", |text| {
+            DeviceToken::parse_hex(text).map(|token| Secret(token.0))
+        });
+        Ok(Some(Enrolment {
+            address: fields.address()?,
+            ca: ca.ok_or_else(|| fields.expect("ca", "a certificate in hexadecimal digits"))?,
+            token: token?,
+            receipt_key: fields.receipt_key()?,
+            owner: OutboxOwner { site: fields.site()?, headset },
+        }))
+    }
+
+    fn to_toml(&self) -> String {
+        let Enrolment { address, ca, token, receipt_key, owner } = self;
+        let ca: String = ca.iter().map(|byte| format!("{byte:02x}")).collect();
+        format!(
+            "# By this the booth knows this device: whoever has it is taken for it.\n\
+             address = \"{address}\"\nsite = \"{}\"\nheadset = {}\nreceipt_key = \"{receipt_key}\"\n\
+             token = \"{}\"\nca = \"{ca}\"\n",
+            owner.site,
+            owner.headset,
+            token.token().reveal()
+        )
+    }
+}
+
+/// Random bytes of the system.
+pub(super) fn random_bytes<const N: usize>() -> Result<[u8; N], EnrolError> {
+    let mut bytes = [0; N];
+    getrandom::fill(&mut bytes).map_err(|_| EnrolError::NoRandomBits)?;
+    Ok(bytes)
+}
+
+/// The body of an answer that is 200.
+fn ask(link: &mut impl EnrolLink, path: &str, body: &[u8]) -> Result<Vec<u8>, EnrolError> {
+    match link.post(path, body).map_err(EnrolError::Link)? {
+        HttpAnswer { status: 200, body, .. } => Ok(body),
+        HttpAnswer { status, body, .. } => {
+            let why = String::from_utf8_lossy(&body).trim().chars().take(200).collect();
+            Err(EnrolError::Refused { status, why })
+        }
+    }
+}
+
+/// The fields of a file: texts, and numbers as they stand there.
+struct Fields<'a> {
+    path: &'a Path,
+    values: BTreeMap<String, String>,
+}
+
+impl<'a> Fields<'a> {
+    /// Reads a file of TOML; `None` where there is none.
+    fn read(path: &'a Path) -> Result<Option<Self>, EnrolError> {
+        let at = |why: &dyn fmt::Display| EnrolError::File(format!("{}: {why}", path.display()));
+        let bytes = match durable::read_regular_file_up_to(path, MAX_FILE_BYTES) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            read => read.map_err(|error| at(&error))?,
+        };
+        let text = String::from_utf8(bytes).map_err(|_| at(&"expected text in UTF-8"))?;
+        let table = DeTable::parse(&text).map_err(|error| {
+            let before = error.span().and_then(|span| text.get(..span.start));
+            let line = before.map_or(1, |before| before.matches('\n').count() + 1);
+            at(&format_args!("line {line}: expected TOML: {}", error.message()))
+        })?;
+        let value = |value: &DeValue<'_>| match value {
+            DeValue::String(text) => Some(text.clone().into_owned()),
+            DeValue::Integer(digits) => Some(digits.as_str().to_owned()),
+            _ => None,
+        };
+        let values = table.get_ref().iter().filter_map(|(key, found)| {
+            Some((key.get_ref().clone().into_owned(), value(found.get_ref())?))
+        });
+        Ok(Some(Fields { path, values: values.collect() }))
+    }
+
+    fn expect(&self, key: &str, expected: &str) -> EnrolError {
+        EnrolError::File(format!("{}: {key}: expected {expected}", self.path.display()))
+    }
+
+    fn text(&self, key: &str) -> Result<&str, EnrolError> {
+        let text = self.values.get(key).map(String::as_str);
+        text.ok_or_else(|| self.expect(key, "a value"))
+    }
+
+    fn hex<T>(
+        &self,
+        key: &str,
+        expected: &str,
+        parse: impl FnOnce(&str) -> Option<T>,
+    ) -> Result<T, EnrolError> {
+        parse(self.text(key)?).ok_or_else(|| self.expect(key, expected))
+    }
+
+    fn address(&self) -> Result<String, EnrolError> {
+        let address = check_address(self.text("address")?);
+        address.ok_or_else(|| self.expect("address", "https:// and an address"))
+    }
+
+    fn site(&self) -> Result<SiteId, EnrolError> {
+        self.hex("site", "32 hexadecimal digits", SiteId::parse_hex)
+    }
+
+    fn receipt_key(&self) -> Result<ReceiptKey, EnrolError> {
+        self.hex("receipt_key", "64 hexadecimal digits", ReceiptKey::parse_hex)
+    }
+}
+
+/// A booth's address without a slash at its end; `None` for what is none.
+#[must_use]
+pub fn check_address(text: &str) -> Option<String> {
+    let host = text.strip_prefix("https://")?.trim_end_matches('/');
+    let is_plain = |letter: char| letter.is_ascii_graphic() && !"\"\\/?#@".contains(letter);
+    (!host.is_empty() && host.chars().all(is_plain)).then(|| format!("https://{host}"))
+}
+
+fn parse_hex(text: &str) -> Option<Vec<u8>> {
+    let digits: Option<Vec<u8>> =
+        text.chars().map(|digit| digit.to_digit(16).map(|value| value as u8)).collect();
+    let digits = digits.filter(|digits| digits.len().is_multiple_of(2))?;
+    Some(digits.chunks(2).map(|pair| pair[0] << 4 | pair[1]).collect())
+}
+
+impl From<WriteError> for EnrolError {
+    fn from(error: WriteError) -> Self {
+        EnrolError::Write(error)
+    }
+}
+
+impl From<BadBytes> for EnrolError {
+    fn from(bad: BadBytes) -> Self {
+        EnrolError::BadAnswer(bad)
+    }
+}
+
+impl EnrolError {
+    /// Whether a file or an argument is at fault, and not what is there now.
+    #[must_use]
+    pub const fn is_input(&self) -> bool {
+        matches!(self, EnrolError::File(_))
+    }
+}
+
+impl fmt::Display for EnrolError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            EnrolError::File(why) => f.write_str(why),
+            EnrolError::Link(LinkFault::Unreachable) => f.write_str("the booth isn't reached"),
+            EnrolError::Link(LinkFault::TimedOut) => f.write_str("the booth doesn't answer"),
+            EnrolError::Link(LinkFault::Untrusted) => {
+                f.write_str("who answers isn't the booth: expected a certificate of its site")
+            }
+            EnrolError::Refused { status, why } => write!(f, "the booth refuses ({status}): {why}"),
+            EnrolError::BadAnswer(bad) => {
+                let (offset, expected) = (bad.offset, bad.expected);
+                write!(f, "the booth's answer, byte {offset}: expected {expected}")
+            }
+            EnrolError::AnotherSite => {
+                f.write_str("the booth is another site's: expected the keys that it told first")
+            }
+            EnrolError::Declined => f.write_str("the staff declined"),
+            EnrolError::Expired => f.write_str("nobody accepted it in time"),
+            EnrolError::NoRandomBits => f.write_str("the system has no random bits"),
+            EnrolError::Write(error) => write!(f, "{error}"),
+        }
+    }
+}
+
+impl std::error::Error for EnrolError {}
+
+/// Where an enrolment is kept beside a shell's saved sessions.
+#[must_use]
+pub fn enrolment_file(sessions: &Path) -> PathBuf {
+    sessions.join(ENROLMENT_FILE_NAME)
+}
+
+#[cfg(test)]
+mod tests;

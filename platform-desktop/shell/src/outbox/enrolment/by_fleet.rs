@@ -1,0 +1,35 @@
+//! Enrolment by a fleet's file: one question, as site and authority are known beforehand.
+
+use paros_core::outbox::OutboxOwner;
+use paros_core::outbox::messages::{EnrolAnswer, FleetEnrolment};
+
+use super::{EnrolError, EnrolLink, Enrolment, FleetFile, NewDevice, ask};
+
+/// Enrols a device. `link` trusts the file's authority alone.
+///
+/// # Errors
+/// What the booth or the way there refuses; [`EnrolError::AnotherSite`] where the booth isn't the file's.
+pub fn enrol_by_fleet(
+    link: &mut impl EnrolLink,
+    fleet: &FleetFile,
+    device: &NewDevice,
+) -> Result<Enrolment, EnrolError> {
+    let asked = FleetEnrolment {
+        enrolment_token: fleet.enrolment_token,
+        token_hash: device.token.hash(),
+        hint: device.hint,
+        name: device.name,
+    };
+    let body = ask(link, "/v1/enrol/fleet", &asked.to_bytes())?;
+    let EnrolAnswer { headset, site, receipt_key } = EnrolAnswer::from_bytes(&body)?;
+    if (site, receipt_key) != (fleet.site, fleet.receipt_key) {
+        return Err(EnrolError::AnotherSite);
+    }
+    Ok(Enrolment {
+        address: fleet.address.clone(),
+        ca: fleet.ca.clone(),
+        token: device.token,
+        receipt_key,
+        owner: OutboxOwner { site, headset },
+    })
+}

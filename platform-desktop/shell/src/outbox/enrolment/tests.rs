@@ -1,0 +1,131 @@
+//! Enrolments as files, and with booths that answer as they are told.
+
+use std::collections::VecDeque;
+use std::fs;
+use std::os::unix::fs::PermissionsExt as _;
+use std::path::PathBuf;
+
+use paros_core::outbox::messages::{
+    EnrolAnswer, EnrolCommitAnswer, EnrolNonce, EnrolPollAnswer, EnrolRevealAnswer, EnrolState,
+    EnrolmentToken,
+};
+
+use super::*;
+
+struct Booth {
+    answers: VecDeque<Vec<u8>>,
+    asked: Vec<String>,
+}
+
+impl EnrolLink for Booth {
+    fn post(&mut self, path: &str, _: &[u8]) -> Result<HttpAnswer, LinkFault> {
+        self.asked.push(path.into());
+        let body = self.answers.pop_front().ok_or(LinkFault::Unreachable)?;
+        Ok(HttpAnswer { status: 200, retry_after: None, body })
+    }
+}
+
+fn booth(answers: impl IntoIterator<Item = Vec<u8>>) -> Booth {
+    Booth { answers: answers.into_iter().collect(), asked: Vec::new() }
+}
+
+fn device() -> NewDevice {
+    NewDevice::draw(None, DeviceName::new("desk").expect("a name")).expect("random bits")
+}
+
+fn file(name: &str) -> PathBuf {
+    std::env::temp_dir().join(format!("paros-enrolment-{name}-{}", std::process::id()))
+}
+
+const SITE: SiteId = SiteId([7; 16]);
+const KEY: ReceiptKey = ReceiptKey([8; 32]);
+
+#[test]
+fn what_is_written_is_read_again_and_is_its_owners_alone() {
+    let path = file("kept");
+    let enrolment = Enrolment {
+        address: "https://10.0.0.7:8443".into(),
+        ca: vec![0x30, 0x82, 0, 0xff],
+        token: device().token,
+        receipt_key: KEY,
+        owner: OutboxOwner { site: SITE, headset: 3 },
+    };
+    assert!(Enrolment::read(&path).expect("no file is no fault").is_none());
+    enrolment.write(&path).expect("room on the disk");
+    assert_eq!(fs::metadata(&path).expect("a file").permissions().mode() & 0o777, 0o600);
+    assert_eq!(Enrolment::read(&path).expect("whole"), Some(enrolment.clone()));
+    let token = enrolment.token.token().reveal().to_string();
+    assert!(!format!("{enrolment:?}").contains(&token));
+    let whole = fs::read_to_string(&path).expect("text");
+    for (from, to, told) in [
+        ("headset = 3", "headset = 0", "headset: expected a number from 1"),
+        ("https://10", "http://10", "address: expected https:// and an address"),
+        ("token = \"", "token = \"z", "token: expected 64 hexadecimal digits"),
+        ("ca = \"3", "ca = \"", "ca: expected a certificate in hexadecimal digits"),
+        ("site = ", "site ", "line 3: expected TOML"),
+    ] {
+        fs::write(&path, whole.replacen(from, to, 1)).expect("room on the disk");
+        let told_now = Enrolment::read(&path).expect_err(from).to_string();
+        assert!(told_now.contains(told) && told_now.contains("paros-enrolment"), "{told_now}");
+    }
+    fs::remove_file(path).expect("it is there");
+}
+
+#[test]
+fn a_fleet_enrols_at_its_own_site_alone() {
+    let fleet = FleetFile {
+        address: "https://booth.test:1".into(),
+        site: SITE,
+        receipt_key: KEY,
+        enrolment_token: EnrolmentToken([1; 32]),
+        ca: vec![1, 2],
+    };
+    let answer = |site| EnrolAnswer { headset: 4, site, receipt_key: KEY }.to_bytes().to_vec();
+    let enrolled = enrol_by_fleet(&mut booth([answer(SITE)]), &fleet, &device());
+    assert_eq!(enrolled.expect("its site").owner, OutboxOwner { site: SITE, headset: 4 });
+    let other = enrol_by_fleet(&mut booth([answer(SiteId([9; 16]))]), &fleet, &device());
+    assert!(matches!(other, Err(EnrolError::AnotherSite)), "{other:?}");
+}
+
+#[test]
+fn by_hand_nothing_is_given_before_the_staff_accepts() {
+    let ca = b"an authority";
+    let commit = |ca_hash| {
+        let booth_nonce = EnrolNonce([5; 32]);
+        let answer =
+            EnrolCommitAnswer { attempt: 6, booth_nonce, ca_hash, receipt_key: KEY, site: SITE };
+        answer.to_bytes().to_vec()
+    };
+    let revealed = EnrolRevealAnswer { state: EnrolState::Waiting }.to_bytes().to_vec();
+    let polled = |state, headset| EnrolPollAnswer { state, headset }.to_bytes().to_vec();
+    let own = ContentHash(Sha256::digest(ca).into());
+    let mut waiting = booth([
+        commit(own),
+        revealed,
+        polled(EnrolState::Waiting, 0),
+        polled(EnrolState::Accepted, 2),
+        polled(EnrolState::Declined, 0),
+    ]);
+    let place = ("https://b:1", &ca[..]);
+    let begun = HandEnrolment::begin(&mut waiting, place, &device()).expect("it waits");
+    assert_eq!(begun.poll(&mut waiting).expect("an answer"), HandState::Waiting);
+    let HandState::Accepted(enrolment) = begun.poll(&mut waiting).expect("an answer") else {
+        panic!("it was accepted")
+    };
+    assert_eq!((enrolment.owner.headset, &enrolment.ca[..]), (2, &ca[..]));
+    assert!(matches!(begun.poll(&mut waiting), Err(EnrolError::Declined)));
+    assert_eq!(waiting.asked[..2], ["/v1/enrol/commit", "/v1/enrol/reveal"]);
+    // Who stands between shows an authority of its own: nothing is revealed.
+    let mut between = booth([commit(ContentHash([1; 32]))]);
+    let refused = HandEnrolment::begin(&mut between, place, &device());
+    assert!(matches!(refused, Err(EnrolError::AnotherSite)), "{refused:?}");
+    assert_eq!(between.asked.len(), 1);
+}
+
+#[test]
+fn an_address_is_of_https_and_ends_in_no_slash() {
+    assert_eq!(check_address("https://b:1/").as_deref(), Some("https://b:1"));
+    for bad in ["http://b", "https://", "https://b/c", "https://b\n", "https://u@b", "b:1"] {
+        assert_eq!(check_address(bad), None, "{bad}");
+    }
+}
