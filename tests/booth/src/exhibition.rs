@@ -220,7 +220,7 @@ impl Exhibition {
                     made.id = *new;
                 }
             }
-            OutboxEvent::Command(command) => self.carry_out(h, command),
+            OutboxEvent::Command { command, .. } => self.carry_out(h, command),
             OutboxEvent::Lease(answer) => self.headsets[h].host.take_lease(answer),
             _ => {}
         }

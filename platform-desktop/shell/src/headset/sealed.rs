@@ -6,20 +6,20 @@ use paros_core::internals::{ByteWriter, checksum};
 const VERSION: u16 = 1;
 
 /// Bytes around what a file is about.
-pub(super) const SEAL_BYTES: usize = 4 + 2 + 8;
+pub(crate) const SEAL_BYTES: usize = 4 + 2 + 8;
 
 /// What a file begins with.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SealedFormat {
+pub(crate) struct SealedFormat {
     /// Its first bytes.
-    pub(super) magic: [u8; 4],
+    pub(crate) magic: [u8; 4],
     /// What is told where others stand there.
-    pub(super) expected: &'static str,
+    pub(crate) expected: &'static str,
 }
 
 impl SealedFormat {
     /// Encodes a file of `N` bytes; `write_body` writes all but the [`SEAL_BYTES`].
-    pub(super) fn seal<const N: usize>(
+    pub(crate) fn seal<const N: usize>(
         self,
         write_body: impl FnOnce(&mut ByteWriter<'_>),
     ) -> [u8; N] {
@@ -37,7 +37,7 @@ impl SealedFormat {
     ///
     /// # Errors
     /// The first place at which the bytes are not as [`Self::seal`] makes them.
-    pub(super) fn open<T>(
+    pub(crate) fn open<T>(
         self,
         bytes: &[u8],
         read_body: impl FnOnce(&mut ByteReader<'_>) -> Result<T, BadBytes>,

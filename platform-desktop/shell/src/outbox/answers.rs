@@ -96,12 +96,16 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
             _ => None,
         };
         let taken = answer.as_ref().map(|answer| {
-            (self.outbox.take_heartbeat_answer(answer, session_id), answer.lease.clone())
+            let lives_ms = answer.command.map_or(0, |command| u64::from(command.lives_ms));
+            let lease = answer.lease.clone();
+            (self.outbox.take_heartbeat_answer(answer, session_id), lease, lives_ms)
         });
         match taken {
-            Some((Some(command), lease)) => {
+            Some((Some(command), lease, lives_ms)) => {
                 self.events.extend(lease.map(OutboxEvent::Lease));
-                self.events.extend(command.map(OutboxEvent::Command));
+                let ends_ms = self.heartbeat_ms.saturating_add(lives_ms);
+                let due = |command| OutboxEvent::Command { command, session_id, ends_ms };
+                self.events.extend(command.map(due));
             }
             _ => self.outbox.note_heartbeat_failed(number),
         }

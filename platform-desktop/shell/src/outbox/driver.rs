@@ -53,6 +53,8 @@ pub struct OutboxDriver<F, L> {
     pub(super) given_up: Vec<SculptureId>,
     /// Whether there are parcels that the table has no room for.
     pub(super) has_unlisted: bool,
+    /// When the last heartbeat was sent.
+    pub(super) heartbeat_ms: u64,
     /// When the journal couldn't be written.
     journal_failed_ms: Option<u64>,
     pub(super) events: Vec<OutboxEvent>,
@@ -75,6 +77,7 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
             read: None,
             given_up: Vec::new(),
             has_unlisted: false,
+            heartbeat_ms: 0,
             journal_failed_ms: None,
             events,
         }
@@ -281,6 +284,7 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
     }
 
     fn send_heartbeat(&mut self, host: &mut impl OutboxHost) {
+        self.heartbeat_ms = host.now_ms();
         let (status, lease, random) = (host.status(), host.lease_report(), host.random());
         let heartbeat = self.outbox.begin_heartbeat(&status, lease, random);
         let (number, body) = (heartbeat.number, Box::new(heartbeat.to_bytes()));

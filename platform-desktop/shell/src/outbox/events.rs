@@ -47,7 +47,14 @@ pub enum OutboxEvent {
     },
     /// The booth asks this now; what comes of it goes to
     /// [`OutboxDriver::note_command_done`](super::OutboxDriver::note_command_done).
-    Command(DueCommand),
+    Command {
+        /// What is asked.
+        command: DueCommand,
+        /// The visit under way as it came.
+        session_id: u64,
+        /// When its life ends, in milliseconds of the host's clock.
+        ends_ms: u64,
+    },
     /// The booth's answer to a report of the badges' lease.
     Lease(LeaseAnswer),
     /// The booth doesn't know this headset: it must be enrolled anew.

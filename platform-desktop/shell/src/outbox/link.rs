@@ -15,6 +15,16 @@ pub trait BoothLink {
     fn poll(&mut self) -> Option<LinkAnswer>;
 }
 
+impl<L: BoothLink + ?Sized> BoothLink for Box<L> {
+    fn send(&mut self, request: BoothRequest) {
+        (**self).send(request);
+    }
+
+    fn poll(&mut self) -> Option<LinkAnswer> {
+        (**self).poll()
+    }
+}
+
 /// A request to the booth.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum BoothRequest {

@@ -9,13 +9,17 @@
 //! |---|---|
 //! | `ID.parcel` | a parcel and its hash, ID being 32 hexadecimal digits; it never changes |
 //! | `outbox.journal` | what is known of all of them |
+//! | `badges.lease` | the lease of badges |
+//! | `last-finished` | the sculpture that was finished last |
 //! | `ID.damaged` | what was a parcel, for people to look at |
 
 mod answers;
+pub mod courier;
 mod driver;
 pub mod enrolment;
 mod events;
 mod folder;
+mod lease_keeper;
 mod link;
 mod parcel;
 mod reconcile;

@@ -11,6 +11,7 @@
 //! adb push paros.toml /sdcard/Android/data/org.paros.studio/files/paros.toml
 //! ```
 
+mod booth;
 mod contradiction;
 mod describe;
 mod layer;
@@ -26,6 +27,7 @@ use std::time::Duration;
 
 use paros_core::session::SessionMode;
 
+pub use booth::BoothSettings;
 pub use contradiction::Contradiction;
 pub use describe::{RestrictionFiles, write_documentation, write_restrictions, write_template};
 pub use layer::{FilePlace, LayerEntry, MAX_BYTES, SettingsFault, SettingsLayer};
@@ -71,6 +73,8 @@ pub struct Settings {
     pub kiosk_handover_after: Duration,
     /// The settings of visits; none where sessions are no visits.
     pub visits: Option<VisitSettings>,
+    /// The settings of the way to a booth, where the device is enrolled at one.
+    pub booth: BoothSettings,
 }
 
 /// Where the value of a setting comes from.

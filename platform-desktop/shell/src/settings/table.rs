@@ -1,6 +1,7 @@
 //! The table of all settings: name, kind, default, whom it is for, and why it is as it is. Whatever else tells of
 //! settings is made from it: the check, the template, `SETTINGS.md`, and Android's list of restrictions.
 
+mod booth;
 mod visits;
 
 use std::path::PathBuf;
@@ -15,6 +16,7 @@ use crate::headset::foveation::FoveationLevel;
 use crate::headset::resolution::LEAST_PERCENT;
 use crate::headset::visit::DEFAULT_HANDOVER;
 use crate::sizes::GRID_SIDES;
+use booth::BOOTH_ROWS;
 use visits::VISIT_ROWS;
 
 /// The program that a setting is for. The others check it, and do nothing by it.
@@ -52,17 +54,24 @@ pub struct Setting {
 /// The words of [`FoveationLevel`], after one for none of them.
 const FOVEATION_WORDS: [&str; 5] = ["auto", "off", "low", "medium", "high"];
 
-/// All settings: those of the studio, and after them those of visits.
-pub static SETTINGS: [Setting; STUDIO_ROWS.len() + VISIT_ROWS.len()] = {
-    let mut all = [STUDIO_ROWS[0]; STUDIO_ROWS.len() + VISIT_ROWS.len()];
+/// All settings: those of the studio, of visits, and of the way to a booth.
+pub static SETTINGS: [Setting; VISITS_FROM + VISIT_ROWS.len() + BOOTH_ROWS.len()] = {
+    let mut all = [STUDIO_ROWS[0]; VISITS_FROM + VISIT_ROWS.len() + BOOTH_ROWS.len()];
     let mut i = 1;
     while i < all.len() {
-        let visit = i.checked_sub(STUDIO_ROWS.len());
-        all[i] = if let Some(visit) = visit { VISIT_ROWS[visit] } else { STUDIO_ROWS[i] };
+        all[i] = match (i.checked_sub(VISITS_FROM), i.checked_sub(BOOTH_FROM)) {
+            (_, Some(row)) => BOOTH_ROWS[row],
+            (Some(row), None) => VISIT_ROWS[row],
+            (None, None) => STUDIO_ROWS[i],
+        };
         i += 1;
     }
     all
 };
+
+/// Where the rows of visits begin, and those of the booth.
+const VISITS_FROM: usize = STUDIO_ROWS.len();
+const BOOTH_FROM: usize = VISITS_FROM + VISIT_ROWS.len();
 
 const STUDIO_ROWS: [Setting; 14] = [
     Setting {
@@ -257,6 +266,7 @@ pub(super) const fn unset_settings() -> Settings {
         kiosk: false,
         kiosk_handover_after: Duration::ZERO,
         visits: None,
+        booth: super::BoothSettings::unset(),
     }
 }
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 use paros_core::session::SessionMode;
 
 use super::table::{SETTINGS, Setting};
-use super::{LoadedSettings, Settings, SettingsLayer};
+use super::{BoothSettings, LoadedSettings, Settings, SettingsLayer};
 use crate::headset::foveation::FoveationLevel;
 
 fn file(text: &str) -> SettingsLayer {
@@ -30,6 +30,13 @@ fn the_defaults_are_those_that_hold_without_a_file() {
         kiosk: false,
         kiosk_handover_after: Duration::from_secs(90),
         visits: None,
+        booth: BoothSettings {
+            enrolment: None,
+            sends_mesh: false,
+            sends_traces: false,
+            grace_days: 3,
+            space_mb: 1024,
+        },
     };
     assert_eq!(Settings::default(), expected);
     let loaded = LoadedSettings::merge(&[]);
@@ -41,10 +48,14 @@ fn the_defaults_are_those_that_hold_without_a_file() {
 fn every_setting_has_a_place_of_its_own() {
     let text = "size = 256\nmode = \"cat\"\nhandover_seconds = 120\nsteady_mm = 20\nsnap_heights = false\n\
         refresh_rate_hz = 90\nfoveation = \"medium\"\nleast_resolution_percent = 90\nsamples = 2\nsubmit_depth = true\nsound_percent = 0\nrecord = \"a\"\n\
-        kiosk = true\nkiosk_seconds = 60\n";
+        kiosk = true\nkiosk_seconds = 60\nbooth_enrolment = \"e\"\nbooth_send = \"stl\"\nbooth_traces = true\n\
+        booth_grace_days = 0\nbooth_space_mb = 64\n";
     // Those of visits have a test of their own.
-    let is_studios = |setting: &&Setting| setting.name != "visits";
-    assert_eq!(text.lines().count(), SETTINGS.iter().take_while(is_studios).count());
+    let visits = |setting: &&Setting| setting.name == "visits" || setting.name == "email_from_age";
+    let [first, last] =
+        [SETTINGS.iter().position(|s| visits(&s)), SETTINGS.iter().rposition(|s| visits(&s))];
+    let of_visits = last.zip(first).map_or(0, |(last, first)| last + 1 - first);
+    assert_eq!(text.lines().count(), SETTINGS.len() - of_visits);
     let expected = Settings {
         size: Some(256),
         mode: SessionMode::Constrained { figure: 9 },
@@ -61,6 +72,13 @@ fn every_setting_has_a_place_of_its_own() {
         kiosk: true,
         kiosk_handover_after: Duration::from_secs(60),
         visits: None,
+        booth: BoothSettings {
+            enrolment: Some("e".into()),
+            sends_mesh: true,
+            sends_traces: true,
+            grace_days: 0,
+            space_mb: 64,
+        },
     };
     assert_eq!(LoadedSettings::merge(&[file(text)]).settings, expected);
     // Each line alone changes something.

@@ -1,0 +1,234 @@
+//! A courier: the thread that owns an outbox, steps it ten times a second, and tells what has become of it.
+//!
+//! Whoever makes frames gives it orders and looks at its board, and never waits: a disk that syncs and a network that is
+//! gone are the thread's to wait for. It ends once it is dropped, after it has carried out what it was told.
+
+mod board;
+mod clock;
+mod mark;
+mod orders;
+mod work;
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::{self, JoinHandle};
+
+use paros_core::badge::BadgeNumber;
+use paros_core::outbox::messages::{CommandOutcome, SculptureId};
+use paros_core::outbox::{HeadsetStatus, OutboxSettings};
+
+use super::enrolment::Enrolment;
+use super::events::OutboxError;
+use super::folder::DiskFolder;
+use super::link::BoothLink;
+use crate::settings::BoothSettings;
+
+use board::Board;
+pub use board::{CourierSummary, Keeping, RemoteCommand};
+pub use clock::read_clock_ms;
+use orders::Order;
+pub use orders::{FinishedSculpture, ParcelDraft};
+use work::Work;
+
+/// The folder of an outbox beside a shell's saved sessions.
+pub const OUTBOX_FOLDER: &str = "outbox";
+
+/// What a courier is started with.
+#[derive(Clone, Debug)]
+pub struct CourierPlan {
+    /// The outbox's folder.
+    pub folder: PathBuf,
+    /// Whose outbox it is.
+    pub enrolment: Enrolment,
+    /// What an exhibition sets.
+    pub settings: OutboxSettings,
+    /// Milliseconds of a clock that goes on while the device sleeps and that nobody sets.
+    pub clock: fn() -> u64,
+}
+
+/// A link that a thread may own.
+pub type CourierLink = Box<dyn BoothLink + Send>;
+
+/// A courier. It ends when it is dropped.
+pub struct Courier {
+    board: Arc<Mutex<Board>>,
+    orders: Option<Sender<Order>>,
+    thread: Option<JoinHandle<()>>,
+    headset: u32,
+    clock: fn() -> u64,
+    found: Vec<(SculptureId, Keeping)>,
+    last_finished: Option<FinishedSculpture>,
+}
+
+impl fmt::Debug for Courier {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Courier").field("headset", &self.headset).finish_non_exhaustive()
+    }
+}
+
+impl Courier {
+    /// Opens the outbox and starts the thread.
+    ///
+    /// # Errors
+    /// Where the folder can't be opened or another process has it, or the site's key is none.
+    pub fn spawn(plan: &CourierPlan, link: CourierLink) -> Result<Self, OutboxError> {
+        let opened = DiskFolder::open(&plan.folder);
+        let folder = opened.map_err(|error| OutboxError::Disk {
+            name: error.path.display().to_string(),
+            source: error.source,
+        })?;
+        let work = Work::open(plan, folder, link)?;
+        let board = work.board();
+        let (found, last_finished) = (work.list_found(), work.last_finished());
+        let (orders, taken): (Sender<Order>, Receiver<Order>) = channel();
+        let thread = thread::spawn(move || work.run(&taken));
+        let (orders, thread) = (Some(orders), Some(thread));
+        let (headset, clock) = (plan.enrolment.owner.headset, plan.clock);
+        Ok(Courier { board, orders, thread, headset, clock, found, last_finished })
+    }
+
+    /// Opens the outbox of a device that is enrolled at a booth; `None` for one that isn't. `sessions` is the folder of
+    /// saved sessions, `open_link` connects to the booth.
+    ///
+    /// # Errors
+    /// A line that tells why nothing is sent: the enrolment can't be read, or the outbox can't be opened.
+    pub fn open_enrolled(
+        settings: &BoothSettings,
+        sessions: &Path,
+        clock: fn() -> u64,
+        open_link: impl FnOnce(&Enrolment) -> Result<CourierLink, String>,
+    ) -> Result<Option<Self>, String> {
+        let told = |why: &dyn fmt::Display| format!("nothing is sent to the booth: {why}");
+        let enrolment = Enrolment::read(&settings.enrolment_path(sessions));
+        let Some(enrolment) = enrolment.map_err(|error| told(&error))? else { return Ok(None) };
+        let link = open_link(&enrolment)?;
+        let folder = sessions.join(OUTBOX_FOLDER);
+        let plan = CourierPlan { folder, enrolment, settings: settings.outbox(), clock };
+        Courier::spawn(&plan, link).map(Some).map_err(|error| told(&error))
+    }
+
+    /// The headset's number.
+    #[must_use]
+    pub const fn headset(&self) -> u32 {
+        self.headset
+    }
+
+    /// What the outbox knew as it was opened.
+    #[must_use]
+    pub fn found(&self) -> &[(SculptureId, Keeping)] {
+        &self.found
+    }
+
+    /// The sculpture that was finished last before this start, where one is known.
+    #[must_use]
+    pub const fn last_finished(&self) -> Option<&FinishedSculpture> {
+        self.last_finished.as_ref()
+    }
+
+    /// Has a finished sculpture announced: its id is on the disk before anything else of it is. `volume` is its `.rmap`.
+    pub fn announce(&self, id: SculptureId, volume: Vec<u8>) {
+        self.lock().note_making(id);
+        self.order(Order::Announce { id, volume });
+    }
+
+    /// Asks for a badge, which [`Courier::badge_of`] has later.
+    pub fn ask_badge(&self, id: SculptureId) {
+        self.order(Order::TakeBadge { id });
+    }
+
+    /// The badge that was asked for, once the lease is on the disk.
+    #[must_use]
+    pub fn badge_of(&self, id: SculptureId) -> Option<BadgeNumber> {
+        self.lock().badge_of(id)
+    }
+
+    /// Notes which badge the visitor is shown.
+    pub fn note_badge(&self, id: SculptureId, badge: BadgeNumber) {
+        self.order(Order::NoteBadge { id, badge });
+    }
+
+    /// Has a parcel packed and kept.
+    pub fn keep(&self, draft: ParcelDraft) {
+        self.lock().note_making(draft.facts.id);
+        self.order(Order::Keep(Box::new(draft)));
+    }
+
+    /// The parcel of a sculpture won't be made.
+    pub fn abandon(&self, id: SculptureId) {
+        self.order(Order::Abandon { id });
+    }
+
+    /// Where a sculpture stands; `None` where nothing is known of it, or not any more.
+    #[must_use]
+    pub fn keeping(&self, id: SculptureId) -> Option<Keeping> {
+        self.lock().keeping(id)
+    }
+
+    /// What is to be told of the whole outbox.
+    #[must_use]
+    pub fn summary(&self) -> CourierSummary {
+        self.lock().summary
+    }
+
+    /// Takes how the headset is, for the next heartbeat.
+    pub fn report_status(&self, status: HeadsetStatus) {
+        self.lock().status = status;
+    }
+
+    /// Takes the next command of the booth's that is still alive. What comes of it is told by
+    /// [`Courier::note_command_done`].
+    #[must_use]
+    pub fn take_command(&self) -> Option<RemoteCommand> {
+        loop {
+            let (command, ends_ms) = self.lock().commands.pop_front()?;
+            if (self.clock)() < ends_ms {
+                return Some(command);
+            }
+            self.note_command_done(command.id, CommandOutcome::Expired);
+        }
+    }
+
+    /// What came of a command.
+    pub fn note_command_done(&self, id: u64, outcome: CommandOutcome) {
+        self.order(Order::CommandDone { id, outcome });
+    }
+
+    /// Takes what is to be told to who runs the shell, a line each.
+    #[must_use]
+    pub fn take_notes(&self) -> Vec<String> {
+        self.lock().notes.drain(..).collect()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Board> {
+        lock(&self.board)
+    }
+
+    fn order(&self, order: Order) {
+        if let Some(orders) = &self.orders {
+            // The thread ends after this.
+            let _ = orders.send(order);
+        }
+    }
+}
+
+/// The board. Nothing panics that holds it, and what it has is never in half.
+fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
+    board.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Drop for Courier {
+    fn drop(&mut self) {
+        self.orders = None;
+        if let Some(thread) = self.thread.take() {
+            // If it panicked there is nothing left to wait for.
+            let _ = thread.join();
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod test_booth;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,140 @@
+//! A booth in a courier's link, for tests.
+
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, LazyLock};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use ed25519_dalek::{Signer as _, SigningKey};
+use paros_core::badge::{BadgeLedger, LeaseAnswer};
+use paros_core::outbox::messages::*;
+use paros_core::outbox::{OutboxOwner, OutboxSettings};
+
+use super::{Courier, CourierPlan};
+use crate::outbox::enrolment::{Enrolment, NewDevice};
+use crate::outbox::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
+
+pub(crate) const OWNER: OutboxOwner = OutboxOwner { site: SiteId([7; 16]), headset: 17 };
+
+pub(crate) fn clock() -> u64 {
+    static START: LazyLock<Instant> = LazyLock::new(Instant::now);
+    START.elapsed().as_millis() as u64
+}
+
+/// A booth that signs for whatever comes, unless it is down.
+struct Booth {
+    is_down: Arc<AtomicBool>,
+    answers: VecDeque<LinkAnswer>,
+    ledger: Box<BadgeLedger>,
+    command: Option<BoothCommand>,
+}
+
+impl Booth {
+    fn sign(&self, id: SculptureId, hash: ContentHash, part: &[u8]) -> Vec<u8> {
+        let facts = UploadFacts::from_bytes(&part[..UploadFacts::BYTES]).expect("a small parcel");
+        let receipt = Receipt {
+            site: OWNER.site,
+            headset: OWNER.headset,
+            id,
+            hash,
+            badge: facts.badge,
+            outcome: ReceiptOutcome::Kept,
+        };
+        let signature = SigningKey::from_bytes(&[9; 32]).sign(&receipt.signed_bytes()).to_bytes();
+        SignedReceipt { receipt, signature }.to_bytes().into()
+    }
+
+    fn answer_heartbeat(&mut self, beat: &Heartbeat) -> Vec<u8> {
+        let report = |report| self.ledger.answer_report(&report, 1_790_000_000).ok();
+        let lease: Option<LeaseAnswer> = beat.lease.and_then(report);
+        let command = self.command.filter(|_| beat.last_command.is_none());
+        let answer = HeartbeatAnswer {
+            site: OWNER.site,
+            headset: OWNER.headset,
+            boot_id: beat.boot_id,
+            number: beat.number,
+            booth_time: 0,
+            lease,
+            command: command.map(|command| BoothCommand { boot_id: beat.boot_id, ..command }),
+            noted: beat.announcements.clone(),
+        };
+        answer.to_bytes().into()
+    }
+}
+
+impl BoothLink for Booth {
+    fn send(&mut self, request: BoothRequest) {
+        let ok = |body| Ok(HttpAnswer { status: 200, retry_after: None, body });
+        let is_down = self.is_down.load(Ordering::Relaxed);
+        let (request, result) = match request {
+            BoothRequest::Put { number, id, hash, part, .. } => {
+                (SentRequest::Put { number }, ok(self.sign(id, hash, &part)))
+            }
+            BoothRequest::Heartbeat { number, body } => {
+                let beat = Heartbeat::from_bytes(&body[..]).expect("a heartbeat");
+                (SentRequest::Heartbeat { number }, ok(self.answer_heartbeat(&beat)))
+            }
+        };
+        let result = if is_down { Err(LinkFault::Unreachable) } else { result };
+        self.answers.push_back(LinkAnswer { request, result });
+    }
+
+    fn poll(&mut self) -> Option<LinkAnswer> {
+        self.answers.pop_front()
+    }
+}
+
+/// A courier's folder, and whether its booth is down.
+pub(crate) struct Rig {
+    pub(crate) folder: PathBuf,
+    pub(crate) is_down: Arc<AtomicBool>,
+}
+
+impl Rig {
+    pub(crate) fn new(test: &str) -> Self {
+        let folder =
+            std::env::temp_dir().join(format!("paros-courier-{test}-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&folder);
+        Rig { folder, is_down: Arc::default() }
+    }
+
+    pub(crate) fn start(&self, command: Option<BoothCommand>) -> Courier {
+        let device = NewDevice::draw(None, DeviceName::new("t").expect("a name"));
+        let enrolment = Enrolment {
+            address: "https://b:1".into(),
+            ca: vec![1],
+            token: device.expect("random bits").token,
+            receipt_key: ReceiptKey(SigningKey::from_bytes(&[9; 32]).verifying_key().to_bytes()),
+            owner: OWNER,
+        };
+        let settings = OutboxSettings { grace_seconds: 3600, max_bytes: 1 << 20 };
+        let plan = CourierPlan { folder: self.folder.clone(), enrolment, settings, clock };
+        let booth = Booth {
+            is_down: self.is_down.clone(),
+            answers: VecDeque::new(),
+            ledger: Box::new(BadgeLedger::new(90)),
+            command,
+        };
+        Courier::spawn(&plan, Box::new(booth)).expect("a folder")
+    }
+}
+
+impl Drop for Rig {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.folder);
+    }
+}
+
+/// Waits until something is found.
+pub(crate) fn wait<T>(what: &str, mut poll: impl FnMut() -> Option<T>) -> T {
+    let begun = Instant::now();
+    loop {
+        if let Some(found) = poll() {
+            return found;
+        }
+        assert!(begun.elapsed() < Duration::from_secs(30), "waited for {what}");
+        thread::sleep(Duration::from_millis(5));
+    }
+}

@@ -1,0 +1,135 @@
+//! A courier over a real folder, and a booth in its link.
+
+use std::path::Path;
+use std::sync::atomic::Ordering;
+use std::thread;
+use std::time::Duration;
+
+use paros_core::badge::BadgeNumber;
+use paros_core::outbox::messages::*;
+use paros_core::session::SessionMode;
+
+use super::test_booth::{OWNER, Rig, wait};
+use super::{FinishedSculpture, Keeping, ParcelDraft};
+
+fn draft(id: SculptureId, badge: Option<BadgeNumber>) -> ParcelDraft {
+    let facts = UploadFacts {
+        kind: ParcelKind::Volume,
+        id,
+        headset: OWNER.headset,
+        badge,
+        core_version: 1,
+        side: 128,
+        cause: FinishCause::Finished,
+        language: *b"en",
+        mode: SessionMode::FreeForm,
+        age_group: AgeGroup::Unknown,
+        sculpting_seconds: 60,
+        finished_at: 1,
+        height_mm_tenths: 1200,
+        stl_hash: ContentHash([4; 32]),
+        stl_bytes: 134,
+        volume_bytes: 0,
+        volume_raw_bytes: 0,
+        trace_bytes: 0,
+        trace_raw_bytes: 0,
+    };
+    ParcelDraft { facts, first_file: b"a volume".to_vec(), trace: None }
+}
+
+fn parcels(folder: &Path) -> usize {
+    let names = std::fs::read_dir(folder).expect("a folder");
+    names
+        .filter(|name| name.as_ref().unwrap().path().extension() == Some("parcel".as_ref()))
+        .count()
+}
+
+#[test]
+fn a_sculpture_is_kept_here_and_then_at_the_booth_under_a_leased_badge() {
+    let rig = Rig::new("kept");
+    rig.is_down.store(true, Ordering::Relaxed);
+    let courier = rig.start(None);
+    let id = SculptureId([1; 16]);
+    courier.announce(id, b"a volume".to_vec());
+    assert_eq!(courier.keeping(id), Some(Keeping::Making));
+    courier.ask_badge(id);
+    let badge = wait("a badge", || courier.badge_of(id));
+    assert!(badge.is_provisional(), "the booth leased nothing yet");
+    courier.keep(draft(id, Some(badge)));
+    wait("kept here", || (courier.keeping(id) == Some(Keeping::KeptHere)).then_some(()));
+    assert_eq!(courier.summary().owed, 1);
+    assert_eq!(parcels(&rig.folder), 1);
+    rig.is_down.store(false, Ordering::Relaxed);
+    wait("kept at the booth", || (courier.keeping(id) == Some(Keeping::KeptAtBooth)).then_some(()));
+    assert_eq!(courier.summary().owed, 0);
+    wait("a lease", || (courier.summary().badges_left > 0).then_some(()));
+    let next = SculptureId([2; 16]);
+    courier.ask_badge(next);
+    assert!(!wait("a badge", || courier.badge_of(next)).is_provisional());
+}
+
+#[test]
+fn a_start_finds_what_was_finished_last_and_whether_it_was_kept() {
+    let rig = Rig::new("found");
+    rig.is_down.store(true, Ordering::Relaxed);
+    let id = SculptureId([3; 16]);
+    let courier = rig.start(None);
+    assert_eq!(courier.last_finished(), None);
+    courier.announce(id, b"a volume".to_vec());
+    // What it was told is done before it ends.
+    drop(courier);
+    let courier = rig.start(None);
+    let found = *courier.last_finished().expect("it was finished");
+    assert_eq!((found.id, found.is_kept), (id, false));
+    assert_eq!(courier.found(), [(id, Keeping::Making)]);
+    courier.announce(id, b"a volume".to_vec());
+    courier.keep(draft(id, None));
+    drop(courier);
+    let courier = rig.start(None);
+    assert_eq!(courier.last_finished(), Some(&FinishedSculpture { is_kept: true, ..found }));
+    assert_eq!(courier.found(), [(id, Keeping::KeptHere)]);
+}
+
+#[test]
+fn a_parcel_without_room_waits_and_is_kept_once_there_is() {
+    let rig = Rig::new("full");
+    let courier = rig.start(None);
+    let id = SculptureId([5; 16]);
+    // A folder in the parcel's place: the disk takes no file there.
+    let place = rig.folder.join(format!("{id}.parcel"));
+    std::fs::create_dir(&place).expect("a folder");
+    courier.keep(draft(id, None));
+    wait("a refusal", || (courier.keeping(id) == Some(Keeping::Waiting)).then_some(()));
+    assert!(courier.take_notes().iter().any(|note| note.contains("isn't kept yet")));
+    std::fs::remove_dir(&place).expect("it is empty");
+    wait("kept", || (courier.keeping(id) == Some(Keeping::KeptAtBooth)).then_some(()));
+}
+
+#[test]
+fn a_command_is_taken_once_and_not_when_its_life_is_over() {
+    let command = BoothCommand {
+        id: 1,
+        boot_id: 1,
+        session_id: 0,
+        kind: CommandKind::Identify,
+        lives_ms: 10_000,
+    };
+    let rig = Rig::new("commands");
+    let courier = rig.start(Some(command));
+    let taken = wait("a command", || courier.take_command());
+    assert_eq!((taken.id, taken.kind), (1, CommandKind::Identify));
+    thread::sleep(Duration::from_millis(2300));
+    assert_eq!(courier.take_command(), None, "it rides on each answer until it is reported");
+    drop(courier);
+    let courier = rig.start(Some(BoothCommand { lives_ms: 300, ..command }));
+    thread::sleep(Duration::from_millis(1000));
+    assert_eq!(courier.take_command(), None, "nobody took it while it lived");
+}
+
+#[test]
+fn another_process_has_no_outbox_beside_it() {
+    let rig = Rig::new("two");
+    let _first = rig.start(None);
+    let opened = std::panic::catch_unwind(|| rig.start(None));
+    assert!(opened.is_err());
+}

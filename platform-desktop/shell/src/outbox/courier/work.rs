@@ -1,0 +1,241 @@
+//! The thread's work.
+
+use std::mem;
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::{Duration, Instant};
+
+use paros_core::badge::LeaseReport;
+use paros_core::outbox::messages::{ContentHash, SculptureId};
+use paros_core::outbox::{HeadsetStatus, OutboxRefusal};
+use sha2::{Digest as _, Sha256};
+
+use super::board::{Board, Keeping, RemoteCommand, keeping_of};
+use super::mark;
+use super::orders::{FinishedSculpture, Order, ParcelDraft};
+use super::{CourierLink, CourierPlan};
+use crate::outbox::driver::OutboxDriver;
+use crate::outbox::events::{OutboxError, OutboxEvent, OutboxHost};
+use crate::outbox::folder::DiskFolder;
+use crate::outbox::lease_keeper::LeaseKeeper;
+use crate::outbox::parcel::Parcel;
+
+/// How often the outbox is stepped.
+const STEP: Duration = Duration::from_millis(100);
+
+/// How long a parcel that couldn't be kept waits: a disk that is full stays so for a while.
+const KEEP_RETRY: Duration = Duration::from_secs(5);
+
+/// Parcels that wait for room at most; the oldest is given up beyond. A parcel's mesh takes some megabytes of memory.
+const MAX_WAITING: usize = 8;
+
+/// The outbox with all that its thread has.
+pub(super) struct Work {
+    driver: OutboxDriver<DiskFolder, CourierLink>,
+    host: Host,
+    mark_path: PathBuf,
+    last_finished: Option<FinishedSculpture>,
+    /// Parcels that couldn't be kept.
+    waiting: Vec<Parcel>,
+    tried: Instant,
+}
+
+/// What the driver asks and tells.
+struct Host {
+    board: Arc<Mutex<Board>>,
+    clock: fn() -> u64,
+    lease: LeaseKeeper,
+}
+
+impl Host {
+    fn board(&self) -> MutexGuard<'_, Board> {
+        super::lock(&self.board)
+    }
+}
+
+impl OutboxHost for Host {
+    fn now_ms(&mut self) -> u64 {
+        (self.clock)()
+    }
+
+    fn random(&mut self) -> u32 {
+        // Without random bits nothing is spread.
+        getrandom::u32().unwrap_or_default()
+    }
+
+    fn status(&mut self) -> HeadsetStatus {
+        self.board().status
+    }
+
+    fn lease_report(&mut self) -> Option<LeaseReport> {
+        self.lease.make_due_report((self.clock)())
+    }
+
+    fn on_event(&mut self, event: OutboxEvent) {
+        let note = match event {
+            OutboxEvent::Command { command, session_id, ends_ms } => {
+                let command = RemoteCommand { id: command.id, kind: command.kind, session_id };
+                return self.board().commands.push_back((command, ends_ms));
+            }
+            OutboxEvent::Lease(answer) => {
+                return self.lease.take_answer(&answer, (self.clock)());
+            }
+            OutboxEvent::KeptHere(_) | OutboxEvent::KeptAtBooth(_) => return,
+            OutboxEvent::DeletedAtBooth(id) => format!("sculpture {id} was deleted at the booth"),
+            OutboxEvent::RefusedByBooth(id) => {
+                format!("the booth can't take sculpture {id}: it stays here")
+            }
+            OutboxEvent::Lost(id) => format!("sculpture {id} can't be sent: its parcel is lost"),
+            OutboxEvent::Renewed { old, new } => format!("sculpture {old} is {new} now"),
+            OutboxEvent::UnknownToken => {
+                "the booth doesn't know this device: it must be enrolled anew".into()
+            }
+            OutboxEvent::JournalUnwritten(why) => format!("the outbox can't be written: {why}"),
+            OutboxEvent::JournalDamaged => "the outbox's journal was damaged".into(),
+        };
+        self.board().add_note(note);
+    }
+}
+
+impl Work {
+    pub(super) fn open(
+        plan: &CourierPlan,
+        folder: DiskFolder,
+        link: CourierLink,
+    ) -> Result<Self, OutboxError> {
+        let enrolment = plan.enrolment.for_outbox();
+        let boot_id = getrandom::u64().unwrap_or_default() | 1;
+        let driver = OutboxDriver::open(folder, link, &enrolment, plan.settings, boot_id)?;
+        let lease = LeaseKeeper::open(&plan.folder, enrolment.owner.headset);
+        let host = Host { board: Arc::new(Mutex::new(Board::new())), clock: plan.clock, lease };
+        let mark_path = mark::path_in(&plan.folder);
+        let last_finished = mark::read(&mark_path);
+        let waiting = Vec::new();
+        let work = Work { driver, host, mark_path, last_finished, waiting, tried: Instant::now() };
+        work.show();
+        Ok(work)
+    }
+
+    pub(super) fn board(&self) -> Arc<Mutex<Board>> {
+        self.host.board.clone()
+    }
+
+    pub(super) fn list_found(&self) -> Vec<(SculptureId, Keeping)> {
+        let entries = self.driver.outbox().entries().iter();
+        entries.map(|entry| (entry.id, keeping_of(entry.state))).collect()
+    }
+
+    pub(super) const fn last_finished(&self) -> Option<FinishedSculpture> {
+        self.last_finished
+    }
+
+    /// Steps the outbox and carries orders out, until nobody is left to give any.
+    pub(super) fn run(mut self, orders: &Receiver<Order>) {
+        let mut next_step = Instant::now();
+        loop {
+            let wait = next_step.saturating_duration_since(Instant::now());
+            match orders.recv_timeout(wait) {
+                Ok(order) => self.carry_out(order),
+                Err(RecvTimeoutError::Timeout) => {
+                    self.retry_waiting();
+                    self.driver.step(&mut self.host);
+                    next_step = Instant::now() + STEP;
+                }
+                Err(RecvTimeoutError::Disconnected) => {
+                    self.tried = Instant::now().checked_sub(KEEP_RETRY).unwrap_or(self.tried);
+                    return self.retry_waiting();
+                }
+            }
+            self.show();
+        }
+    }
+
+    fn carry_out(&mut self, order: Order) {
+        match order {
+            Order::Announce { id, volume } => self.announce(id, &volume),
+            Order::TakeBadge { id } => {
+                let badge = self.host.lease.take_number((self.host.clock)());
+                self.host.board().add_badge(id, badge);
+            }
+            Order::NoteBadge { id, badge } => {
+                // Its parcel says so too.
+                let _ = self.driver.note_badge(id, badge);
+            }
+            Order::Keep(draft) => self.pack_and_keep(*draft),
+            Order::Abandon { id } => {
+                // Where it is kept, or isn't known, there is nothing to give up.
+                let _ = self.driver.abandon(id);
+                self.host.board().note_under_way(id, None);
+            }
+            Order::CommandDone { id, outcome } => self.driver.note_command_done(id, outcome),
+        }
+    }
+
+    fn announce(&mut self, id: SculptureId, volume: &[u8]) {
+        match self.driver.announce(id, None) {
+            // It was announced by the start before.
+            Ok(()) | Err(OutboxError::Refused(OutboxRefusal::KnownId)) => {}
+            Err(error) => self.host.board().add_note(format!("not announced: {error}")),
+        }
+        let volume_hash = ContentHash(Sha256::digest(volume).into());
+        self.mark_finished(FinishedSculpture { id, volume_hash, is_kept: false });
+    }
+
+    fn mark_finished(&mut self, finished: FinishedSculpture) {
+        self.last_finished = Some(finished);
+        if let Err(error) = mark::write(&self.mark_path, &finished) {
+            self.host.board().add_note(error.to_string());
+        }
+    }
+
+    fn pack_and_keep(&mut self, draft: ParcelDraft) {
+        let ParcelDraft { facts, first_file, trace } = draft;
+        match Parcel::pack(&facts, &first_file, trace.as_deref()) {
+            Ok(parcel) => self.keep(parcel),
+            Err(fault) => {
+                self.host.board().add_note(format!("sculpture {}: {fault}", facts.id));
+                self.carry_out(Order::Abandon { id: facts.id });
+            }
+        }
+    }
+
+    fn keep(&mut self, parcel: Parcel) {
+        let id = parcel.facts().id;
+        let kept = self.driver.keep(&parcel);
+        let is_last = |finished: &FinishedSculpture| finished.id == id;
+        if let Some(finished) = self.last_finished.filter(is_last)
+            && kept.is_ok()
+        {
+            self.mark_finished(FinishedSculpture { is_kept: true, ..finished });
+        }
+        let keeping = match &kept {
+            Ok(()) => None,
+            // It was given up for another id, which is kept.
+            Err(OutboxError::Refused(OutboxRefusal::KnownId)) => None,
+            Err(error) => {
+                self.host.board().add_note(format!("sculpture {id} isn't kept yet: {error}"));
+                self.waiting.push(parcel);
+                Some(Keeping::Waiting)
+            }
+        };
+        self.host.board().note_under_way(id, keeping);
+        if self.waiting.len() > MAX_WAITING {
+            let id = self.waiting.remove(0).facts().id;
+            self.carry_out(Order::Abandon { id });
+        }
+    }
+
+    fn retry_waiting(&mut self) {
+        if self.waiting.is_empty() || self.tried.elapsed() < KEEP_RETRY {
+            return;
+        }
+        self.tried = Instant::now();
+        mem::take(&mut self.waiting).into_iter().for_each(|parcel| self.keep(parcel));
+    }
+
+    fn show(&self) {
+        let left = self.host.lease.left_now();
+        self.host.board().show(self.driver.outbox(), left);
+    }
+}
