@@ -148,6 +148,12 @@ where
         None
     }
 
+    /// The height of its models, in millimetres.
+    #[must_use]
+    pub const fn model_height_mm(&self) -> f32 {
+        self.model_height_mm
+    }
+
     /// Whether an export is under way.
     #[must_use]
     pub const fn is_busy(&self) -> bool {

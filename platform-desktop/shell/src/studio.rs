@@ -11,9 +11,11 @@ mod export;
 mod files;
 mod last_use;
 mod one_before;
+mod outgoing;
 mod pending_read;
 mod recorder;
 mod sculpture_files;
+mod sealing;
 mod session;
 
 use std::path::{Path, PathBuf};
@@ -29,6 +31,8 @@ use autosave::Autosave;
 pub use carve_on::CarvingOn;
 use export::SculptureExport;
 use last_use::LastUseFile;
+use outgoing::Outgoing;
+pub use outgoing::{BoothState, SendPlan};
 use paros_core::limits::INTERVALS;
 use paros_core::session::SessionMode;
 use paros_core::visit::{VisitCommand, VisitPhase};
@@ -80,6 +84,8 @@ where
     one_before: Option<Vec<u8>>,
     /// The save of the sculpture as it was before it was finished.
     before_finish: Option<Vec<u8>>,
+    /// What brings sculptures to a booth, where the device is enrolled at one.
+    outgoing: Option<Outgoing>,
     notices: Vec<Notice>,
 }
 
@@ -117,6 +123,7 @@ where
             has_read_volume: false,
             one_before,
             before_finish: None,
+            outgoing: None,
             notices,
         };
         studio.export_what_was_cut_off();
@@ -227,6 +234,9 @@ where
         let hidden = volumes.hidden_figures();
         let runner = TickRunner::new(world, volumes.start_volumes(&hidden));
         self.recorder.run_tick(runner, starts_session, input, wrap_step);
+        if let Some(outgoing) = self.outgoing.as_mut().filter(|_| starts_session) {
+            outgoing.note_recording_begun();
+        }
         self.after_tick();
     }
 
@@ -238,7 +248,9 @@ where
             let _ = self.handle_write_outcome(outcome);
         }
         self.submit_last_use();
-        self.submit_finished_sculpture();
+        if !self.is_badge_awaited() {
+            self.submit_finished_sculpture();
+        }
         let Some(done) = self.pending_read.as_ref().and_then(PendingRead::poll_result) else {
             return false;
         };
@@ -248,32 +260,6 @@ where
             self.push_notice(Notice::Bad(why));
         }
         self.has_read_volume
-    }
-
-    /// Copies the volume that was read last to the visitor's own start volume. Returns the session that
-    /// starts from it; `None` where another file is being read since, or it was offered already.
-    pub fn offer_read_volume(&mut self) -> Option<SessionToStart> {
-        core::mem::take(&mut self.has_read_volume).then(|| {
-            let own = self.session.volumes.offer_visitor_volume();
-            own.copy_from(&Grid::<N>::lock_range_maps());
-            SessionToStart { mode: SessionMode::Own }
-        })
-    }
-
-    /// Starts to read a file, for a new session. One at a time; others are refused with a message.
-    pub fn open_file(&mut self, path: &Path, reader: VolumeReader) {
-        match &self.pending_read {
-            None => {
-                self.has_read_volume = false;
-                self.pending_read = Some(PendingRead::spawn(path, reader));
-            }
-            Some(pending) => {
-                let (path, first) = (path.display(), pending.path.display());
-                self.push_notice(Notice::Bad(format!(
-                    "{path}: not opened, {first} is still being read"
-                )));
-            }
-        }
     }
 
     /// Submits once more the files that could not be written.
@@ -308,6 +294,7 @@ where
         if self.is_printing_another() {
             self.export.make_files_to_end();
             self.submit_finished_sculpture();
+            self.wait_for_parcel();
         }
         if self.autosave.is_changed() {
             self.save_session();
@@ -323,6 +310,7 @@ where
     pub fn save_all_and_wait(&mut self) -> Result<(), durable::WriteError> {
         self.export.make_files_to_end();
         self.submit_finished_sculpture();
+        self.wait_for_parcel();
         self.retry_failed_writes();
         self.save_session();
         if let Some(path) = self.recorder.trace_path().map(PathBuf::from) {
@@ -382,7 +370,9 @@ where
             self.export.wait_for_picture();
             self.submit_finished_sculpture();
             self.export.start_making_files(self.session.world);
+            self.send_finished();
         }
+        self.follow_outgoing_tick();
         self.notice_found_figure();
         self.autosave.mark_due_after_tick(self.session.world);
         if self.autosave.is_due() && !self.is_printing_another() {

@@ -10,7 +10,7 @@ use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 
 use super::DrawPicture;
-use super::sculpture_files::{FilesByExtension, SculptureFiles};
+use super::sculpture_files::{MadeSculpture, SculptureFiles, SentSculpture};
 use crate::file_writer::WriteJob;
 use crate::stl_export::StlExporter;
 
@@ -131,6 +131,23 @@ where
         self.files = Some(SculptureFiles::start(world, self.draw_picture));
     }
 
+    /// Has a parcel made of the sculpture whose files are being made.
+    pub(super) fn send(&mut self, sent: SentSculpture) {
+        if let Some(files) = &mut self.files {
+            files.send(sent);
+        }
+    }
+
+    /// The volume's file of the sculpture whose files are being made.
+    pub(super) fn volume(&self) -> Option<&[u8]> {
+        self.files.as_ref().map(SculptureFiles::volume)
+    }
+
+    /// How high prints are, in millimetres.
+    pub(super) const fn model_height_mm(&self) -> f32 {
+        self.stl_exporter.model_height_mm()
+    }
+
     /// Waits for the picture.
     pub(super) fn wait_for_picture(&mut self) {
         if let Some(files) = &mut self.files {
@@ -146,7 +163,7 @@ where
     }
 
     /// The files once all are ready, or why there are none. They are returned once.
-    pub(super) fn take_finished_files(&mut self) -> Option<Result<FilesByExtension, String>> {
+    pub(super) fn take_finished_files(&mut self) -> Option<Result<MadeSculpture, String>> {
         let files = self.files.as_mut()?.take_finished_files()?;
         self.files = None;
         Some(files)

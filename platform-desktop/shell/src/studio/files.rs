@@ -7,6 +7,7 @@ use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 
 use super::autosave::FailureNotice;
+use super::sculpture_files::MadeSculpture;
 use super::{Notice, Studio};
 use crate::durable::{self, StorageLimit};
 use crate::file_writer::{Destination, FileKind, WriteJob, WriteOutcome};
@@ -45,11 +46,18 @@ where
     pub(super) fn submit_finished_sculpture(&mut self) {
         match self.export.take_finished_files() {
             None => {}
-            Some(Ok(files)) => {
+            Some(Ok(MadeSculpture { files, draft })) => {
+                self.send_or_abandon(draft);
+                if files.is_empty() {
+                    return;
+                }
                 let (extensions, bytes) = files.into_iter().unzip();
                 self.submit_numbered_files(FileKind::Sculpture, SCULPTURE_STEM, extensions, bytes);
             }
-            Some(Err(why)) => self.push_notice(Notice::Bad(why)),
+            Some(Err(why)) => {
+                self.send_or_abandon(None);
+                self.push_notice(Notice::Bad(why));
+            }
         }
     }
 

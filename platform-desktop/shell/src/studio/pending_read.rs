@@ -4,7 +4,12 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::thread;
 
-use super::VolumeReader;
+use paros_core::limits::INTERVALS;
+use paros_core::session::SessionMode;
+use paros_core::volume::{Grid, Size};
+
+use super::{Notice, SessionToStart, Studio, VolumeReader};
+use crate::statics::Resident;
 
 /// A file being read. When it is done, the static range maps of its size hold it.
 #[derive(Debug)]
@@ -35,6 +40,37 @@ impl PendingRead {
             Err(TryRecvError::Empty) => None,
             Err(TryRecvError::Disconnected) => {
                 Some(Err(format!("{}: could not be read", self.path.display())))
+            }
+        }
+    }
+}
+
+impl<const N: usize> Studio<'_, N>
+where
+    Grid<N>: Size + Resident<N, INTERVALS>,
+{
+    /// Copies the volume that was read last to the visitor's own start volume. Returns the session that
+    /// starts from it; `None` where another file is being read since, or it was offered already.
+    pub fn offer_read_volume(&mut self) -> Option<SessionToStart> {
+        core::mem::take(&mut self.has_read_volume).then(|| {
+            let own = self.session.volumes.offer_visitor_volume();
+            own.copy_from(&Grid::<N>::lock_range_maps());
+            SessionToStart { mode: SessionMode::Own }
+        })
+    }
+
+    /// Starts to read a file, for a new session. One at a time; others are refused with a message.
+    pub fn open_file(&mut self, path: &Path, reader: VolumeReader) {
+        match &self.pending_read {
+            None => {
+                self.has_read_volume = false;
+                self.pending_read = Some(PendingRead::spawn(path, reader));
+            }
+            Some(pending) => {
+                let (path, first) = (path.display(), pending.path.display());
+                self.push_notice(Notice::Bad(format!(
+                    "{path}: not opened, {first} is still being read"
+                )));
             }
         }
     }

@@ -6,24 +6,48 @@ use std::thread;
 
 use paros_core::badge::{BadgeNumber, Language, write_words};
 use paros_core::limits::INTERVALS;
+use paros_core::outbox::messages::{ParcelKind, UploadFacts};
 use paros_core::volume::{Grid, Size};
 use paros_core::{RangeMaps, World};
 
 use super::DrawPicture;
+use super::sealing::{SealedStl, StlSeal, StlState};
+use crate::outbox::courier::ParcelDraft;
 use crate::rmap;
 use crate::stl_export::{FinishedStl, StlExporter};
 
 /// Each file's extension and bytes.
 pub(super) type FilesByExtension = Vec<(&'static str, Vec<u8>)>;
 
+/// What is sent of a sculpture beside its volume or mesh.
+#[derive(Debug)]
+pub(super) struct SentSculpture {
+    /// What is known of it, but for its print and its badge.
+    pub(super) facts: UploadFacts,
+    /// The trace, where it is sent.
+    pub(super) trace: Option<Vec<u8>>,
+    /// Whether its files are written already, and only the parcel is missing.
+    pub(super) is_written: bool,
+}
+
+/// What was made of a sculpture.
+#[derive(Debug)]
+pub(super) struct MadeSculpture {
+    /// The files for the visitor; none where they are written already.
+    pub(super) files: FilesByExtension,
+    /// What its parcel is packed of.
+    pub(super) draft: Option<ParcelDraft>,
+}
+
 /// The parts made so far.
 #[derive(Debug)]
 pub(super) struct SculptureFiles {
-    stl: Option<FinishedStl>,
+    stl: StlState,
     picture: PictureState,
     rmap: Vec<u8>,
     /// Of a visit: the badge by which the sculpture is found.
     badge: Option<BadgeNumber>,
+    sent: Option<SentSculpture>,
 }
 
 #[derive(Debug)]
@@ -50,12 +74,26 @@ impl SculptureFiles {
             let _ = tell.send(draw_picture(&copy));
         });
         let picture = PictureState::Drawing(drawing);
-        SculptureFiles { stl: None, picture, rmap: rmap::encode(maps), badge: None }
+        let stl = StlState::Making;
+        SculptureFiles { stl, picture, rmap: rmap::encode(maps), badge: None, sent: None }
+    }
+
+    /// Has a parcel made too. Before the print is.
+    pub(super) fn send(&mut self, sent: SentSculpture) {
+        self.sent = Some(sent);
+    }
+
+    /// The volume's file.
+    pub(super) fn volume(&self) -> &[u8] {
+        &self.rmap
     }
 
     /// Keeps the STL file, if it is finished.
     pub(super) fn keep_stl(&mut self, stl: Option<FinishedStl>) {
-        self.stl = self.stl.take().or(stl);
+        let sends_copy = self.sent.as_ref().map(|sent| sent.facts.kind == ParcelKind::Mesh);
+        if let Some(stl) = stl {
+            self.stl.keep(stl, sends_copy);
+        }
     }
 
     /// Notes the badge that the visitor is shown.
@@ -74,8 +112,9 @@ impl SculptureFiles {
         self.wait_for_picture();
     }
 
-    /// Waits for the picture.
+    /// Waits for what threads make: the picture, and the print's hash.
     pub(super) fn wait_for_picture(&mut self) {
+        self.stl.wait();
         if let PictureState::Drawing(drawing) = &self.picture {
             let drawn = drawing.recv().unwrap_or_else(|_| Err("no picture was drawn".into()));
             self.picture = PictureState::Drawn(drawn);
@@ -83,7 +122,7 @@ impl SculptureFiles {
     }
 
     /// The files, the STL file first, once all are ready; or why there are none.
-    pub(super) fn take_finished_files(&mut self) -> Option<Result<FilesByExtension, String>> {
+    pub(super) fn take_finished_files(&mut self) -> Option<Result<MadeSculpture, String>> {
         if let PictureState::Drawing(drawing) = &self.picture {
             self.picture = match drawing.try_recv() {
                 Ok(drawn) => PictureState::Drawn(drawn),
@@ -94,9 +133,20 @@ impl SculptureFiles {
             };
         }
         let PictureState::Drawn(drawn) = &mut self.picture else { return None };
-        let stl = self.stl.take()?;
+        let Some(SealedStl { stl, seal }) = self.stl.take_done()? else {
+            return Some(Err("the print's hash could not be made".into()));
+        };
         if stl.triangle_count == 0 {
             return Some(Err("nothing is left to print".into()));
+        }
+        let sent = self.sent.take();
+        let is_written = sent.as_ref().is_some_and(|sent| sent.is_written);
+        let bytes = stl.bytes.len() as u64;
+        let draft = sent
+            .zip(seal)
+            .map(|(sent, seal)| make_draft(sent, (seal, bytes), self.badge, &self.rmap));
+        if is_written {
+            return Some(Ok(MadeSculpture { files: Vec::new(), draft }));
         }
         let mut files = vec![("stl", stl.bytes), ("rmap", core::mem::take(&mut self.rmap))];
         if let Some(badge) = self.badge {
@@ -106,8 +156,19 @@ impl SculptureFiles {
         if let Ok(png) = drawn {
             files.push(("png", core::mem::take(png)));
         }
-        Some(Ok(files))
+        Some(Ok(MadeSculpture { files, draft }))
     }
+}
+
+fn make_draft(
+    sent: SentSculpture,
+    (seal, stl_bytes): (StlSeal, u64),
+    badge: Option<BadgeNumber>,
+    rmap: &[u8],
+) -> ParcelDraft {
+    let facts = UploadFacts { badge, stl_hash: seal.hash, stl_bytes, ..sent.facts };
+    let first_file = seal.copy.unwrap_or_else(|| rmap.to_vec());
+    ParcelDraft { facts, first_file, trace: sent.trace }
 }
 
 /// A badge's words in a line for each language, and its number, for who looks for a sculpture among files.

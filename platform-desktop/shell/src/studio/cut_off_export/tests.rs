@@ -22,13 +22,13 @@ use crate::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
 use crate::studio_paths::StudioPaths;
 
 /// A visit's input with a command.
-fn told(command: VisitCommand) -> TickInput {
+pub(in crate::studio) fn told(command: VisitCommand) -> TickInput {
     let visit = VisitInput { presence: Presence::Worn, is_used: true, command };
     TickInput { visit, ..TickInput::default() }
 }
 
 /// From the opening of visits to the first ticks of an export, with something cut.
-fn sculpt_in_a_visit(studio: &mut Studio<'_, 128>) {
+pub(in crate::studio) fn sculpt_in_a_visit(studio: &mut Studio<'_, 128>) {
     let press = |action| told(VisitCommand::Press(action));
     for input in [
         told(VisitCommand::Open),
@@ -57,7 +57,7 @@ fn sculpt_in_a_visit(studio: &mut Studio<'_, 128>) {
 }
 
 /// Runs a program's studio in a folder, from an empty world on, to the end that `test` leaves it at.
-fn run_program(folder: &Path, test: impl FnOnce(&mut Studio<'_, 128>)) {
+pub(in crate::studio) fn run_program(folder: &Path, test: impl FnOnce(&mut Studio<'_, 128>)) {
     let (mut volumes, mut world) = (Grid::<128>::lock_start_volumes(), Grid::<128>::lock_world());
     let mut stl_buffers = Grid::<128>::lock_stl_buffers();
     let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
@@ -66,6 +66,9 @@ fn run_program(folder: &Path, test: impl FnOnce(&mut Studio<'_, 128>)) {
     let paths = StudioPaths::inside_folder(folder);
     let mut studio = Studio::new(&mut world, &mut volumes, stl_exporter, paths, draw_no_picture);
     test(&mut studio);
+    drop(studio);
+    // Other tests have the same one.
+    world.clear();
 }
 
 /// Whether pictures are done: one test at a time has the world, and one of them has them take long.

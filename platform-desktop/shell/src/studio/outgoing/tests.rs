@@ -1,0 +1,138 @@
+//! Finished sculptures on their way to a booth, over starts that come at the worst time.
+
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+
+use paros_core::outbox::messages::{FinishCause, ParcelKind};
+use paros_core::visit::VisitCommand;
+use sha2::{Digest as _, Sha256};
+
+use super::*;
+use crate::outbox::Parcel;
+use crate::outbox::courier::test_booth::{Rig, wait};
+use crate::studio::cut_off_export::tests::{run_program, sculpt_in_a_visit, told};
+
+fn plan() -> SendPlan {
+    let languages = vec![Language::Greek, Language::English];
+    SendPlan { kind: ParcelKind::Volume, sends_traces: false, languages }
+}
+
+fn run_to_the_end(studio: &mut Studio<'_, 128>) {
+    wait("the files", || {
+        studio.run_tick(&told(VisitCommand::None));
+        studio.poll_background_work();
+        (!studio.is_exporting()).then_some(())
+    });
+}
+
+/// The parcels in an outbox.
+fn parcels(rig: &Rig) -> Vec<Parcel> {
+    let names = fs::read_dir(&rig.folder).expect("a folder").map(|entry| entry.unwrap().path());
+    let parcels = names.filter(|path| path.extension() == Some("parcel".as_ref()));
+    parcels.map(|path| Parcel::read_file(fs::read(path).unwrap()).expect("whole")).collect()
+}
+
+fn prints(folder: &Path) -> Vec<Vec<u8>> {
+    let names = fs::read_dir(folder.join("sculptures")).into_iter().flatten();
+    let paths = names.map(|entry| entry.unwrap().path());
+    paths
+        .filter(|path| path.extension() == Some("stl".as_ref()))
+        .map(|p| fs::read(p).unwrap())
+        .collect()
+}
+
+struct Place {
+    folder: std::path::PathBuf,
+    rig: Rig,
+}
+
+impl Place {
+    fn new(test: &str) -> Self {
+        let folder =
+            std::env::temp_dir().join(format!("paros-outgoing-{test}-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&folder);
+        Place { folder, rig: Rig::new(test) }
+    }
+
+    fn run(&self, test: impl FnOnce(&mut Studio<'_, 128>)) {
+        run_program(&self.folder, |studio| {
+            studio.set_courier(self.rig.start(None), plan());
+            test(studio);
+        });
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.folder);
+    }
+}
+
+/// The visitor's badge is shown as soon as it is there, and stands in the parcel and in the files.
+fn show_badge(studio: &mut Studio<'_, 128>) -> BadgeNumber {
+    assert!(studio.is_badge_awaited());
+    let badge = wait("a badge", || studio.booth_state().and_then(|state| state.badge));
+    studio.run_tick(&told(VisitCommand::Badge { number: badge.get() }));
+    badge
+}
+
+#[test]
+fn a_visits_sculpture_is_announced_kept_and_signed_for() {
+    let place = Place::new("visit");
+    place.rig.is_down.store(true, Ordering::Relaxed);
+    place.run(|studio| {
+        sculpt_in_a_visit(studio);
+        let keeping =
+            |studio: &Studio<'_, 128>| studio.booth_state().and_then(|state| state.keeping);
+        assert_eq!(keeping(studio), Some(Keeping::Making));
+        let badge = show_badge(studio);
+        run_to_the_end(studio);
+        wait("kept here", || (keeping(studio) == Some(Keeping::KeptHere)).then_some(()));
+        let [parcel] = &parcels(&place.rig)[..] else { panic!("one parcel") };
+        let facts = parcel.facts();
+        let [print] = &prints(&place.folder)[..] else { panic!("one print") };
+        assert_eq!(facts.stl_hash.0[..], Sha256::digest(print)[..]);
+        assert_eq!(facts.stl_bytes, print.len() as u64);
+        assert_eq!((facts.badge, facts.language), (Some(badge), *b"el"));
+        assert_eq!((facts.cause, facts.height_mm_tenths), (FinishCause::Finished, 1200));
+        place.rig.is_down.store(false, Ordering::Relaxed);
+        wait("signed for", || (keeping(studio) == Some(Keeping::KeptAtBooth)).then_some(()));
+    });
+}
+
+#[test]
+fn what_a_program_s_end_cut_off_is_sent_once_under_its_own_id() {
+    let place = Place::new("cut-off");
+    place.rig.is_down.store(true, Ordering::Relaxed);
+    let mut announced = None;
+    // The first ends before its print is made.
+    place.run(|studio| {
+        sculpt_in_a_visit(studio);
+        announced = studio.outgoing.as_ref().and_then(|outgoing| outgoing.sculpture);
+        studio.save_session();
+        while studio.file_writer().is_busy() {
+            studio.poll_background_work();
+        }
+    });
+    assert!(parcels(&place.rig).is_empty() && announced.is_some());
+    // The second makes it, and the parcel isn't kept before it ends: a folder is in its place.
+    let id = announced.expect("it was announced");
+    let name = place.rig.folder.join(format!("{id}.parcel"));
+    fs::create_dir(&name).expect("a folder");
+    place.run(|studio| {
+        show_badge(studio);
+        run_to_the_end(studio);
+        studio.save_session_and_wait();
+    });
+    fs::remove_dir(&name).expect("it is empty");
+    assert_eq!((parcels(&place.rig).len(), prints(&place.folder).len()), (0, 1));
+    // The third has the print, and makes the parcel alone.
+    place.run(run_to_the_end);
+    // The fourth finds nothing left to do.
+    place.run(run_to_the_end);
+    let [parcel] = &parcels(&place.rig)[..] else { panic!("one parcel") };
+    assert_eq!((parcel.facts().id, parcel.facts().cause), (id, FinishCause::CutOff));
+    let [print] = &prints(&place.folder)[..] else { panic!("one print") };
+    assert_eq!(parcel.facts().stl_hash.0[..], Sha256::digest(print)[..]);
+}
