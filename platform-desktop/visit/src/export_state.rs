@@ -3,10 +3,10 @@
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 use paros_shell::statics::Resident;
-use paros_shell::studio::Studio;
+use paros_shell::studio::{BoothState, Studio};
 
 /// How far a finished sculpture's files are.
-#[derive(Clone, Copy, PartialEq, Debug)]
+#[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub struct ExportState {
     /// Whether they are being made or written.
     pub is_busy: bool,
@@ -16,6 +16,8 @@ pub struct ExportState {
     pub part: f32,
     /// Sculptures whose files are not yet where they are to be kept: being made, being written, or to be written again.
     pub pending: u32,
+    /// Where it stands on its way to the booth; `None` where the device isn't enrolled at one.
+    pub booth: Option<BoothState>,
 }
 
 impl ExportState {
@@ -30,6 +32,7 @@ impl ExportState {
             is_kept: studio.session_stl_path().is_some(),
             part: studio.export_part(),
             pending: studio.count_unkept_sculptures(),
+            booth: studio.booth_state(),
         }
     }
 }

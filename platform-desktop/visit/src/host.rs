@@ -1,11 +1,12 @@
 //! What holds visits in a shell.
 
+mod keeping;
+mod pressing;
+mod remote;
+
 use glam::Vec3;
-use paros_core::badge::BadgeNumber;
 use paros_core::session::{PointerCommand, SessionMode, TICK_RATE, commands};
-use paros_core::visit::{
-    PanelAction, PlanSetting, Presence, StaffCommand, Visit, VisitCommand, VisitInput, VisitPhase,
-};
+use paros_core::visit::{PanelAction, Presence, Visit, VisitCommand, VisitInput, VisitPhase};
 use paros_core::volume::{Grid, Size};
 use paros_core::{TickInput, World, WorldEvent};
 use paros_shaders::panel::{Language, Message, Panel, PanelPose};
@@ -19,8 +20,12 @@ use crate::pin_pad::PinPad;
 use crate::pointing::{POINTERS, Pointer, Pointing};
 use crate::previews::LivingPreviews;
 use crate::queue::VisitQueue;
-use crate::screen::{ButtonAction, Question, Screen, ScreenState, is_at_work, point_in_room};
+use crate::screen::{
+    BoothTold, ButtonAction, Question, Screen, ScreenState, is_at_work, point_in_room,
+};
 use crate::standing::PanelSpot;
+use remote::RemoteWatch;
+pub use remote::{DeviceStatus, answer_without_visits};
 
 /// For how long a visitor is told of the time that is left, in ticks.
 const WARNING_TICKS: u32 = 6 * TICK_RATE;
@@ -52,6 +57,7 @@ pub struct VisitHost {
     /// The badge of this visit has been sent, and the export's end.
     has_sent_badge: bool,
     has_sent_export: bool,
+    remote: RemoteWatch,
     /// Seconds for which the program slept or didn't run, not sent yet.
     away_seconds: u16,
 }
@@ -68,7 +74,7 @@ impl VisitHost {
         }
         VisitHost {
             pin_pad: options.staff_pin.map(PinPad::new),
-            random_bits: random_bits_of_system,
+            random_bits: keeping::random_bits_of_system,
             options,
             queue,
             question: Question::None,
@@ -83,6 +89,7 @@ impl VisitHost {
             recentres: false,
             has_sent_badge: false,
             has_sent_export: false,
+            remote: RemoteWatch::of_visit(visit.phase()),
             away_seconds: 0,
         }
     }
@@ -155,6 +162,7 @@ impl VisitHost {
             0 => self.queue.take(),
             seconds => VisitCommand::Away { seconds },
         };
+        self.remote.note_tick(phase, presence, is_used);
         input.visit = VisitInput { presence, is_used, command };
         // How a session starts is the visit's to say.
         input.start = SessionMode::None;
@@ -271,49 +279,6 @@ impl VisitHost {
         core::mem::take(&mut self.recentres)
     }
 
-    fn ask(&mut self, question: Question) {
-        self.question = question;
-        if let Some(pad) = &mut self.pin_pad {
-            pad.forget();
-        }
-    }
-
-    fn perform(&mut self, action: ButtonAction) {
-        match action {
-            ButtonAction::Press(pressed) => {
-                self.queue.push(VisitCommand::Press(pressed));
-                if pressed == PanelAction::Finish {
-                    self.ask(Question::None);
-                }
-            }
-            ButtonAction::Choose(start) => {
-                self.queue.push(VisitCommand::Press(PanelAction::Start(start)));
-                self.queue.push(VisitCommand::Press(PanelAction::Confirm));
-            }
-            ButtonAction::Staff(command) => {
-                self.queue.push(VisitCommand::Staff(command));
-                if command == StaffCommand::Extend {
-                    self.told = Some((Message::Extended, WARNING_TICKS));
-                }
-                self.ask(Question::None);
-            }
-            ButtonAction::Recentre => {
-                self.recentres = true;
-                self.ask(Question::None);
-            }
-            ButtonAction::Ask(question) => self.ask(question),
-            ButtonAction::Digit(digit) => {
-                if self.pin_pad.as_mut().is_some_and(|pad| pad.press_digit(digit)) {
-                    self.ask(Question::Staff);
-                }
-            }
-            ButtonAction::Erase => self.pin_pad.iter_mut().for_each(PinPad::erase),
-            ButtonAction::Undo => self.undoes = true,
-            ButtonAction::Turn => self.turn_left = self.turn_left.saturating_add(BUTTON_TURN),
-            ButtonAction::Cleaned => self.begin_anew(),
-        }
-    }
-
     fn enter_phase(&mut self, phase: VisitPhase) {
         // The staff is asked on, whatever the visitor's time does.
         if self.question == Question::Finish {
@@ -323,28 +288,16 @@ impl VisitHost {
             VisitPhase::Attract => {
                 self.lathe = LatheHand::default();
                 self.told = None;
+                self.remote.end_visit();
             }
-            VisitPhase::Welcome => self.recentres = true,
+            VisitPhase::Welcome => {
+                self.recentres = true;
+                self.remote.begin_visit();
+            }
             VisitPhase::Export => (self.has_sent_badge, self.has_sent_export) = (false, false),
             _ => {}
         }
         (self.turn_left, self.undoes) = (0, false);
-    }
-
-    /// Tells the visit its badge, and that the sculpture is kept once it is.
-    fn follow_export(&mut self, visit: &Visit, export: &ExportState) {
-        let gives_badges = visit.plan().value(PlanSetting::Badges) != 0;
-        if gives_badges && visit.badge().is_none() && !self.has_sent_badge {
-            self.has_sent_badge = true;
-            let number = BadgeNumber::provisional((self.random_bits)());
-            self.queue.push(VisitCommand::Badge { number: number.get() });
-        }
-        // Where nothing is left to print, nothing is kept and nothing waits.
-        let is_over = !export.is_busy && (export.is_kept || export.pending == 0);
-        if is_over && !self.has_sent_export {
-            self.has_sent_export = true;
-            self.queue.push(VisitCommand::Exported);
-        }
     }
 
     fn draw(&mut self, visit: &Visit, export: &ExportState) {
@@ -357,6 +310,8 @@ impl VisitHost {
             state.percent = (export.part.clamp(0.0, 1.0) * 99.0) as u32;
         }
         state.pending = export.pending;
+        state.booth = BoothTold::of_export(export);
+        state.is_glowing = self.remote.is_glowing();
         state.pin = pin.unwrap_or(state.pin);
         if self.screen.is_another(&state) {
             self.pointing.forget_buttons();
@@ -375,11 +330,6 @@ pub fn close_visits(visit: &Visit, input: &mut TickInput) {
     if visit.phase() != VisitPhase::Closed {
         input.visit.command = VisitCommand::Close;
     }
-}
-
-/// 32 bits from the operating system. Where it has none, badges repeat, as provisional ones may.
-fn random_bits_of_system() -> u32 {
-    getrandom::u32().unwrap_or_default()
 }
 
 /// How a visitor is told of the seconds left.

@@ -24,7 +24,7 @@ pub use cards::name_of_start;
 pub use charger_panel::ChargerPanel;
 pub use export_state::ExportState;
 pub use headset::HeadsetTick;
-pub use host::{VisitHost, close_visits};
+pub use host::{DeviceStatus, VisitHost, answer_without_visits, close_visits};
 pub use options::{Controls, VisitOptions};
 pub use pointing::{POINTERS, Pointer};
 pub use screen::is_at_work;

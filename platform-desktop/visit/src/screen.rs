@@ -4,11 +4,15 @@ mod draw;
 mod rays;
 
 use paros_core::badge::BadgeNumber;
+use paros_core::outbox::OutboxLevel;
 use paros_core::session::{SessionMode, TICK_RATE};
 use paros_core::visit::{GuideStep, PanelAction, PlanSetting, StaffCommand, Visit, VisitPhase};
 use paros_shaders::panel::layout::PinEntry;
 use paros_shaders::panel::{Language, Message, Panel};
+use paros_shell::outbox::courier::Keeping;
+use paros_shell::studio::BoothState;
 
+use crate::export_state::ExportState;
 use crate::options::{Controls, VisitOptions};
 use crate::pointing::ShownButton;
 use crate::standing::PanelSpot;
@@ -94,8 +98,31 @@ pub(crate) struct ScreenState {
     pub(crate) may_leave_badge: bool,
     /// Sculptures that are not yet where they are kept.
     pub(crate) pending: u32,
+    /// What is told of the booth, where there is one.
+    pub(crate) booth: Option<BoothTold>,
+    /// The staff looks for the device.
+    pub(crate) is_glowing: bool,
     pub(crate) pin: PinEntry,
     pub(crate) controls: Controls,
+}
+
+/// What panels tell of the way to a booth.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct BoothTold {
+    /// Where the visitor's sculpture stands.
+    pub(crate) keeping: Option<Keeping>,
+    /// Sculptures that the booth hasn't signed for.
+    pub(crate) owed: u32,
+    /// Whether the device is nearly full with them.
+    pub(crate) is_nearly_full: bool,
+}
+
+impl BoothTold {
+    pub(crate) fn of_export(export: &ExportState) -> Option<Self> {
+        let BoothState { keeping, outbox, .. } = export.booth?;
+        let is_nearly_full = outbox.level != OutboxLevel::Fine;
+        Some(BoothTold { keeping, owed: outbox.owed, is_nearly_full })
+    }
 }
 
 /// The panels that are shown, and their buttons.
@@ -135,6 +162,8 @@ impl ScreenState {
             is_time_up: visit.seconds_left() == Some(0),
             may_leave_badge: visit.phase_ticks() >= least,
             pending: 0,
+            booth: None,
+            is_glowing: false,
             pin: PinEntry::Entered(0),
             controls: options.controls,
         }
@@ -199,6 +228,12 @@ impl Screen {
         self.drawn.and_then(|(drawn, _)| drawn.seconds_to_gone)
     }
 
+    /// What is told of the booth.
+    #[cfg(test)]
+    pub(crate) fn told_booth(&self) -> Option<BoothTold> {
+        self.drawn.and_then(|(drawn, _)| drawn.booth)
+    }
+
     /// Whether a panel stands beside the sculpture, and a window moves that aside.
     pub(crate) fn is_beside_sculpture(&self) -> bool {
         self.spots[..self.count].contains(&PanelSpot::Beside)
@@ -206,8 +241,9 @@ impl Screen {
 
     /// Whether panels of this state are another screen than what is shown: other buttons, which nobody has aimed at.
     pub(crate) fn is_another(&self, state: &ScreenState) -> bool {
-        let screen =
-            |state: &ScreenState| (state.phase, state.question, state.seconds_to_gone.is_some());
+        let screen = |state: &ScreenState| {
+            (state.phase, state.question, state.seconds_to_gone.is_some(), state.is_glowing)
+        };
         self.drawn.is_none_or(|(drawn, _)| screen(&drawn) != screen(state))
     }
 }

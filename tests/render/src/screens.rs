@@ -3,7 +3,9 @@
 use paros_core::badge::BadgeNumber;
 use paros_shaders::Image;
 use paros_shaders::limits::{PANEL_CELL_TEXELS, PANEL_CELLS};
-use paros_shaders::panel::layout::{self, Clock, Guide, PanelNotice, PinEntry, palette};
+use paros_shaders::panel::layout::{
+    self, Clock, Guide, HandoverTold, PanelNotice, PinEntry, palette,
+};
 use paros_shaders::panel::{
     ButtonState, FillingValue, Icon, Language, Message, Panel, PanelButton, PanelPictures,
 };
@@ -117,8 +119,14 @@ fn visit_screens(language: Language) -> Vec<Screen> {
         }));
     }
     let next = layout::badge_buttons(0);
-    all.push(drawn("badge", |panel| layout::draw_badge(panel, language, &badge, &[])));
-    all.push(drawn("badge-seen", |panel| layout::draw_badge(panel, language, &badge, &next)));
+    for (name, told, buttons) in [
+        ("badge", Message::BadgeBody, &[][..]),
+        ("badge-seen", Message::BadgeBody, &next),
+        ("badge-kept-here", Message::BadgeKeptHere, &[]),
+        ("badge-kept-at-booth", Message::BadgeKeptAtBooth, &next),
+    ] {
+        all.push(drawn(name, |panel| layout::draw_badge(panel, language, (&badge, told), buttons)));
+    }
     all
 }
 
@@ -196,10 +204,15 @@ fn staff_screens(language: Language) -> Vec<Screen> {
     let mut keys = layout::pin_buttons(0);
     keys[4].state = ButtonState::Pressed;
     let staff = layout::staff_buttons(0);
-    let mut all: Vec<Screen> = [0, 1, 12]
+    let alone = [0, 1, 12].map(|pending| HandoverTold { pending, ..HandoverTold::default() });
+    let at_booth = [0, 1, 12].map(|owed| HandoverTold { owed: Some(owed), ..alone[0] });
+    let full = HandoverTold { owed: Some(240), is_nearly_full: true, ..alone[0] };
+    let mut all: Vec<Screen> = alone
         .into_iter()
-        .map(|pending| {
-            drawn("handover", |panel| layout::draw_handover(panel, language, pending, &cleaned))
+        .chain(at_booth)
+        .chain([full])
+        .map(|told| {
+            drawn("handover", |panel| layout::draw_handover(panel, language, told, &cleaned))
         })
         .collect();
     for entry in [PinEntry::Entered(2), PinEntry::Wrong, PinEntry::Locked] {

@@ -25,7 +25,7 @@ fn lay_out_screens(panel: &mut Panel, seconds: u32) {
         let warning = Some(Message::WarningThirtySeconds);
         let clock = layout::Clock { seconds: Some([seconds, 600]), warning };
         layout::draw_clock(panel, language, &clock, &[]);
-        layout::draw_badge(panel, language, &badge, &[]);
+        layout::draw_badge(panel, language, (&badge, Message::BadgeBody), &[]);
         layout::draw_notice(panel, language, &notice, &[]);
         layout::draw_staff(panel, language, &layout::staff_buttons(0));
     }

@@ -28,7 +28,7 @@ fn panels() -> Vec<Panel> {
     let mut buttons = layout::welcome_buttons(0, 3);
     buttons[3].state = ButtonState::Hot;
     let mut all = [Panel::default(), Panel::default(), Panel::default()];
-    layout::draw_badge(&mut all[0], Language::English, &badge, &[]);
+    layout::draw_badge(&mut all[0], Language::English, (&badge, Message::BadgeBody), &[]);
     layout::draw_welcome(&mut all[1], Language::Greek, 3, &buttons);
     let warning = Some(Message::WarningTenSeconds);
     let clock = layout::Clock { seconds: Some([70, 300]), warning };

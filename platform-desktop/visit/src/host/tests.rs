@@ -1,6 +1,7 @@
 //! Visits from attract to the next visitor, through a world of the shipped size.
 
 mod aiming;
+mod booth;
 mod headset;
 mod previews;
 mod resting;
@@ -11,7 +12,7 @@ use paros_core::limits::INTERVALS;
 use paros_core::session::{BenchItem, PointerCommand, SessionMode, SessionState, TICK_RATE};
 use paros_core::session::{Tool, ToolBit};
 use paros_core::visit::PanelAction as Press;
-use paros_core::visit::{GuideStep, PlanSetting, Presence, VisitPhase, VisitPlan};
+use paros_core::visit::{GuideStep, PlanSetting, Presence, StaffCommand, VisitPhase, VisitPlan};
 use paros_core::{TickInput, World};
 use paros_shaders::panel::Language;
 use paros_shell::modes::parse_mode;
@@ -96,7 +97,7 @@ fn with_rig<T>(test: impl FnOnce(&mut HostRig<'_, '_>) -> T) -> T {
     with_fresh_world::<N, INTERVALS, _>(|mut runner| {
         let mut host = VisitHost::new(options(), runner.world().visit());
         host.random_bits = || 4242;
-        let export = ExportState { is_busy: false, is_kept: false, part: 0.0, pending: 0 };
+        let export = ExportState::default();
         let mut rig = HostRig { runner: &mut runner, host, presence: Presence::Off, export };
         rig.wait(4);
         assert_eq!(rig.phase(), VisitPhase::Attract);
@@ -159,7 +160,7 @@ fn a_visit_goes_from_attract_to_the_badge_and_the_next_visitor() {
         assert_eq!(rig.world().session_state(), SessionState::Finished);
         rig.wait(100);
         assert_eq!(rig.phase(), VisitPhase::Export, "it isn't kept yet");
-        rig.export = ExportState { is_busy: false, is_kept: true, part: 1.0, pending: 0 };
+        rig.export = ExportState { is_kept: true, part: 1.0, ..ExportState::default() };
         rig.wait(3);
         assert_eq!(rig.phase(), VisitPhase::Badge);
         let badge = rig.world().visit().badge().expect("a badge");
@@ -229,12 +230,12 @@ fn the_staff_has_its_pin_and_what_it_opens() {
         for digit in [2, 0, 2, 5] {
             assert!(rig.press(ButtonAction::Digit(digit)));
         }
-        assert!(!rig.press(ButtonAction::Staff(super::StaffCommand::Extend)), "not the PIN");
+        assert!(!rig.press(ButtonAction::Staff(StaffCommand::Extend)), "not the PIN");
         for digit in [2, 0, 2, 6] {
             assert!(rig.press(ButtonAction::Digit(digit)));
         }
         let before = rig.world().visit().seconds_left().expect("a clock");
-        assert!(rig.press(ButtonAction::Staff(super::StaffCommand::Extend)));
+        assert!(rig.press(ButtonAction::Staff(StaffCommand::Extend)));
         let after = rig.world().visit().seconds_left().expect("a clock");
         assert!((59..=60).contains(&(after - before)), "{before} {after}");
         rig.host.toggle_staff_panel();
@@ -283,7 +284,7 @@ fn a_staffs_panel_that_is_left_open_shuts_by_itself() {
             assert!(rig.press(ButtonAction::Digit(digit)));
         }
         rig.wait(LEFT_TICKS - 9);
-        let extend = ButtonAction::Staff(super::StaffCommand::Extend);
+        let extend = ButtonAction::Staff(StaffCommand::Extend);
         let is_there = |rig: &HostRig<'_, '_>| {
             let screen = &rig.host.screen;
             screen.buttons().iter().any(|shown| screen.action(shown.button.id) == Some(extend))

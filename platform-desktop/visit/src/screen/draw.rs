@@ -4,10 +4,11 @@ use std::mem;
 
 use paros_core::badge::BadgeNumber;
 use paros_core::visit::{GuideStep, PanelAction, StaffCommand, VisitPhase};
-use paros_shaders::panel::layout::{self, Clock, Guide, PanelNotice, palette};
+use paros_shaders::panel::layout::{self, Clock, Guide, HandoverTold, PanelNotice, palette};
 use paros_shaders::panel::{
     ButtonState, FillingValue, Icon, Language, Message, Panel, PanelButton,
 };
+use paros_shell::outbox::courier::Keeping;
 
 use super::{ButtonAction, MAX_PANELS, Question, Screen, ScreenState, is_at_work};
 use crate::cards::card_of_start;
@@ -33,6 +34,7 @@ impl Screen {
         let (buttons, actions) = (mem::take(&mut self.buttons), mem::take(&mut self.actions));
         let seconds = state.seconds_to_gone;
         match (state.question, seconds) {
+            (Question::None, _) if state.is_glowing => self.draw_identify(state),
             (Question::Pin, _) => self.draw_pin(state),
             (Question::Staff, _) => self.draw_staff(state),
             (_, Some(seconds)) => self.draw_countdown(state, seconds),
@@ -40,7 +42,11 @@ impl Screen {
             (Question::None, None) => self.draw_phase(state, options),
         }
         // Beside a question it would be pressed by mistake, and in a window partly covered.
-        if is_at_work(state.phase) && state.question == Question::None && seconds.is_none() {
+        if is_at_work(state.phase)
+            && state.question == Question::None
+            && seconds.is_none()
+            && !state.is_glowing
+        {
             self.draw_clock(state);
         }
         for shown in &self.buttons {
@@ -91,7 +97,7 @@ impl Screen {
             VisitPhase::Handover => {
                 let button = layout::notice_button(0, Message::HandoverCleaned, 0, 1).primary();
                 self.add(PanelSpot::Main, &[(button, ButtonAction::Cleaned)], |panel, buttons| {
-                    layout::draw_handover(panel, state.language, state.pending, buttons);
+                    layout::draw_handover(panel, state.language, handover_of(state), buttons);
                 });
             }
         }
@@ -253,7 +259,24 @@ impl Screen {
         let buttons = layout::badge_buttons(0).map(|button| (button.primary(), next));
         let buttons = if state.may_leave_badge { &buttons[..] } else { &[] };
         self.add(PanelSpot::Beside, buttons, |panel, buttons| {
-            layout::draw_badge(panel, state.language, &number.badge(), buttons);
+            let told = (&number.badge(), badge_body(state));
+            layout::draw_badge(panel, state.language, told, buttons);
+        });
+    }
+
+    /// As bright as a panel is: the staff sees it from outside.
+    fn draw_identify(&mut self, state: &ScreenState) {
+        let notice = PanelNotice {
+            icon: Icon::Warning,
+            color: palette::AMBER,
+            title: Message::IdentifyTitle,
+            body: Message::IdentifyBody,
+            fillings: &[],
+            progress: None,
+        };
+        let spot = if is_at_work(state.phase) { PanelSpot::Caption } else { PanelSpot::Main };
+        self.add(spot, &[], |panel, _| {
+            layout::draw_notice(panel, state.language, &notice, &[]);
         });
     }
 
@@ -301,6 +324,23 @@ impl Screen {
         self.buttons.extend(drawn.into_iter().map(|button| ShownButton { panel, button }));
         self.spots[panel] = spot;
         self.count += 1;
+    }
+}
+
+/// What is told below a badge: where the sculpture is kept, once it is.
+fn badge_body(state: &ScreenState) -> Message {
+    match state.booth.and_then(|booth| booth.keeping) {
+        Some(Keeping::KeptHere | Keeping::Refused) => Message::BadgeKeptHere,
+        Some(Keeping::KeptAtBooth) => Message::BadgeKeptAtBooth,
+        None | Some(Keeping::Making | Keeping::Waiting | Keeping::Lost) => Message::BadgeBody,
+    }
+}
+
+fn handover_of(state: &ScreenState) -> HandoverTold {
+    HandoverTold {
+        pending: state.pending,
+        owed: state.booth.map(|booth| booth.owed),
+        is_nearly_full: state.booth.is_some_and(|booth| booth.is_nearly_full),
     }
 }
 

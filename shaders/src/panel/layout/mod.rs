@@ -10,7 +10,7 @@ mod visit;
 pub use screens::{
     PanelNotice, badge_buttons, draw_attract, draw_badge, draw_notice, notice_button,
 };
-pub use staff::{PIN_DIGITS, PinEntry, draw_handover, draw_staff, draw_staff_pin};
+pub use staff::{HandoverTold, PIN_DIGITS, PinEntry, draw_handover, draw_staff, draw_staff_pin};
 pub use staff::{pin_buttons, staff_buttons};
 pub use visit::{Clock, Guide, choice_buttons, draw_choice, draw_clock, draw_guide, draw_welcome};
 pub use visit::{guide_buttons, welcome_buttons};

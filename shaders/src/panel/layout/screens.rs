@@ -88,11 +88,11 @@ pub const fn badge_buttons(id: u16) -> [PanelButton<'static>; 1] {
 
 const BADGE_HEIGHT: f32 = 800.0;
 
-/// A visitor's badge, and the words by which it is said.
+/// A visitor's badge, the words by which it is said, and what is told below: two lines of a text's body.
 pub fn draw_badge(
     panel: &mut Panel,
     language: Language,
-    badge: &Badge,
+    (badge, told): (&Badge, Message),
     buttons: &[PanelButton<'_>],
 ) {
     let height = BADGE_HEIGHT + if buttons.is_empty() { 0.0 } else { 136.0 };
@@ -116,10 +116,10 @@ pub fn draw_badge(
         panel.add_pictogram(*pictogram, row(k + 1), palette::INK);
         panel.add_line(pictogram.name(language), foot(row(k + 1)), &style);
     }
-    let capital = Message::BadgeBody.place().style().capital_mm;
+    let capital = told.place().style().capital_mm;
     let body = Vec2::new(500.0, 672.0 + 0.5 * capital);
     let soft = (palette::SOFT_INK, TextAlign::Middle);
-    let lines = panel.add_message(Message::BadgeBody, (language, &[]), body, soft);
+    let lines = panel.add_message(told, (language, &[]), body, soft);
     debug_assert!(lines as f32 * LINE_HEIGHT * capital < 128.0, "two lines fit");
     visit::add_buttons(panel, language, buttons);
 }

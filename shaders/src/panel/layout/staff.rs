@@ -24,24 +24,42 @@ pub enum PinEntry {
     Locked,
 }
 
-/// The handover: whether sculptures are left that the booth hasn't, and the button of who has cleaned the headset.
+/// What the staff is told of the sculptures as a headset is handed over.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct HandoverTold {
+    /// Sculptures that aren't kept on the device yet.
+    pub pending: u32,
+    /// Those that the booth hasn't signed for; `None` where there is no booth.
+    pub owed: Option<u32>,
+    /// Whether the device is nearly full with them.
+    pub is_nearly_full: bool,
+}
+
+/// The handover: whether sculptures are left that the device or the booth hasn't, and the button of who has cleaned the
+/// headset.
 pub fn draw_handover(
     panel: &mut Panel,
     language: Language,
-    sculptures_pending: u32,
+    told: HandoverTold,
     buttons: &[PanelButton<'_>],
 ) {
-    let (icon, color, body) = match sculptures_pending {
-        0 => (Icon::Tick, palette::OLIVE, Message::HandoverSafe),
-        1 => (Icon::Warning, palette::AMBER, Message::HandoverPendingOne),
-        _ => (Icon::Warning, palette::AMBER, Message::HandoverPendingMany),
+    let HandoverTold { pending, owed, is_nearly_full } = told;
+    let (warning, fine) = ((Icon::Warning, palette::AMBER), (Icon::Tick, palette::OLIVE));
+    let ((icon, color), body, count) = match (pending, owed) {
+        (1, _) => (warning, Message::HandoverPendingOne, 1),
+        (2.., _) => (warning, Message::HandoverPendingMany, pending),
+        (0, Some(owed @ 1..)) if is_nearly_full => (warning, Message::HandoverNearlyFull, owed),
+        (0, None) => (fine, Message::HandoverSafe, 0),
+        (0, Some(0)) => (fine, Message::HandoverAtBooth, 0),
+        (0, Some(1)) => (fine, Message::HandoverOwedOne, 1),
+        (0, Some(owed)) => (fine, Message::HandoverOwedMany, owed),
     };
     let notice = PanelNotice {
         icon,
         color,
         title: Message::HandoverTitle,
         body,
-        fillings: &[("count", FillingValue::Number(sculptures_pending))],
+        fillings: &[("count", FillingValue::Number(count))],
         progress: None,
     };
     draw_notice(panel, language, &notice, buttons);
