@@ -5,6 +5,7 @@ mod bench;
 mod booth;
 mod demo;
 mod drawing;
+mod enrol;
 mod export;
 mod info;
 mod play;
@@ -38,6 +39,7 @@ enum CliCommand {
     Bake(bake::Args),
     Bench(bench::Args),
     Booth(booth::Args),
+    Enrol(enrol::Args),
     Info(info::Args),
     Play(play::Args),
     Export(export::Args),
@@ -63,6 +65,7 @@ impl Cli {
             Some(CliCommand::Bake(args)) => bake::run(args),
             Some(CliCommand::Bench(args)) => bench::run(args),
             Some(CliCommand::Booth(args)) => booth::run(args),
+            Some(CliCommand::Enrol(args)) => enrol::run(args),
             Some(CliCommand::Info(args)) => info::run(args),
             Some(CliCommand::Play(args)) => play::run(args),
             Some(CliCommand::Export(args)) => export::run(args),

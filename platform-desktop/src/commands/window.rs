@@ -111,6 +111,8 @@ fn open_window(args: &Args) -> Result<String, WindowError> {
         script: args.script.clone(),
         kiosk: (args.kiosk || settings.kiosk).then_some(settings.kiosk_handover_after),
         visits,
+        // A script's window is no headset of a booth's, unless its own settings say so.
+        booth: (args.script.is_none() || args.settings.is_some()).then_some(settings.booth),
         sound_percent: if is_heard { settings.sound_percent } else { 0 },
         settings_faults: faults,
         validation: args.validation,

@@ -69,7 +69,7 @@ where
     view: Option<WindowRenderer<N>>,
     window: Option<Arc<Window>>,
     display: Option<DisplayConnection>,
-    studio: Studio<'a, N>,
+    pub(super) studio: Studio<'a, N>,
     hands: MouseHands<N>,
     panels: Panels,
     egui_buffers: EguiBuffers,
@@ -81,7 +81,7 @@ where
     fingers: Fingers,
     kiosk: KioskWatch,
     /// Where sessions are visits of an exhibition.
-    visits: Option<WindowVisits>,
+    pub(super) visits: Option<WindowVisits>,
     scale: f32,
     pace: TickClock,
     slowness: SlownessWatch,
@@ -261,6 +261,7 @@ where
         self.fill_visit_input(&mut input);
         self.studio.run_tick(&input);
         self.follow_visit_tick();
+        self.follow_booth();
         let world = self.studio.world();
         if let Some(view) = &mut self.view {
             view.note_tick(world);

@@ -5,6 +5,7 @@
 //! `app`, `display`, `keys`, `screen` and `view` use `winit` or Vulkan.
 
 mod app;
+mod booth;
 mod camera;
 mod display;
 mod hands;
@@ -29,6 +30,7 @@ use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_shaders::render_portrait_png;
+use paros_shell::settings::BoothSettings;
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
 use paros_shell::studio::Studio;
@@ -60,6 +62,8 @@ pub struct WindowOptions {
     pub kiosk: Option<Duration>,
     /// Where sessions are visits of an exhibition: what it sets of them.
     pub visits: Option<VisitOptions>,
+    /// How sculptures go to a booth, where this machine is enrolled at one; `None` where none goes.
+    pub booth: Option<BoothSettings>,
     /// How loud it is, in hundredths; 0 for no sound.
     pub sound_percent: u32,
     /// What is wrong with the settings, a line for each fault.
@@ -107,6 +111,9 @@ where
     let mut studio =
         Studio::new(&mut world, &mut volumes, stl_exporter, paths, render_portrait_png);
     studio.set_trace_path_at_exit(options.record.clone());
+    if let Some(settings) = &options.booth {
+        booth::bring_to_booth(&mut studio, settings, options.visits.as_ref());
+    }
     let mut app = App::new(studio, script, &pictures, options);
     let run = events.run_app(&mut app);
     if let Err(EventLoopError::ExitFailure(_)) = run {

@@ -26,8 +26,8 @@ const CURSOR: usize = 2;
 
 /// The window's visits.
 #[derive(Debug)]
-pub(super) struct WindowVisits {
-    pub(super) host: VisitHost,
+pub(in crate::window) struct WindowVisits {
+    pub(in crate::window) host: VisitHost,
     /// Ticks since the last event of mouse, keys or fingers.
     quiet_ticks: u32,
     stamp: UseStamp,

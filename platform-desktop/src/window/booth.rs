@@ -1,0 +1,82 @@
+//! The window's way to a booth.
+
+use std::io::{self, Write as _};
+
+use paros_core::limits::INTERVALS;
+use paros_core::volume::{Grid, Size};
+use paros_outbox_link::{BoothAddress, HttpsLink, LinkTimes};
+use paros_shaders::panel::Language;
+use paros_shell::outbox::courier::{Courier, CourierLink, read_clock_ms};
+use paros_shell::outbox::enrolment::Enrolment;
+use paros_shell::settings::BoothSettings;
+use paros_shell::statics::Resident;
+use paros_shell::studio::{Notice, SendPlan, Studio};
+use paros_visit::{DeviceStatus, VisitOptions, answer_without_visits};
+
+use super::app::App;
+
+/// Has a studio's sculptures brought to the booth at which the device is enrolled, if it is at one. What stands in the way
+/// is told, and the studio goes on without.
+pub(super) fn bring_to_booth<const N: usize>(
+    studio: &mut Studio<'_, N>,
+    settings: &BoothSettings,
+    visits: Option<&VisitOptions>,
+) where
+    Grid<N>: Size + Resident<N, INTERVALS>,
+{
+    let sessions = studio.paths().sessions.clone();
+    match Courier::open_enrolled(settings, &sessions, read_clock_ms, |found| Ok(open_link(found))) {
+        Ok(None) => {}
+        Ok(Some(courier)) => {
+            let languages = visits.map_or_else(|| vec![Language::English], |v| v.languages.clone());
+            let kind = settings.kind();
+            let sends_traces = settings.sends_traces;
+            studio.set_courier(courier, SendPlan { kind, sends_traces, languages });
+        }
+        Err(why) => {
+            write_line(&why);
+            if visits.is_none() {
+                studio.push_notice(Notice::Bad(why));
+            }
+        }
+    }
+}
+
+/// A link by HTTPS to an enrolment's booth.
+pub(crate) fn open_link(enrolment: &Enrolment) -> CourierLink {
+    let address = BoothAddress {
+        url: enrolment.address.clone(),
+        ca: enrolment.ca.clone(),
+        token: enrolment.token.token(),
+    };
+    Box::new(HttpsLink::open(&address, LinkTimes::default()))
+}
+
+fn write_line(line: &str) {
+    // Standard error may be closed.
+    let _ = writeln!(io::stderr(), "paros: {line}");
+}
+
+impl<const N: usize> App<'_, N>
+where
+    Grid<N>: Size + Resident<N, INTERVALS>,
+{
+    /// Carries out what the booth asks, tells it how the window is, and tells what has become of sculptures.
+    pub(super) fn follow_booth(&mut self) {
+        let Some(courier) = self.studio.courier() else { return };
+        let device = DeviceStatus::default();
+        match &mut self.visits {
+            Some(visits) => {
+                visits.host.follow_courier(courier, self.studio.world().visit(), device);
+            }
+            None => answer_without_visits(courier, device),
+        }
+        let notes = courier.take_notes();
+        for note in notes {
+            write_line(&note);
+            if self.visits.is_none() {
+                self.studio.push_notice(Notice::Bad(note));
+            }
+        }
+    }
+}
