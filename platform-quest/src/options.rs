@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use paros_core::session::SessionMode;
 use paros_shaders::gpu::RenderPath;
-use paros_shell::settings::Settings;
+use paros_shell::settings::{BoothSettings, Settings};
 use paros_visit::VisitOptions;
 
 use crate::foveation::FoveationLevel;
@@ -22,6 +22,8 @@ pub struct ShellOptions {
     pub handover_after: Duration,
     /// The visits that are held; without them sessions start and end by the headset's use and its menu button.
     pub visits: Option<VisitOptions>,
+    /// How sculptures go to a booth, where the device is enrolled at one.
+    pub booth: BoothSettings,
     /// Where the session's trace is written; the session starts anew then.
     pub record: Option<PathBuf>,
     /// The string on which hands draw their bits, in millimetres; 0 for hands that aren't steadied.
@@ -57,6 +59,7 @@ impl ShellOptions {
             mode: settings.mode,
             handover_after: settings.handover_after,
             visits: settings.visits.as_ref().map(VisitOptions::of_settings),
+            booth: settings.booth.clone(),
             record: settings.record.clone(),
             string_mm: settings.steady_mm,
             snap_heights: settings.snap_heights,

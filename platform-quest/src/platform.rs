@@ -2,12 +2,15 @@
 //! the device's health, its time, a log.
 
 use std::fmt;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use openxr as xr;
 use paros_shell::headset::device_health::DeviceHealth;
 use paros_shell::headset::start_up::StartUp;
 use paros_shell::headset::visit::BootId;
+use paros_shell::outbox::courier::CourierLink;
+use paros_shell::outbox::enrolment::Enrolment;
 
 use crate::boot_clock;
 use crate::error::Error;
@@ -64,6 +67,16 @@ pub trait Platform {
     /// anew, there is nothing to save.
     fn note_start_up(&mut self, _start: StartUp) {}
 
+    /// Connects to the booth at which the device is enrolled; none where there is no way there.
+    fn open_booth_link(&mut self, _enrolment: &Enrolment) -> Option<CourierLink> {
+        None
+    }
+
+    /// Where the enrolment and the outbox lie, which others must not read; `sessions` is the folder of saved sessions.
+    fn booth_folder(&self, sessions: &Path) -> PathBuf {
+        sessions.to_owned()
+    }
+
     /// Writes a line to the log.
     fn log(&mut self, text: fmt::Arguments<'_>) {
         write_log_line(text);
@@ -95,5 +108,17 @@ impl Platform for PlainPlatform {
                 "no OpenXR loader: {why}; install one (Debian: libopenxr-loader1)"
             ))
         })
+    }
+
+    #[cfg(not(target_os = "android"))]
+    fn open_booth_link(&mut self, enrolment: &Enrolment) -> Option<CourierLink> {
+        use paros_outbox_link::{BoothAddress, HttpsLink, LinkTimes};
+
+        let address = BoothAddress {
+            url: enrolment.address.clone(),
+            ca: enrolment.ca.clone(),
+            token: enrolment.token.token(),
+        };
+        Some(Box::new(HttpsLink::open(&address, LinkTimes::default())))
     }
 }

@@ -1,5 +1,6 @@
 //! The frame loop: events of the runtime, ticks that are due, and a frame that shows them.
 
+mod booth;
 mod events;
 mod frame;
 mod hosting;
@@ -180,8 +181,10 @@ where
     let mut studio = Studio::new(&mut world, volumes, stl_exporter, paths, render_portrait_png);
     match &options.record {
         Some(_) => studio.set_trace_path_at_exit(options.record.clone()),
+        None if options.booth.sends_traces => {}
         None => studio.disable_recording(),
     }
+    booth::bring_to_booth(&mut studio, options, platform);
     let mut shell = HeadsetShell::new(studio, options, commands, start, platform.boot_id());
     shell.resume_session(platform);
     let done = shell.run_sessions(platform);

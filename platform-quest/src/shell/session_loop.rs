@@ -39,6 +39,7 @@ where
                 if was_running {
                     self.submit_changed_pipeline_cache_between_frames(resources);
                 }
+                self.follow_booth(false, platform);
                 pause_between_polls();
             }
             let status = platform.poll_status();

@@ -60,6 +60,7 @@ where
             self.fill_visit_input((now, head, &hands, menu_down), &mut input);
             self.studio.run_tick_wrapped(&input, |step| platform.run_world_step(step));
             self.follow_visit_tick();
+            self.follow_booth(true, platform);
             let world = self.studio.world();
             resources.show.note_tick(world);
             if let Some(speaker) = &mut self.speaker {
