@@ -1,73 +1,63 @@
 //! One request and its answer.
 
 use std::io;
+use std::time::Duration;
 
-use paros_shell::outbox::{BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
+use paros_shell::outbox::{
+    BoothCaller, HttpAnswer, HttpMethod, HttpRequest, LinkError, LinkFault, MAX_ANSWER_BYTES,
+};
 use ureq::http::Response;
-use ureq::http::header::{AUTHORIZATION, CONTENT_TYPE, RETRY_AFTER};
+use ureq::http::header::RETRY_AFTER;
 use ureq::{Agent, Body, Error};
 
-use crate::BoothAddress;
-
-/// Bytes of a body that are read at most: no answer of the booth has more.
-const MAX_BODY_BYTES: u64 = 4096;
-
-pub(crate) const OCTETS: &str = "application/octet-stream";
+use crate::make_agent;
 
 /// A booth, as one thread asks it.
-pub(crate) struct Booth {
+#[derive(Debug)]
+pub struct HttpsCaller {
     agent: Agent,
     url: String,
-    authorization: String,
 }
 
-impl Booth {
-    pub(crate) fn new(agent: Agent, address: &BoothAddress) -> Self {
-        let authorization = format!("Bearer {}", address.token.reveal());
-        Booth { agent, url: address.url.clone(), authorization }
+impl HttpsCaller {
+    /// Asks the booth at `https://HOST:PORT`, whose certificate is of the authority `ca` (DER), and waits so long for
+    /// each answer.
+    #[must_use]
+    pub fn new(url: &str, ca: &[u8], timeout: Duration) -> Self {
+        HttpsCaller { agent: make_agent(ca, timeout), url: url.to_owned() }
     }
 
-    /// Asks, and waits for the answer.
-    pub(crate) fn ask(&self, request: &BoothRequest) -> LinkAnswer {
-        let request_of = match request {
-            BoothRequest::Put { number, .. } => SentRequest::Put { number: *number },
-            BoothRequest::Heartbeat { number, .. } => SentRequest::Heartbeat { number: *number },
+    fn send(&self, request: &HttpRequest<'_>) -> Result<Response<Body>, Error> {
+        let url = format!("{}{}", self.url, request.path);
+        let mut asked = match request.method {
+            HttpMethod::Put => self.agent.put(url),
+            HttpMethod::Post => self.agent.post(url),
         };
-        let result = self.send(request).and_then(read_answer).map_err(|error| fault_of(&error));
-        LinkAnswer { request: request_of, result }
-    }
-
-    fn send(&self, request: &BoothRequest) -> Result<Response<Body>, Error> {
-        let url = &self.url;
-        match request {
-            BoothRequest::Put { id, hash, parcel_bytes, offset, part, .. } => self
-                .agent
-                .put(format!("{url}/v1/sculptures/{id}?offset={offset}"))
-                .header(AUTHORIZATION, &self.authorization)
-                .header(CONTENT_TYPE, OCTETS)
-                .header("X-Parcel-Hash", hash.to_string())
-                .header("X-Parcel-Bytes", parcel_bytes.to_string())
-                .send(&part[..]),
-            BoothRequest::Heartbeat { body, .. } => self
-                .agent
-                .post(format!("{url}/v1/heartbeat"))
-                .header(AUTHORIZATION, &self.authorization)
-                .header(CONTENT_TYPE, OCTETS)
-                .send(&body[..]),
+        for (name, value) in &request.headers {
+            asked = asked.header(*name, value);
         }
+        asked.send(request.body)
     }
 }
 
-pub(crate) fn read_answer(mut response: Response<Body>) -> Result<HttpAnswer, Error> {
+impl BoothCaller for HttpsCaller {
+    fn call(&mut self, request: &HttpRequest<'_>) -> Result<HttpAnswer, LinkError> {
+        let answer = self.send(request).and_then(read_answer);
+        answer.map_err(|error| LinkError { fault: fault_of(&error), why: error.to_string() })
+    }
+}
+
+fn read_answer(mut response: Response<Body>) -> Result<HttpAnswer, Error> {
     let status = response.status().as_u16();
     let retry_after = response.headers().get(RETRY_AFTER);
     let retry_after = retry_after.and_then(|value| value.to_str().ok()?.trim().parse().ok());
-    let body = response.body_mut().with_config().limit(MAX_BODY_BYTES).read_to_vec()?;
+    let most = MAX_ANSWER_BYTES as u64;
+    let body = response.body_mut().with_config().limit(most).read_to_vec()?;
     Ok(HttpAnswer { status, retry_after, body })
 }
 
 /// What an error means for the outbox: nothing was heard, nothing in time, or by somebody else.
-pub(crate) fn fault_of(error: &Error) -> LinkFault {
+fn fault_of(error: &Error) -> LinkFault {
     match error {
         Error::Timeout(_) => LinkFault::TimedOut,
         Error::Tls(_) | Error::Rustls(_) => LinkFault::Untrusted,

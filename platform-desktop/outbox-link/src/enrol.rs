@@ -1,22 +1,18 @@
 //! Links to a booth that doesn't know the device yet.
 
-use std::fmt;
 use std::io;
 use std::net::{TcpStream, ToSocketAddrs as _};
 use std::sync::Arc;
 use std::time::Duration;
 
 use paros_shell::outbox::enrolment::EnrolLink;
-use paros_shell::outbox::{HttpAnswer, LinkFault};
+use paros_shell::outbox::{BoothCaller as _, HttpAnswer, HttpRequest, LinkFault};
 use rustls::client::danger::{HandshakeSignatureValid, ServerCertVerified, ServerCertVerifier};
 use rustls::crypto::{CryptoProvider, ring, verify_tls12_signature, verify_tls13_signature};
 use rustls::pki_types::{CertificateDer, ServerName, UnixTime};
 use rustls::{ClientConfig, ClientConnection, DigitallySignedStruct, Error, SignatureScheme};
-use ureq::Agent;
-use ureq::http::header::CONTENT_TYPE;
 
-use crate::ask::{OCTETS, fault_of, read_answer};
-use crate::make_agent;
+use crate::ask::HttpsCaller;
 
 /// How long an answer is waited for.
 const TIMEOUT: Duration = Duration::from_secs(10);
@@ -25,30 +21,21 @@ const TIMEOUT: Duration = Duration::from_secs(10);
 const DEFAULT_PORT: u16 = 443;
 
 /// A link that trusts one authority alone.
-pub struct EnrolHttps {
-    agent: Agent,
-    url: String,
-}
-
-impl fmt::Debug for EnrolHttps {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("EnrolHttps").field("url", &self.url).finish_non_exhaustive()
-    }
-}
+#[derive(Debug)]
+pub struct EnrolHttps(HttpsCaller);
 
 impl EnrolHttps {
     /// A link to `url`, `https://HOST:PORT` without a slash at its end, that trusts the authority of the certificate
     /// `ca` (DER).
     #[must_use]
     pub fn open(url: &str, ca: &[u8]) -> Self {
-        EnrolHttps { agent: make_agent(ca, TIMEOUT), url: url.into() }
+        EnrolHttps(HttpsCaller::new(url, ca, TIMEOUT))
     }
 }
 
 impl EnrolLink for EnrolHttps {
     fn post(&mut self, path: &str, body: &[u8]) -> Result<HttpAnswer, LinkFault> {
-        let request = self.agent.post(format!("{}{path}", self.url)).header(CONTENT_TYPE, OCTETS);
-        request.send(body).and_then(read_answer).map_err(|error| fault_of(&error))
+        self.0.call(&HttpRequest::post(path, body)).map_err(|error| error.fault)
     }
 }
 

@@ -98,6 +98,17 @@ pub enum LinkFault {
     Untrusted,
 }
 
+impl BoothRequest {
+    /// Which request an answer to it is to.
+    #[must_use]
+    pub const fn sent(&self) -> SentRequest {
+        match self {
+            BoothRequest::Put { number, .. } => SentRequest::Put { number: *number },
+            BoothRequest::Heartbeat { number, .. } => SentRequest::Heartbeat { number: *number },
+        }
+    }
+}
+
 /// An answer to a `PUT`, as it was read.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum PutAnswer {

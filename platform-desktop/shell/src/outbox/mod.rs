@@ -3,7 +3,7 @@
 //!
 //! Takes parcels, a clock and random bits from an [`OutboxHost`]; gives files in an [`OutboxFolder`], requests to a
 //! [`BoothLink`], and events. Knows no network library and starts no thread: a shell steps it in one of its own, as a
-//! step may wait for a disk to sync.
+//! step may wait for a disk to sync. [`ThreadedLink`] is a link by any library that asks and waits.
 //!
 //! | file | what |
 //! |---|---|
@@ -19,6 +19,7 @@ mod driver;
 pub mod enrolment;
 mod events;
 mod folder;
+mod http;
 mod lease_keeper;
 mod link;
 mod parcel;
@@ -27,6 +28,10 @@ mod reconcile;
 pub use driver::{OutboxDriver, OutboxEnrolment};
 pub use events::{OutboxError, OutboxEvent, OutboxHost};
 pub use folder::{DiskFolder, OutboxFolder};
+pub use http::{
+    BoothAddress, BoothCaller, HttpMethod, HttpRequest, LinkError, LinkTimes, MAX_ANSWER_BYTES,
+    ThreadedLink,
+};
 pub use link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
 pub use parcel::{Parcel, ParcelFault};
 

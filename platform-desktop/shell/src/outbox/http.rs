@@ -1,0 +1,200 @@
+//! How the booth is asked over HTTPS, whichever library does it: what a request says, how long it waits, and the
+//! threads that wait.
+
+use std::fmt;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread;
+use std::time::Duration;
+
+use paros_core::limits::{HEARTBEAT_TIMEOUT_MS, UPLOAD_TIMEOUT_MS};
+use paros_core::outbox::messages::DeviceToken;
+
+use super::link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
+
+/// Bytes of an answer's body that are read at most: no answer of the booth has more.
+pub const MAX_ANSWER_BYTES: usize = 4096;
+
+const OCTETS: &str = "application/octet-stream";
+
+/// Where a booth is, and by what it is known.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct BoothAddress {
+    /// `https://HOST:PORT`, without a slash at its end.
+    pub url: String,
+    /// The certificate of the site's authority, DER.
+    pub ca: Vec<u8>,
+    /// By which the booth knows the headset.
+    pub token: DeviceToken,
+}
+
+/// How long an answer is waited for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct LinkTimes {
+    /// That to a part of a parcel.
+    pub put: Duration,
+    /// That to a heartbeat.
+    pub heartbeat: Duration,
+}
+
+/// A request's method.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum HttpMethod {
+    /// `PUT`.
+    Put,
+    /// `POST`.
+    Post,
+}
+
+/// A request of HTTP. Its body's length is told too.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct HttpRequest<'a> {
+    /// The method.
+    pub method: HttpMethod,
+    /// The path and the query, from the slash on.
+    pub path: String,
+    /// Names and values of headers.
+    pub headers: Vec<(&'static str, String)>,
+    /// The body.
+    pub body: &'a [u8],
+}
+
+/// Why there is no answer, in words too.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct LinkError {
+    /// The kind.
+    pub fault: LinkFault,
+    /// As the library has it, for a log.
+    pub why: String,
+}
+
+/// Asks a booth, and waits.
+pub trait BoothCaller {
+    /// Asks, and waits for the answer as long as it was made for. Follows no redirect.
+    ///
+    /// # Errors
+    /// No answer came, or one with a body of more than [`MAX_ANSWER_BYTES`].
+    fn call(&mut self, request: &HttpRequest<'_>) -> Result<HttpAnswer, LinkError>;
+}
+
+/// A link with a thread for each of the two kinds of request, so that a part on its way holds up no heartbeat. The
+/// threads end once it is dropped and what they wait for is over.
+#[derive(Debug)]
+pub struct ThreadedLink {
+    puts: Sender<BoothRequest>,
+    heartbeats: Sender<BoothRequest>,
+    answers: Receiver<(SentRequest, Result<HttpAnswer, LinkError>)>,
+    last_error: Option<LinkError>,
+}
+
+impl Default for LinkTimes {
+    /// A little less than the outbox waits, so that no request waits for one that was given up.
+    fn default() -> Self {
+        let less = |ms: u64| Duration::from_millis(ms - ms / 10);
+        LinkTimes { put: less(UPLOAD_TIMEOUT_MS), heartbeat: less(HEARTBEAT_TIMEOUT_MS) }
+    }
+}
+
+impl HttpMethod {
+    /// Its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            HttpMethod::Put => "PUT",
+            HttpMethod::Post => "POST",
+        }
+    }
+}
+
+impl<'a> HttpRequest<'a> {
+    /// A `POST` of a message that needs no token.
+    #[must_use]
+    pub fn post(path: &str, body: &'a [u8]) -> Self {
+        let headers = vec![("Content-Type", OCTETS.to_owned())];
+        HttpRequest { method: HttpMethod::Post, path: path.to_owned(), headers, body }
+    }
+
+    /// A request of an outbox, by the headset's token.
+    #[must_use]
+    pub fn of_outbox(request: &'a BoothRequest, token: &DeviceToken) -> Self {
+        let mut asked = match request {
+            BoothRequest::Put { id, hash, parcel_bytes, offset, part, .. } => HttpRequest {
+                method: HttpMethod::Put,
+                path: format!("/v1/sculptures/{id}?offset={offset}"),
+                headers: vec![
+                    ("Content-Type", OCTETS.to_owned()),
+                    ("X-Parcel-Hash", hash.to_string()),
+                    ("X-Parcel-Bytes", parcel_bytes.to_string()),
+                ],
+                body: part,
+            },
+            BoothRequest::Heartbeat { body, .. } => HttpRequest::post("/v1/heartbeat", &body[..]),
+        };
+        asked.headers.push(("Authorization", format!("Bearer {}", token.reveal())));
+        asked
+    }
+}
+
+impl ThreadedLink {
+    /// A link whose requests go by these two.
+    #[must_use]
+    pub fn start<C: BoothCaller + Send + 'static>(
+        token: DeviceToken,
+        of_puts: C,
+        of_heartbeats: C,
+    ) -> Self {
+        let (tell, answers) = channel();
+        let spawn = |name: &str, mut caller: C| {
+            let tell = tell.clone();
+            let (ask, requests) = channel::<BoothRequest>();
+            // Where the system refuses a thread nothing is answered, as where nobody is there.
+            let _ = thread::Builder::new().name(name.to_owned()).spawn(move || {
+                for request in requests {
+                    let result = caller.call(&HttpRequest::of_outbox(&request, &token));
+                    // Nobody listens any more where the link was dropped.
+                    if tell.send((request.sent(), result)).is_err() {
+                        break;
+                    }
+                }
+            });
+            ask
+        };
+        let (puts, heartbeats) = (spawn("put", of_puts), spawn("heartbeat", of_heartbeats));
+        ThreadedLink { puts, heartbeats, answers, last_error: None }
+    }
+
+    /// Why the last request had no answer; `None` where it had one.
+    #[must_use]
+    pub const fn last_error(&self) -> Option<&LinkError> {
+        self.last_error.as_ref()
+    }
+}
+
+impl BoothLink for ThreadedLink {
+    fn send(&mut self, request: BoothRequest) {
+        let queue = match &request {
+            BoothRequest::Put { .. } => &self.puts,
+            BoothRequest::Heartbeat { .. } => &self.heartbeats,
+        };
+        // The threads end after this.
+        let _ = queue.send(request);
+    }
+
+    fn poll(&mut self) -> Option<LinkAnswer> {
+        let (request, result) = self.answers.try_recv().ok()?;
+        self.last_error = result.as_ref().err().cloned();
+        Some(LinkAnswer { request, result: result.map_err(|error| error.fault) })
+    }
+}
+
+impl fmt::Display for LinkError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = match self.fault {
+            LinkFault::Unreachable => "the booth can't be reached",
+            LinkFault::TimedOut => "the booth doesn't answer in time",
+            LinkFault::Untrusted => "who answers isn't the booth",
+        };
+        write!(f, "{what}: {}", self.why)
+    }
+}
+
+impl std::error::Error for LinkError {}
