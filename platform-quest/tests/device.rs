@@ -2,14 +2,14 @@
 //! table. The Java VM checks every call (`-Xcheck:jni`).
 
 mod android;
+mod java;
 
+use std::fs;
 use std::path::Path;
-use std::process::Command;
 use std::time::{Duration, Instant};
-use std::{env, fs};
 
 use paros_core::badge::Language;
-use paros_quest::device::table::ALL_MEMBERS;
+use paros_quest::device::table::{ALL_MEMBERS, MemberKind};
 use paros_quest::device::{DeviceMonitor, MAX_ROWS, ManagedEntry};
 use paros_shell::headset::device_health::{
     Battery, DeviceHealth, ThermalReading, ThermalState, ThermalStatus,
@@ -18,23 +18,11 @@ use paros_shell::headset::runtime::{
     BROKERS, ContentRow, FUNCTION_COLUMNS, INITIALIZE_FUNCTION, NEGOTIATE_FUNCTION,
     RUNTIME_COLUMNS, RuntimeLibrary, query_broker,
 };
-use paros_shell::require::require_or_skip;
 use paros_shell::settings::{LoadedSettings, SettingsLayer};
 
 use android::vm::{device_at_level, set_answer, set_field, stubs_folder, take_calls};
 use android::{compile_stubs, describe_member, is_android, members_by_class, run_javap};
-
-/// The environment variable of the child process whose calls are checked.
-const INSIDE: &str = "PAROS_INSIDE_JAVA";
-
-/// Whether there is a JDK.
-fn has_jdk() -> bool {
-    let starts = |program: &&str| Command::new(program).arg("-version").output().is_ok();
-    let missing = ["java", "javac", "javap"].into_iter().find(|program| !starts(program));
-    require_or_skip(missing.map_or(Ok(()), |program| Err(format!("no {program}"))))
-        .expect("a JDK")
-        .is_some()
-}
+use java::{has_jdk, run_in_checked_vm};
 
 #[test]
 fn the_stubs_are_what_the_table_says() {
@@ -67,29 +55,16 @@ fn members_of(class: &str) -> usize {
 fn the_table_names_its_sources() {
     for member in ALL_MEMBERS {
         let page = member.class.replace('$', ".");
-        assert!(member.source.starts_with(&format!("{page}#{}", member.name)), "{}", member.source);
+        let class = member.class.rsplit('/').next().expect("a name");
+        let name = if member.kind == MemberKind::Constructor { class } else { member.name };
+        assert!(member.source.starts_with(&format!("{page}#{name}")), "{}", member.source);
         assert!((1..=34).contains(&member.since));
     }
 }
 
-/// The VM reports faults on standard output, which only a parent process can read.
 #[test]
 fn every_call_is_right() {
-    if env::var_os(INSIDE).is_some() {
-        return check_all_calls();
-    }
-    if !has_jdk() {
-        return;
-    }
-    let mut again = Command::new(env::current_exe().expect("this test"));
-    again.args(["--exact", "every_call_is_right", "--nocapture"]).env(INSIDE, "1");
-    let output = again.output().expect("it starts again");
-    let told =
-        [output.stdout, output.stderr].map(|told| String::from_utf8_lossy(&told).into_owned());
-    let told = told.concat();
-    assert!(output.status.success(), "{told}");
-    assert!(!told.contains("WARNING") && !told.contains("FATAL"), "{told}");
-    assert!(told.contains("all calls made"), "{told}");
+    run_in_checked_vm("every_call_is_right", check_all_calls);
 }
 
 /// Runs all checks, in the child process.
@@ -99,6 +74,7 @@ fn check_all_calls() {
     check_thermal_readings();
     check_storage_folders();
     check_boot_counts();
+    check_android_ids();
     check_networks();
     check_queries();
     check_brokers();
@@ -106,7 +82,6 @@ fn check_all_calls() {
     check_exceptions();
     check_monitor();
     let _ = fs::remove_dir_all(stubs_folder());
-    println!("all calls made");
 }
 
 fn check_names() {
@@ -166,9 +141,13 @@ fn check_storage_folders() {
     set_answer("Context.getFilesDir", "P:/data/user/0/paros");
     let at = || device_at_level(29).find_storage_folder().expect("a folder");
     assert_eq!(at(), Path::new("/storage/emulated/0/paros"));
+    // A computer reads the one, and nobody else the other.
+    let private = || device_at_level(29).find_private_folder();
+    assert_eq!(private().expect("a folder"), Path::new("/data/user/0/paros"));
     set_answer("Context.getExternalFilesDir[null]", "N:");
     assert_eq!(at(), Path::new("/data/user/0/paros"));
     set_answer("Context.getFilesDir", "N:");
+    assert!(private().is_err());
     let why = device_at_level(29).find_storage_folder().expect_err("there is none").to_string();
     assert_eq!(why, "android/content/Context.getFilesDir: null");
 }
@@ -187,6 +166,19 @@ fn check_boot_counts() {
     assert!(device_at_level(29).read_boot_count().is_err());
     // Older than the call.
     assert_eq!(self::device_at_level(16).read_boot_count().expect("an answer"), None);
+}
+
+fn check_android_ids() {
+    let read = || device_at_level(29).read_android_id();
+    let setting = "Settings$Secure.getString[ContentResolver, android_id]";
+    set_answer("Context.getContentResolver", "O:android.content.ContentResolver");
+    assert_eq!(read().expect("an answer"), None);
+    set_answer(setting, "S:9774d56d682e549c");
+    assert_eq!(read().expect("an answer").as_deref(), Some("9774d56d682e549c"));
+    set_answer(setting, "S:");
+    assert_eq!(read().expect("an answer"), None);
+    set_answer(setting, "E:not yours");
+    assert!(read().is_err());
 }
 
 fn check_networks() {

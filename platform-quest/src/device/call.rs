@@ -5,7 +5,7 @@ use std::fmt;
 
 use jni::Env;
 use jni::errors::Error as JniError;
-use jni::objects::{JObject, JString};
+use jni::objects::{Global, JByteArray, JObject, JString, JThrowable};
 use jni::signature::{RuntimeFieldSignature, RuntimeMethodSignature};
 use jni::strings::JNIString;
 use jni::{JValue, JValueOwned};
@@ -17,8 +17,17 @@ use super::table::{JavaMember, MemberKind, SDK_INT};
 pub struct JavaError {
     /// The member that was called; none where the thread could not be attached to the VM.
     pub member: Option<JavaMember>,
+    /// The class of the exception that was thrown, where one was: `java.net.SocketTimeoutException`, say.
+    pub thrown: Option<String>,
     /// Why it failed: the exception's class and message, say.
     pub why: String,
+}
+
+impl JavaError {
+    /// A member whose value is null where there must be one.
+    pub(super) fn null(member: JavaMember) -> Self {
+        JavaError { member: Some(member), thrown: None, why: "null".into() }
+    }
 }
 
 impl fmt::Display for JavaError {
@@ -34,7 +43,7 @@ impl std::error::Error for JavaError {}
 
 impl From<JniError> for JavaError {
     fn from(error: JniError) -> Self {
-        JavaError { member: None, why: error.to_string() }
+        JavaError { member: None, thrown: None, why: error.to_string() }
     }
 }
 
@@ -154,18 +163,124 @@ impl<'env, 'local> JavaCaller<'env, 'local> {
         self.env.delete_local_ref(object);
     }
 
+    /// Calls a method of an object, whatever it returns.
+    pub(super) fn call_method(
+        &mut self,
+        member: JavaMember,
+        object: &JObject<'_>,
+        arguments: &[JValue<'_>],
+    ) -> Result<(), JavaError> {
+        let value = self.call_method_if_available(member, object, arguments)?;
+        if let Some(JValueOwned::Object(object)) = value {
+            self.delete_local_reference(object);
+        }
+        Ok(())
+    }
+
+    /// Calls a method that returns an object, which is never null.
+    pub(super) fn call_object_method(
+        &mut self,
+        member: JavaMember,
+        object: &JObject<'_>,
+        arguments: &[JValue<'_>],
+    ) -> Result<JObject<'local>, JavaError> {
+        let object = self.call_object_method_if_available(member, object, arguments)?;
+        object.ok_or_else(|| JavaError::null(member))
+    }
+
+    /// Calls a method of a class that returns an object, or reads a field that holds one, which is never null.
+    pub(super) fn call_or_read_static_object(
+        &mut self,
+        member: JavaMember,
+        arguments: &[JValue<'_>],
+    ) -> Result<JObject<'local>, JavaError> {
+        let value = self.call_or_read_static_if_available(member, arguments)?;
+        let object = value.map(JValueOwned::into_object).transpose();
+        let object = object.map_err(|error| member_error(member, &error))?;
+        object.filter(|object| !object.is_null()).ok_or_else(|| JavaError::null(member))
+    }
+
+    /// Creates an object by a constructor.
+    pub(super) fn new_object(
+        &mut self,
+        member: JavaMember,
+        arguments: &[JValue<'_>],
+    ) -> Result<JObject<'local>, JavaError> {
+        debug_assert_eq!(member.kind, MemberKind::Constructor);
+        let class = JNIString::from(member.class);
+        let created = RuntimeMethodSignature::from_str(member.signature).and_then(|signature| {
+            self.env.new_object(class, signature.method_signature(), arguments)
+        });
+        self.catch_exception(member, created)
+    }
+
+    /// Creates an array of bytes.
+    pub(super) fn new_byte_array(&mut self, bytes: &[u8]) -> Result<JByteArray<'local>, JavaError> {
+        let array = self.env.byte_array_from_slice(bytes);
+        array.map_err(|error| self.take_exception(None, &error))
+    }
+
+    /// Copies the first bytes of an array, which has so many.
+    pub(super) fn read_first_bytes(
+        &mut self,
+        array: &JByteArray<'_>,
+        count: usize,
+    ) -> Result<Vec<u8>, JavaError> {
+        let mut bytes = vec![0; count];
+        array.get_region(self.env, 0, &mut bytes)?;
+        Ok(bytes.into_iter().map(i8::cast_unsigned).collect())
+    }
+
+    /// A reference that other threads may use.
+    pub(super) fn new_global(
+        &mut self,
+        object: &JObject<'_>,
+    ) -> Result<Global<JObject<'static>>, JavaError> {
+        Ok(self.env.new_global_ref(object)?)
+    }
+
     /// Clears a pending Java exception and puts its class and message into the error.
     fn catch_exception<T>(
         &mut self,
         member: JavaMember,
         called: Result<T, JniError>,
     ) -> Result<T, JavaError> {
-        called.map_err(|error| match (error, self.env.exception_catch()) {
-            (_, Err(JniError::CaughtJavaException { name, msg, .. })) => {
-                JavaError { member: Some(member), why: format!("{name}: {msg}") }
+        called.map_err(|error| self.take_exception(Some(member), &error))
+    }
+
+    /// The error of a call that failed, with the exception that it threw. Where it threw none, the crate's.
+    fn take_exception(&mut self, member: Option<JavaMember>, error: &JniError) -> JavaError {
+        let thrown = self.env.exception_occurred().inspect(|_| self.env.exception_clear());
+        let told = thrown.as_ref().map(|thrown| self.describe_exception(thrown));
+        if let Some(thrown) = thrown {
+            self.env.delete_local_ref(thrown);
+        }
+        let (thrown, why) = match told {
+            Some(Ok((name, message))) => (Some(name.clone()), format!("{name}: {message}")),
+            Some(Err(why)) => {
+                // It threw, too.
+                self.env.exception_clear();
+                (None, format!("{error}, and its exception can't be read: {why}"))
             }
-            (error, _) => member_error(member, &error),
-        })
+            None => (None, error.to_string()),
+        };
+        JavaError { member, thrown, why }
+    }
+
+    /// An exception's class and message. The call stack isn't read: each of its frames would be a local reference.
+    fn describe_exception(
+        &mut self,
+        thrown: &JThrowable<'_>,
+    ) -> Result<(String, String), JniError> {
+        let (class, message) = (self.env.get_object_class(thrown)?, thrown.get_message(self.env)?);
+        let name = class.get_name(self.env)?;
+        let told = name.try_to_string(self.env)?;
+        let message_told =
+            if message.is_null() { Ok(String::new()) } else { message.try_to_string(self.env) };
+        self.env.delete_local_ref(name);
+        self.env.delete_local_ref(message);
+        self.env.delete_local_ref(class);
+        Ok((told, message_told?))
     }
 }
 
@@ -185,5 +300,5 @@ pub(super) fn read_float(member: JavaMember, value: JValueOwned<'_>) -> Result<f
 }
 
 fn member_error(member: JavaMember, error: &JniError) -> JavaError {
-    JavaError { member: Some(member), why: error.to_string() }
+    JavaError { member: Some(member), thrown: None, why: error.to_string() }
 }

@@ -1,30 +1,34 @@
 //! The device's state that only Android's Java classes report: battery, thermal state, model, boots, storage
-//! folders, network, content providers, and managed configuration. Calls go through JNI, to the members of [`table`] only.
+//! folders, network, content providers, managed configuration, and HTTPS. Calls go through JNI, to the members of [`table`] only.
 //!
 //! The screen is kept on without Java: `ANativeActivity_setWindowFlags` may be called from any thread,
 //! the methods of `View` only from the activity's own.
 
 mod call;
+mod https;
 mod managed;
 mod monitor;
 pub mod table;
 
 use std::ffi::c_void;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use jni::objects::{Global, JObject};
 use jni::{Env, JValue, JavaVM};
 use paros_shell::headset::device_health::{Battery, ThermalReading, ThermalStatus};
 use paros_shell::headset::runtime::ContentRow;
+use paros_shell::outbox::{BoothAddress, LinkTimes, ThreadedLink};
 
 pub use call::JavaError;
 use call::{JavaCaller, read_bool, read_float, read_int};
+pub use https::HttpsCaller;
 pub use managed::ManagedEntry;
 pub use monitor::DeviceMonitor;
 use table::{
     ABSOLUTE_PATH, ACTIVE_NETWORK, BATTERY_PROPERTY, CAPABILITIES, CLOSE, COLUMN_INDEX,
     CONTENT_RESOLVER, EXTERNAL_FILES_DIR, FILES_DIR, GLOBAL_INT, HAS_CAPABILITY, IS_CHARGING,
-    JavaMember, MANUFACTURER, MODEL, MOVE_TO_NEXT, PARSE_URI, QUERY, STRING, SYSTEM_SERVICE,
+    MANUFACTURER, MODEL, MOVE_TO_NEXT, PARSE_URI, QUERY, SECURE_STRING, STRING, SYSTEM_SERVICE,
     THERMAL_HEADROOM, THERMAL_STATUS,
 };
 
@@ -45,6 +49,8 @@ const POWER_SERVICE: &str = "power";
 const CONNECTIVITY_SERVICE: &str = "connectivity";
 const BATTERY_PROPERTY_CAPACITY: i32 = 4;
 const NET_CAPABILITY_VALIDATED: i32 = 16;
+/// `Settings.Secure.ANDROID_ID`.
+const ANDROID_ID: &str = "android_id";
 /// `Settings.Global.BOOT_COUNT`, since API level 24.
 const BOOT_COUNT: &str = "boot_count";
 
@@ -161,13 +167,19 @@ impl AndroidDevice {
                 Some(folder) => Some(folder),
                 None => caller.call_object_method_if_available(FILES_DIR, context, &[])?,
             };
-            let nowhere =
-                |member: JavaMember| JavaError { member: Some(member), why: "null".into() };
-            let folder = folder.ok_or_else(|| nowhere(FILES_DIR))?;
-            let path = caller.call_method_if_available(ABSOLUTE_PATH, &folder, &[])?;
-            let path =
-                path.map(|path| caller.read_string(ABSOLUTE_PATH, path)).transpose()?.flatten();
-            path.map(PathBuf::from).ok_or_else(|| nowhere(ABSOLUTE_PATH))
+            let folder = folder.ok_or_else(|| JavaError::null(FILES_DIR))?;
+            read_path(caller, &folder)
+        })
+    }
+
+    /// Finds the internal folder, which no other app and no computer reads: for secrets.
+    ///
+    /// # Errors
+    /// A call into Java that failed.
+    pub fn find_private_folder(&self) -> Result<PathBuf, JavaError> {
+        self.call_java(|caller, context| {
+            let folder = caller.call_object_method(FILES_DIR, context, &[])?;
+            read_path(caller, &folder)
         })
     }
 
@@ -216,6 +228,41 @@ impl AndroidDevice {
         })
     }
 
+    /// Reads `ANDROID_ID`: what the device is called to this app, until it is set to factory settings. It outlives the
+    /// app's data. None if it has no such name.
+    ///
+    /// # Errors
+    /// A call into Java that failed.
+    pub fn read_android_id(&self) -> Result<Option<String>, JavaError> {
+        self.call_java(|caller, context| {
+            let Some(resolver) =
+                caller.call_object_method_if_available(CONTENT_RESOLVER, context, &[])?
+            else {
+                return Ok(None);
+            };
+            let name = caller.new_string(ANDROID_ID)?;
+            let arguments = [JValue::Object(&resolver), JValue::Object(&name)];
+            let id = caller.call_or_read_static_if_available(SECURE_STRING, &arguments)?;
+            let id = id.map(|id| caller.read_string(SECURE_STRING, id)).transpose()?.flatten();
+            Ok(id.filter(|id| !id.is_empty()))
+        })
+    }
+
+    /// What asks a booth over HTTPS by Java: see [`HttpsCaller::new`].
+    #[must_use]
+    pub fn booth_caller(&self, url: &str, ca: &[u8], timeout: Duration) -> HttpsCaller {
+        HttpsCaller::new(self.vm.clone(), url, ca, timeout)
+    }
+
+    /// A link to a booth, which isn't connected yet. Whether the network is said to reach the Internet is nobody's
+    /// business: a booth's needn't.
+    #[must_use]
+    pub fn open_booth_link(&self, address: &BoothAddress, times: LinkTimes) -> ThreadedLink {
+        let [of_puts, of_heartbeats] = [times.put, times.heartbeat]
+            .map(|timeout| self.booth_caller(&address.url, &address.ca, timeout));
+        ThreadedLink::start(address.token, of_puts, of_heartbeats)
+    }
+
     /// Queries the content provider at a `content://` address for these columns. Returns at most
     /// [`MAX_ROWS`] rows, and none if there is no such provider.
     ///
@@ -261,6 +308,13 @@ impl AndroidDevice {
         };
         self.vm.attach_current_thread(inside)
     }
+}
+
+/// The absolute path of a file.
+fn read_path(caller: &mut JavaCaller<'_, '_>, file: &JObject<'_>) -> Result<PathBuf, JavaError> {
+    let path = caller.call_method_if_available(ABSOLUTE_PATH, file, &[])?;
+    let path = path.map(|path| caller.read_string(ABSOLUTE_PATH, path)).transpose()?.flatten();
+    path.map(PathBuf::from).ok_or_else(|| JavaError::null(ABSOLUTE_PATH))
 }
 
 /// Finds a system service by its name; none if the device lacks it.

@@ -8,6 +8,8 @@ pub enum MemberKind {
     Method,
     /// A method of the class.
     StaticMethod,
+    /// A constructor.
+    Constructor,
     /// A field of the class.
     StaticField,
 }
@@ -17,7 +19,7 @@ pub enum MemberKind {
 pub struct JavaMember {
     /// The class's binary name, with slashes.
     pub class: &'static str,
-    /// The member's name.
+    /// The member's name; `<init>` for a constructor.
     pub name: &'static str,
     /// The type signature (JNI specification, "Type Signatures").
     pub signature: &'static str,
@@ -71,6 +73,9 @@ members! {
     /// A setting of the whole device that is a number, or the default that is given where it has none.
     GLOBAL_INT = StaticMethod "android/provider/Settings$Global" "getInt" "(Landroid/content/ContentResolver;Ljava/lang/String;I)I"
         since 17 in "android/provider/Settings.Global#getInt(android.content.ContentResolver,%20java.lang.String,%20int)";
+    /// A text of the device's settings, which each app has others of: `ANDROID_ID`.
+    SECURE_STRING = StaticMethod "android/provider/Settings$Secure" "getString" "(Landroid/content/ContentResolver;Ljava/lang/String;)Ljava/lang/String;"
+        since 3 in "android/provider/Settings.Secure#getString(android.content.ContentResolver,%20java.lang.String)";
     /// A file's absolute path.
     ABSOLUTE_PATH = Method "java/io/File" "getAbsolutePath" "()Ljava/lang/String;"
         since 1 in "java/io/File#getAbsolutePath()";
@@ -134,4 +139,109 @@ members! {
     /// An object as a text: a number's digits, a boolean's name.
     TO_STRING = Method "java/lang/Object" "toString" "()Ljava/lang/String;"
         since 1 in "java/lang/Object#toString()";
+    /// A URL.
+    NEW_URL = Constructor "java/net/URL" "<init>" "(Ljava/lang/String;)V"
+        since 1 in "java/net/URL#URL(java.lang.String)";
+    /// A connection to a URL by a proxy. Nothing is sent yet.
+    OPEN_CONNECTION = Method "java/net/URL" "openConnection" "(Ljava/net/Proxy;)Ljava/net/URLConnection;"
+        since 1 in "java/net/URL#openConnection(java.net.Proxy)";
+    /// No proxy.
+    NO_PROXY = StaticField "java/net/Proxy" "NO_PROXY" "Ljava/net/Proxy;"
+        since 1 in "java/net/Proxy#NO_PROXY";
+    /// Milliseconds in which a connection must be there.
+    SET_CONNECT_TIMEOUT = Method "java/net/URLConnection" "setConnectTimeout" "(I)V"
+        since 1 in "java/net/URLConnection#setConnectTimeout(int)";
+    /// Milliseconds that a read may take.
+    SET_READ_TIMEOUT = Method "java/net/URLConnection" "setReadTimeout" "(I)V"
+        since 1 in "java/net/URLConnection#setReadTimeout(int)";
+    /// Whether a request has a body.
+    SET_DO_OUTPUT = Method "java/net/URLConnection" "setDoOutput" "(Z)V"
+        since 1 in "java/net/URLConnection#setDoOutput(boolean)";
+    /// Whether an answer may come from a cache.
+    SET_USE_CACHES = Method "java/net/URLConnection" "setUseCaches" "(Z)V"
+        since 1 in "java/net/URLConnection#setUseCaches(boolean)";
+    /// Sets a header of a request.
+    SET_REQUEST_PROPERTY = Method "java/net/URLConnection" "setRequestProperty" "(Ljava/lang/String;Ljava/lang/String;)V"
+        since 1 in "java/net/URLConnection#setRequestProperty(java.lang.String,%20java.lang.String)";
+    /// Where a request's body is written.
+    OUTPUT_STREAM = Method "java/net/URLConnection" "getOutputStream" "()Ljava/io/OutputStream;"
+        since 1 in "java/net/URLConnection#getOutputStream()";
+    /// A header of an answer, or null.
+    HEADER_FIELD = Method "java/net/URLConnection" "getHeaderField" "(Ljava/lang/String;)Ljava/lang/String;"
+        since 1 in "java/net/URLConnection#getHeaderField(java.lang.String)";
+    /// Where an answer's body is read.
+    INPUT_STREAM = Method "java/net/URLConnection" "getInputStream" "()Ljava/io/InputStream;"
+        since 1 in "java/net/URLConnection#getInputStream()";
+    /// Where the body of a refusal is read, or null if it has none.
+    ERROR_STREAM = Method "java/net/HttpURLConnection" "getErrorStream" "()Ljava/io/InputStream;"
+        since 1 in "java/net/HttpURLConnection#getErrorStream()";
+    /// Sets a request's method.
+    SET_REQUEST_METHOD = Method "java/net/HttpURLConnection" "setRequestMethod" "(Ljava/lang/String;)V"
+        since 1 in "java/net/HttpURLConnection#setRequestMethod(java.lang.String)";
+    /// Whether redirects are followed.
+    SET_FOLLOW_REDIRECTS = Method "java/net/HttpURLConnection" "setInstanceFollowRedirects" "(Z)V"
+        since 1 in "java/net/HttpURLConnection#setInstanceFollowRedirects(boolean)";
+    /// Sends a request that isn't sent yet, and waits for the answer's status; -1 if it isn't HTTP.
+    RESPONSE_CODE = Method "java/net/HttpURLConnection" "getResponseCode" "()I"
+        since 1 in "java/net/HttpURLConnection#getResponseCode()";
+    /// Closes a connection, whatever is under way on it.
+    DISCONNECT = Method "java/net/HttpURLConnection" "disconnect" "()V"
+        since 1 in "java/net/HttpURLConnection#disconnect()";
+    /// Sets what makes a connection's sockets.
+    SET_SOCKET_FACTORY = Method "javax/net/ssl/HttpsURLConnection" "setSSLSocketFactory" "(Ljavax/net/ssl/SSLSocketFactory;)V"
+        since 1 in "javax/net/ssl/HttpsURLConnection#setSSLSocketFactory(javax.net.ssl.SSLSocketFactory)";
+    /// Writes bytes.
+    WRITE_BYTES = Method "java/io/OutputStream" "write" "([B)V"
+        since 1 in "java/io/OutputStream#write(byte[])";
+    /// Ends what is written.
+    CLOSE_OUTPUT = Method "java/io/OutputStream" "close" "()V"
+        since 1 in "java/io/OutputStream#close()";
+    /// Reads bytes into a part of an array: how many, or -1 at the end.
+    READ_BYTES = Method "java/io/InputStream" "read" "([BII)I"
+        since 1 in "java/io/InputStream#read(byte[],%20int,%20int)";
+    /// Ends what is read.
+    CLOSE_INPUT = Method "java/io/InputStream" "close" "()V"
+        since 1 in "java/io/InputStream#close()";
+    /// Bytes to be read.
+    NEW_BYTES_INPUT = Constructor "java/io/ByteArrayInputStream" "<init>" "([B)V"
+        since 1 in "java/io/ByteArrayInputStream#ByteArrayInputStream(byte[])";
+    /// A reader of certificates of a kind.
+    CERTIFICATE_FACTORY = StaticMethod "java/security/cert/CertificateFactory" "getInstance" "(Ljava/lang/String;)Ljava/security/cert/CertificateFactory;"
+        since 1 in "java/security/cert/CertificateFactory#getInstance(java.lang.String)";
+    /// Reads a certificate.
+    READ_CERTIFICATE = Method "java/security/cert/CertificateFactory" "generateCertificate" "(Ljava/io/InputStream;)Ljava/security/cert/Certificate;"
+        since 1 in "java/security/cert/CertificateFactory#generateCertificate(java.io.InputStream)";
+    /// The kind of key stores that there is always.
+    KEY_STORE_TYPE = StaticMethod "java/security/KeyStore" "getDefaultType" "()Ljava/lang/String;"
+        since 1 in "java/security/KeyStore#getDefaultType()";
+    /// A key store of a kind.
+    KEY_STORE = StaticMethod "java/security/KeyStore" "getInstance" "(Ljava/lang/String;)Ljava/security/KeyStore;"
+        since 1 in "java/security/KeyStore#getInstance(java.lang.String)";
+    /// Loads a key store; an empty one from null.
+    LOAD_KEY_STORE = Method "java/security/KeyStore" "load" "(Ljava/io/InputStream;[C)V"
+        since 1 in "java/security/KeyStore#load(java.io.InputStream,%20char[])";
+    /// Puts a certificate that is trusted into a key store.
+    SET_CERTIFICATE = Method "java/security/KeyStore" "setCertificateEntry" "(Ljava/lang/String;Ljava/security/cert/Certificate;)V"
+        since 1 in "java/security/KeyStore#setCertificateEntry(java.lang.String,%20java.security.cert.Certificate)";
+    /// How trust is decided where nobody says otherwise.
+    TRUST_ALGORITHM = StaticMethod "javax/net/ssl/TrustManagerFactory" "getDefaultAlgorithm" "()Ljava/lang/String;"
+        since 1 in "javax/net/ssl/TrustManagerFactory#getDefaultAlgorithm()";
+    /// A maker of what decides whom to trust.
+    TRUST_FACTORY = StaticMethod "javax/net/ssl/TrustManagerFactory" "getInstance" "(Ljava/lang/String;)Ljavax/net/ssl/TrustManagerFactory;"
+        since 1 in "javax/net/ssl/TrustManagerFactory#getInstance(java.lang.String)";
+    /// Trusts the certificates of a key store alone.
+    INIT_TRUST_FACTORY = Method "javax/net/ssl/TrustManagerFactory" "init" "(Ljava/security/KeyStore;)V"
+        since 1 in "javax/net/ssl/TrustManagerFactory#init(java.security.KeyStore)";
+    /// What decides whom to trust.
+    TRUST_MANAGERS = Method "javax/net/ssl/TrustManagerFactory" "getTrustManagers" "()[Ljavax/net/ssl/TrustManager;"
+        since 1 in "javax/net/ssl/TrustManagerFactory#getTrustManagers()";
+    /// TLS.
+    SSL_CONTEXT = StaticMethod "javax/net/ssl/SSLContext" "getInstance" "(Ljava/lang/String;)Ljavax/net/ssl/SSLContext;"
+        since 1 in "javax/net/ssl/SSLContext#getInstance(java.lang.String)";
+    /// TLS by these keys, this trust, and these random bits; null stands for what there is always.
+    INIT_SSL_CONTEXT = Method "javax/net/ssl/SSLContext" "init" "([Ljavax/net/ssl/KeyManager;[Ljavax/net/ssl/TrustManager;Ljava/security/SecureRandom;)V"
+        since 1 in "javax/net/ssl/SSLContext#init(javax.net.ssl.KeyManager[],%20javax.net.ssl.TrustManager[],%20java.security.SecureRandom)";
+    /// What makes sockets.
+    SOCKET_FACTORY = Method "javax/net/ssl/SSLContext" "getSocketFactory" "()Ljavax/net/ssl/SSLSocketFactory;"
+        since 1 in "javax/net/ssl/SSLContext#getSocketFactory()";
 }

@@ -64,10 +64,14 @@ pub(crate) fn run_javap(folder: &Path, class: &str) -> BTreeSet<String> {
     members.collect()
 }
 
-/// Describes a member: `static` or nothing, name and signature.
+/// Describes a member: `static` or nothing, name and signature. A constructor has its class's name.
 pub(crate) fn describe_member(member: &JavaMember) -> String {
-    let how = if member.kind == MemberKind::Method { "" } else { "static " };
-    format!("{how}{} {}", member.name, member.signature)
+    let JavaMember { class, name, signature, .. } = member;
+    match member.kind {
+        MemberKind::Method => format!("{name} {signature}"),
+        MemberKind::StaticMethod | MemberKind::StaticField => format!("static {name} {signature}"),
+        MemberKind::Constructor => format!("{} {signature}", class.replace('/', ".")),
+    }
 }
 
 /// The stubs' sources by outermost class. A class that occurs only in signatures has an empty body.

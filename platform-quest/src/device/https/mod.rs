@@ -1,0 +1,246 @@
+//! HTTPS by Java's own classes: Android brings TLS along, and the package holds no second one. It trusts the site's
+//! certificate authority alone, checks the booth's name or address by Java's own verifier, follows no redirect and
+//! asks no proxy.
+//!
+//! What an exception means for an outbox follows from its class: a timeout, a certificate that isn't the site's, or
+//! else nobody there.
+
+mod trust;
+mod watchdog;
+
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+use jni::objects::{Global, JObject};
+use jni::{AttachConfig, Env, JValue, JavaVM};
+use paros_shell::outbox::{
+    BoothCaller, HttpAnswer, HttpRequest, LinkError, LinkFault, MAX_ANSWER_BYTES,
+};
+
+use super::call::{JavaCaller, JavaError, read_int};
+use super::table::{
+    CLOSE_INPUT, CLOSE_OUTPUT, DISCONNECT, ERROR_STREAM, HEADER_FIELD, INPUT_STREAM, NEW_URL,
+    NO_PROXY, OPEN_CONNECTION, OUTPUT_STREAM, READ_BYTES, RESPONSE_CODE, SET_CONNECT_TIMEOUT,
+    SET_DO_OUTPUT, SET_FOLLOW_REDIRECTS, SET_READ_TIMEOUT, SET_REQUEST_METHOD,
+    SET_REQUEST_PROPERTY, SET_SOCKET_FACTORY, SET_USE_CACHES, WRITE_BYTES,
+};
+use watchdog::Watchdog;
+
+/// Local references that a request takes at most. They are given back at its end.
+const REQUEST_REFERENCES: usize = 64;
+
+/// All members that are called here came with API level 1.
+const API_LEVEL: i32 = 1;
+
+/// Exceptions of a peer that isn't the booth: those of a certificate of another authority, or of another name.
+const UNTRUSTED: [&str; 5] = [
+    "javax.net.ssl.SSLHandshakeException",
+    "javax.net.ssl.SSLPeerUnverifiedException",
+    "javax.net.ssl.SSLKeyException",
+    "java.security.cert.CertificateException",
+    "java.security.cert.CertificateParsingException",
+];
+
+/// Asks a booth by Java, from the thread that calls it, which is attached to the Java VM until it ends.
+#[derive(Debug)]
+pub struct HttpsCaller {
+    vm: JavaVM,
+    url: String,
+    ca: Vec<u8>,
+    timeout: Duration,
+    /// An `SSLSocketFactory` that trusts the authority alone, once the first request has made it.
+    sockets: Option<Global<JObject<'static>>>,
+    watchdog: Watchdog,
+}
+
+/// What is asked of Java for one request.
+struct Connection<'env, 'call, 'local> {
+    caller: &'call mut JavaCaller<'env, 'local>,
+    /// An `HttpsURLConnection`.
+    object: JObject<'local>,
+}
+
+/// Why a request has no answer.
+#[derive(Debug)]
+enum AskError {
+    Java(JavaError),
+    Other(LinkFault, String),
+}
+
+impl From<JavaError> for AskError {
+    fn from(error: JavaError) -> Self {
+        AskError::Java(error)
+    }
+}
+
+impl From<jni::errors::Error> for AskError {
+    fn from(error: jni::errors::Error) -> Self {
+        AskError::Java(error.into())
+    }
+}
+
+impl HttpsCaller {
+    /// Asks the booth at `https://HOST:PORT`, whose certificate is of the authority `ca` (DER), and waits so long for
+    /// each answer.
+    #[must_use]
+    pub fn new(vm: JavaVM, url: &str, ca: &[u8], timeout: Duration) -> Self {
+        let watchdog = Watchdog::start(vm.clone());
+        HttpsCaller { vm, url: url.to_owned(), ca: ca.to_vec(), timeout, sockets: None, watchdog }
+    }
+
+    fn ask(
+        &mut self,
+        env: &mut Env<'_>,
+        request: &HttpRequest<'_>,
+    ) -> Result<HttpAnswer, AskError> {
+        let caller = &mut JavaCaller::new(env, API_LEVEL);
+        let sockets = match self.sockets.take() {
+            Some(sockets) => sockets,
+            None => trust::make_socket_factory(caller, &self.ca)?,
+        };
+        let sockets = self.sockets.insert(sockets);
+        let url = format!("{}{}", self.url, request.path);
+        let mut connection = Connection::prepare(caller, &url, sockets, self.timeout)?;
+        let watched = connection.caller.new_global(&connection.object)?;
+        let is_late = self.watchdog.watch(watched, Instant::now() + self.timeout);
+        let answer = connection.send(request).and_then(|()| connection.read_answer());
+        self.watchdog.rest();
+        if answer.is_err() {
+            // What it throws is about a connection that is over.
+            let _ = connection.caller.call_method(DISCONNECT, &connection.object, &[]);
+        }
+        answer.map_err(|error| match error {
+            AskError::Java(error) if is_late.load(Ordering::Acquire) => {
+                AskError::Other(LinkFault::TimedOut, error.to_string())
+            }
+            error => error,
+        })
+    }
+}
+
+impl BoothCaller for HttpsCaller {
+    fn call(&mut self, request: &HttpRequest<'_>) -> Result<HttpAnswer, LinkError> {
+        if !self.url.starts_with("https://") {
+            let why = format!("{}: expected https:// and an address", self.url);
+            return Err(LinkError { fault: LinkFault::Unreachable, why });
+        }
+        let vm = self.vm.clone();
+        let asked = vm.attach_current_thread_with_config(
+            AttachConfig::default,
+            Some(REQUEST_REFERENCES),
+            |env| self.ask(env, request),
+        );
+        asked.map_err(AskError::into_link_error)
+    }
+}
+
+impl<'env, 'call, 'local> Connection<'env, 'call, 'local> {
+    /// A connection to a URL, of which nothing is sent yet.
+    fn prepare(
+        caller: &'call mut JavaCaller<'env, 'local>,
+        url: &str,
+        sockets: &JObject<'_>,
+        timeout: Duration,
+    ) -> Result<Self, AskError> {
+        let url = caller.new_string(url)?;
+        let url = caller.new_object(NEW_URL, &[JValue::Object(&url)])?;
+        let no_proxy = caller.call_or_read_static_object(NO_PROXY, &[])?;
+        let by = [JValue::Object(&no_proxy)];
+        let object = caller.call_object_method(OPEN_CONNECTION, &url, &by)?;
+        caller.call_method(SET_SOCKET_FACTORY, &object, &[JValue::Object(sockets)])?;
+        // 0 would be without end.
+        let ms = i32::try_from(timeout.as_millis()).unwrap_or(i32::MAX).max(1);
+        for (member, value) in [
+            (SET_CONNECT_TIMEOUT, JValue::Int(ms)),
+            (SET_READ_TIMEOUT, JValue::Int(ms)),
+            (SET_FOLLOW_REDIRECTS, JValue::Bool(false)),
+            (SET_USE_CACHES, JValue::Bool(false)),
+            (SET_DO_OUTPUT, JValue::Bool(true)),
+        ] {
+            caller.call_method(member, &object, &[value])?;
+        }
+        Ok(Connection { caller, object })
+    }
+
+    /// Writes a request, whose body Java holds until all of it is there: so it can send it once more where a
+    /// connection from before turns out to be over.
+    fn send(&mut self, request: &HttpRequest<'_>) -> Result<(), AskError> {
+        let Connection { caller, object } = self;
+        let method = caller.new_string(request.method.name())?;
+        caller.call_method(SET_REQUEST_METHOD, object, &[JValue::Object(&method)])?;
+        // Android would ask for gzip, and unpack it unasked.
+        let plain = ("Accept-Encoding", "identity");
+        let headers = request.headers.iter().map(|(name, value)| (*name, &**value));
+        for (name, value) in headers.chain([plain]) {
+            let [name, value] = [caller.new_string(name)?, caller.new_string(value)?];
+            let header = [JValue::Object(&name), JValue::Object(&value)];
+            caller.call_method(SET_REQUEST_PROPERTY, object, &header)?;
+        }
+        let body = caller.new_byte_array(request.body)?;
+        let output = caller.call_object_method(OUTPUT_STREAM, object, &[])?;
+        caller.call_method(WRITE_BYTES, &output, &[JValue::Object(&body)])?;
+        caller.call_method(CLOSE_OUTPUT, &output, &[])?;
+        Ok(())
+    }
+
+    fn read_answer(&mut self) -> Result<HttpAnswer, AskError> {
+        let Connection { caller, object } = self;
+        let status = caller.call_method_if_available(RESPONSE_CODE, object, &[])?;
+        let status = status.map_or(Ok(-1), |status| read_int(RESPONSE_CODE, status))?;
+        let status = u16::try_from(status)
+            .map_err(|_| AskError::Other(LinkFault::Unreachable, "it doesn't speak HTTP".into()))?;
+        let name = caller.new_string("Retry-After")?;
+        let name = [JValue::Object(&name)];
+        let retry_after = match caller.call_method_if_available(HEADER_FIELD, object, &name)? {
+            Some(value) => caller.read_string(HEADER_FIELD, value)?,
+            None => None,
+        };
+        let retry_after = retry_after.and_then(|value| value.trim().parse().ok());
+        let member = if status < 400 { INPUT_STREAM } else { ERROR_STREAM };
+        let body = match caller.call_object_method_if_available(member, object, &[])? {
+            Some(input) => read_body(caller, &input)?,
+            None => Vec::new(),
+        };
+        Ok(HttpAnswer { status, retry_after, body })
+    }
+}
+
+/// Reads a body to its end, and closes it, so that the connection may be used again.
+fn read_body(caller: &mut JavaCaller<'_, '_>, input: &JObject<'_>) -> Result<Vec<u8>, AskError> {
+    let room = MAX_ANSWER_BYTES + 1;
+    let array = caller.new_byte_array(&vec![0; room])?;
+    let mut length = 0;
+    while length < room {
+        // No answer is so long that it wouldn't fit.
+        let [from, most] = [length, room - length].map(|n| JValue::Int(n as i32));
+        let read = [JValue::Object(&array), from, most];
+        let read = caller.call_method_if_available(READ_BYTES, input, &read)?;
+        let read = read.map_or(Ok(-1), |read| read_int(READ_BYTES, read))?;
+        match usize::try_from(read) {
+            Ok(read) => length += read.min(room - length),
+            Err(_) => {
+                let body = caller.read_first_bytes(&array, length)?;
+                caller.call_method(CLOSE_INPUT, input, &[])?;
+                return Ok(body);
+            }
+        }
+    }
+    let why = format!("an answer of more than {MAX_ANSWER_BYTES} bytes");
+    Err(AskError::Other(LinkFault::Unreachable, why))
+}
+
+impl AskError {
+    fn into_link_error(self) -> LinkError {
+        match self {
+            AskError::Other(fault, why) => LinkError { fault, why },
+            AskError::Java(error) => {
+                let fault = match error.thrown.as_deref() {
+                    Some("java.net.SocketTimeoutException") => LinkFault::TimedOut,
+                    Some(class) if UNTRUSTED.contains(&class) => LinkFault::Untrusted,
+                    _ => LinkFault::Unreachable,
+                };
+                LinkError { fault, why: error.to_string() }
+            }
+        }
+    }
+}

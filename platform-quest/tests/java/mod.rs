@@ -1,0 +1,42 @@
+//! A Java VM that checks every call (`-Xcheck:jni`), in a process of its own.
+
+use std::env;
+use std::process::Command;
+
+use paros_shell::require::require_or_skip;
+
+/// The environment variable of the child process whose calls are checked.
+const INSIDE: &str = "PAROS_INSIDE_JAVA";
+
+/// Whether there is a JDK.
+pub(crate) fn has_jdk() -> bool {
+    let starts = |program: &&str| Command::new(program).arg("-version").output().is_ok();
+    let missing = ["java", "javac", "javap"].into_iter().find(|program| !starts(program));
+    require_or_skip(missing.map_or(Ok(()), |program| Err(format!("no {program}"))))
+        .expect("a JDK")
+        .is_some()
+}
+
+/// Runs what the test of this name does in a process of its own, and demands that the VM there reports no fault. It
+/// does on standard output, which only a parent process can read.
+pub(crate) fn run_in_checked_vm(test: &str, body: impl FnOnce()) {
+    const DONE: &str = "all calls made";
+
+    if env::var_os(INSIDE).is_some() {
+        body();
+        println!("{DONE}");
+        return;
+    }
+    if !has_jdk() {
+        return;
+    }
+    let mut again = Command::new(env::current_exe().expect("this test"));
+    again.args(["--exact", test, "--nocapture"]).env(INSIDE, "1");
+    let output = again.output().expect("it starts again");
+    let told =
+        [output.stdout, output.stderr].map(|told| String::from_utf8_lossy(&told).into_owned());
+    let told = told.concat();
+    assert!(output.status.success(), "{told}");
+    assert!(!told.contains("WARNING") && !told.contains("FATAL"), "{told}");
+    assert!(told.contains(DONE), "{told}");
+}
