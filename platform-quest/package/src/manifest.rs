@@ -28,11 +28,12 @@ const REFUSALS: [Refusal; 2] =
     [("manifest/application", ("debuggable", "true")), (ACTIVITY, ("noHistory", "true"))];
 
 /// The permissions that are asked for: what another brings in is told, as Meta refuses many.
-const PERMISSIONS: [&str; 4] = [
+const PERMISSIONS: [&str; 5] = [
     "org.khronos.openxr.permission.OPENXR",
     "org.khronos.openxr.permission.OPENXR_SYSTEM",
     "com.oculus.permission.HAND_TRACKING",
     "android.permission.ACCESS_NETWORK_STATE",
+    "android.permission.INTERNET",
 ];
 
 /// An element that the manifest must hold: its path, and the values of its attributes.
@@ -44,7 +45,7 @@ const PERMISSION: &str = "manifest/uses-permission";
 
 /// What Meta and Khronos' loader ask for, and Android of an app that is managed. Held against Meta's pages "Android
 /// Manifest Settings" and "Application Manifests for Release Builds" (of 2026-03-05) as they were in 2026-11.
-const DEMANDS: [Demand; 19] = [
+const DEMANDS: [Demand; 20] = [
     ("manifest", &[("installLocation", "0")]),
     ("manifest/uses-sdk", &[("minSdkVersion", "29"), ("targetSdkVersion", "32")]),
     (
@@ -56,6 +57,8 @@ const DEMANDS: [Demand; 19] = [
     (PERMISSION, &[("name", "org.khronos.openxr.permission.OPENXR_SYSTEM")]),
     (PERMISSION, &[("name", "com.oculus.permission.HAND_TRACKING")]),
     (PERMISSION, &[("name", "android.permission.ACCESS_NETWORK_STATE")]),
+    // The way to the booth, which needn't lead to the Internet.
+    (PERMISSION, &[("name", "android.permission.INTERNET")]),
     (
         "manifest/queries/provider",
         &[(
