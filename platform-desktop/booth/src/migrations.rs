@@ -6,7 +6,11 @@ use rusqlite::{Connection, TransactionBehavior};
 use crate::sqlite_store::store_error;
 
 /// From version k to k + 1.
-const STEPS: [&str; 2] = [include_str!("schema/001.sql"), include_str!("schema/002.sql")];
+const STEPS: [&str; 3] = [
+    include_str!("schema/001.sql"),
+    include_str!("schema/002.sql"),
+    include_str!("schema/004.sql"),
+];
 
 /// Brings a database to this program's version.
 ///

@@ -11,7 +11,8 @@ use crate::find::NO_SCULPTURE;
 use crate::limits::{OPEN_PARCEL_LIFE, SWEEP_BATCH};
 use crate::mail::withdraw_mails;
 use crate::parcel_files::{KeptName, KeptPart};
-use crate::records::{Announcement, ExportState, MailOrder, PrintOrder, Sculpture, Tombstone};
+use crate::prints::{remove_prints, withdraw_prints};
+use crate::records::{Announcement, ExportState, MailOrder, Sculpture, Tombstone};
 use crate::refusal::Refusal;
 use crate::store::{Order, Query, StoreError};
 use crate::time::BoothTime;
@@ -200,6 +201,7 @@ impl Booth {
             tx.put(&sculpture)?;
             if withdrawn_at.is_some() {
                 withdraw_mails(tx, &id.0)?;
+                withdraw_prints(tx, &id.0, now)?;
             }
             let action = if withdrawn_at.is_some() { "withdraw" } else { "bring back" };
             Ok(note(tx, now, Some(account), action, subject_of(&sculpture))?)
@@ -220,11 +222,7 @@ impl Booth {
         {
             tx.remove::<MailOrder>(&[order.order.to_value()])?;
         }
-        for order in
-            tx.find::<PrintOrder>(&Query::all::<PrintOrder>().equal("sculpture", &sculpture.id))?
-        {
-            tx.remove::<PrintOrder>(&[order.order.to_value()])?;
-        }
+        remove_prints(tx, &sculpture.id)?;
         tx.put(&Tombstone {
             id: sculpture.id,
             headset: sculpture.headset,

@@ -1,5 +1,6 @@
 //! Capacities and times of the booth, each with its reason.
 
+use std::ops::RangeInclusive;
 use std::time::Duration;
 
 /// Bytes of a parcel in one request: a radio that drops one loses no more than that.
@@ -61,3 +62,21 @@ pub const SESSION_LIFE: Duration = Duration::from_secs(14 * 3600);
 
 /// How long a login lasts that isn't used: a tablet is left on a table.
 pub const SESSION_IDLE: Duration = Duration::from_secs(2 * 3600);
+
+/// Prints of a sculpture: a family's, and a mistake or two.
+pub const MAX_PRINTS_OF_ONE: u64 = 8;
+
+/// How high a print may be, in tenths of a millimetre: from what a nozzle can draw to the largest printers.
+pub const PRINT_TENTHS_MM: RangeInclusive<u32> = 100..=10_000;
+
+/// How long a print may take where its size follows from that, in minutes: up to a week.
+pub const PRINT_MINUTES: RangeInclusive<u32> = 5..=10_080;
+
+/// Letters of a filament's colour.
+pub const MAX_FILAMENT_CHARS: usize = 40;
+
+/// Letters of a print's note: what fits on its slip.
+pub const MAX_NOTE_CHARS: usize = 300;
+
+/// Slices by which a size is found for a time: each takes up to a minute of a processor.
+pub const MAX_SIZE_SLICES: u32 = 6;

@@ -2,14 +2,14 @@
 
 mod devices;
 mod people;
+mod prints;
 mod sculptures;
 
 pub use devices::{
     Announcement, AttemptState, Command, CommandState, Device, EnrolAttempt, EnrolToken, LedgerSave,
 };
-pub use people::{
-    Account, AuditEntry, MailOrder, MailState, PrintOrder, PrintState, StaffRole, StaffSession,
-};
+pub use people::{Account, AuditEntry, MailOrder, MailState, StaffRole, StaffSession};
+pub use prints::{EstimateState, PrintOrder, PrintState};
 pub use sculptures::{BadgeClaim, ExportState, Sculpture, Tombstone};
 
 use crate::table::{Record, Table};

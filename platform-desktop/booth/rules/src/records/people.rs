@@ -80,42 +80,6 @@ record! {
     }
 }
 
-stored_enum! {
-    /// How far a print has come.
-    pub enum PrintState {
-        /// It waits for a printer.
-        Queued = 0,
-        /// A printer has it.
-        Printing = 1,
-        /// It is there.
-        Done = 2,
-        /// It came to nothing.
-        Failed = 3,
-        /// Staff took it back.
-        Cancelled = 4,
-    }
-}
-
-record! {
-    /// A sculpture that somebody wants printed.
-    pub struct PrintOrder in "print_orders", key 1, indexed ["sculpture", "state"] {
-        /// Its random number.
-        pub order: u64,
-        /// What to print.
-        pub sculpture: [u8; 16],
-        /// How high, in tenths of a millimetre.
-        pub height_tenths_mm: u32,
-        /// Of which colour.
-        pub filament: String,
-        /// What else staff noted.
-        pub note: String,
-        /// When it was asked for.
-        pub asked_at: BoothTime,
-        /// How far it has come.
-        pub state: PrintState,
-    }
-}
-
 record! {
     /// Something that was done. It names no address.
     pub struct AuditEntry in "audit", key 2, indexed [] {

@@ -1,0 +1,385 @@
+//! Sculptures that visitors want printed: an order each, from when it is asked for to when the print is there.
+
+use paros_core::outbox::messages::SculptureId;
+
+use crate::audit::note;
+use crate::booth::{Booth, Tx};
+use crate::find::NO_SCULPTURE;
+use crate::lifecycle::{get_kept, subject_of};
+use crate::limits::{
+    MAX_FILAMENT_CHARS, MAX_LISTED, MAX_NOTE_CHARS, MAX_PRINTS_OF_ONE, PRINT_MINUTES,
+    PRINT_TENTHS_MM,
+};
+use crate::records::{EstimateState, PrintOrder, PrintState, Sculpture};
+use crate::refusal::Refusal;
+use crate::store::{Order, Query, StoreError};
+use crate::time::BoothTime;
+use crate::value::Field as _;
+
+const NO_ORDER: Refusal = Refusal::NotFound("no such order of a print");
+
+/// Said of a print whose sculpture isn't shown any more.
+const WITHDRAWN: &str = "the sculpture was withdrawn";
+
+/// What happens to a print.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum PrintStep {
+    /// The slicer told its time and material.
+    Slice,
+    /// A printer begins.
+    Start,
+    /// It is there.
+    Finish,
+    /// It came to nothing.
+    Fail,
+    /// Staff take it back.
+    Cancel,
+    /// It is ordered again.
+    Retry,
+}
+
+/// What somebody wants printed.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct PrintWish {
+    /// How large.
+    pub size: PrintSize,
+    /// The filament's colour, for people.
+    pub filament: String,
+    /// What else there is to say, for people.
+    pub note: String,
+}
+
+/// How large a print is to be.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum PrintSize {
+    /// So high, in tenths of a millimetre.
+    Height(u32),
+    /// As large as it can be within so many minutes.
+    Minutes(u32),
+}
+
+/// A print that is to be sliced or printed.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct PrintJob {
+    /// Its order.
+    pub order: PrintOrder,
+    /// What to print.
+    pub sculpture: Sculpture,
+}
+
+/// What the slicer tells.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum SliceOutcome {
+    /// The height in tenths of a millimetre, the time and the material.
+    Known {
+        /// Tenths of a millimetre.
+        height: u32,
+        /// Minutes.
+        minutes: u32,
+        /// Tenths of a gram of filament.
+        tenths_gram: u32,
+    },
+    /// Nothing, and why.
+    Unknown(String),
+}
+
+impl PrintState {
+    /// The state that a step leads to from this one; `None` where it can't be taken from here.
+    #[must_use]
+    pub const fn after(self, step: PrintStep) -> Option<PrintState> {
+        use PrintState::{Cancelled, Done, Failed, Ordered, Printing, Sliced};
+        match (self, step) {
+            (Ordered, PrintStep::Slice) => Some(Sliced),
+            // Without a slicer a print begins without an estimate.
+            (Ordered | Sliced, PrintStep::Start) => Some(Printing),
+            (Printing, PrintStep::Finish) => Some(Done),
+            (Ordered | Sliced | Printing, PrintStep::Fail) => Some(Failed),
+            (Ordered | Sliced | Printing, PrintStep::Cancel) => Some(Cancelled),
+            (Done | Failed | Cancelled, PrintStep::Retry) => Some(Ordered),
+            _ => None,
+        }
+    }
+
+    /// Whether it is still to be printed, or is being.
+    #[must_use]
+    pub const fn is_open(self) -> bool {
+        matches!(self, PrintState::Ordered | PrintState::Sliced | PrintState::Printing)
+    }
+}
+
+impl Booth {
+    /// Notes that somebody wants a sculpture printed. `order` is random bits; `can_slice` is whether there is a slicer,
+    /// without which no size can be found by time.
+    ///
+    /// # Errors
+    /// [`Refusal::BadRequest`] where size or texts are out of their bounds, [`Refusal::NotFound`] where the sculpture
+    /// isn't shown, [`Refusal::Conflict`] where it has as many orders as it may; or those of the store.
+    pub fn ask_print(
+        &self,
+        id: &SculptureId,
+        wish: &PrintWish,
+        (order, can_slice): (u64, bool),
+        account: &str,
+        now: BoothTime,
+    ) -> Result<(), Refusal> {
+        check_wish(wish, can_slice)?;
+        let (height_tenths_mm, most_minutes) = match wish.size {
+            PrintSize::Height(height) => (height, None),
+            PrintSize::Minutes(minutes) => (0, Some(minutes)),
+        };
+        self.update(|tx| {
+            let sculpture = get_kept(tx, id, now)?;
+            if sculpture.withdrawn_at.is_some() {
+                return Err(NO_SCULPTURE);
+            }
+            let is_full = tx.count_rows(&orders_of(&id.0))? >= MAX_PRINTS_OF_ONE;
+            if is_full || tx.get::<PrintOrder>(&[order.to_value()])?.is_some() {
+                return Err(Refusal::Conflict("as many prints of this sculpture as may be"));
+            }
+            tx.put(&PrintOrder {
+                order,
+                sculpture: id.0,
+                height_tenths_mm,
+                filament: wish.filament.trim().to_owned(),
+                note: wish.note.trim().to_owned(),
+                asked_at: now,
+                state: PrintState::Ordered,
+                most_minutes,
+                estimate: estimate_at_first(can_slice),
+                minutes: None,
+                tenths_gram: None,
+                printer: None,
+                job: None,
+                changed_at: now,
+                why: String::new(),
+            })?;
+            Ok(note(tx, now, Some(account), "print", subject_of(&sculpture))?)
+        })
+    }
+
+    /// The prints of a sculpture, the newest first.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn list_prints(&self, id: &SculptureId) -> Result<Vec<PrintOrder>, Refusal> {
+        self.view(|tx| tx.find(&orders_of(&id.0).ordered("asked_at", Order::Descending)))
+    }
+
+    /// All prints with their sculptures: those that are open, the oldest first; then the others, the newest first.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn list_print_queue(&self) -> Result<Vec<PrintJob>, Refusal> {
+        self.view(|tx| {
+            let all = Query::all::<PrintOrder>;
+            let mut orders = Vec::new();
+            for state in [PrintState::Printing, PrintState::Sliced, PrintState::Ordered] {
+                let of_state = all().equal("state", &state).ordered("asked_at", Order::Ascending);
+                orders.extend(tx.find::<PrintOrder>(&of_state.first(MAX_LISTED))?);
+            }
+            let mut ended = Vec::new();
+            for state in [PrintState::Done, PrintState::Failed, PrintState::Cancelled] {
+                let of_state =
+                    all().equal("state", &state).ordered("changed_at", Order::Descending);
+                ended.extend(tx.find::<PrintOrder>(&of_state.first(MAX_LISTED / 4))?);
+            }
+            ended.sort_by_key(|order: &PrintOrder| std::cmp::Reverse(order.changed_at));
+            orders.extend(ended);
+            let mut jobs = Vec::new();
+            for order in orders {
+                if let Some(sculpture) = tx.get::<Sculpture>(&[order.sculpture.to_value()])? {
+                    jobs.push(PrintJob { order, sculpture });
+                }
+            }
+            Ok(jobs)
+        })
+    }
+
+    /// A print with its sculpture.
+    ///
+    /// # Errors
+    /// [`Refusal::NotFound`], or those of the store.
+    pub fn find_print(&self, order: u64) -> Result<PrintJob, Refusal> {
+        let found = self.view(|tx| {
+            let Some(order) = tx.get::<PrintOrder>(&[order.to_value()])? else { return Ok(None) };
+            let sculpture = tx.get::<Sculpture>(&[order.sculpture.to_value()])?;
+            Ok(sculpture.map(|sculpture| PrintJob { order, sculpture }))
+        });
+        found?.ok_or(NO_ORDER)
+    }
+
+    /// Takes a print a step further, as staff say.
+    ///
+    /// # Errors
+    /// [`Refusal::NotFound`], [`Refusal::Conflict`] where the step can't be taken from its state, or those of the
+    /// store.
+    pub fn step_print(
+        &self,
+        order: u64,
+        (step, can_slice): (PrintStep, bool),
+        account: &str,
+        now: BoothTime,
+    ) -> Result<(), Refusal> {
+        self.update(|tx| {
+            let mut order: PrintOrder = tx.get(&[order.to_value()])?.ok_or(NO_ORDER)?;
+            let sculpture = get_kept(tx, &SculptureId(order.sculpture), now)?;
+            if step == PrintStep::Retry {
+                if sculpture.withdrawn_at.is_some() {
+                    return Err(NO_SCULPTURE);
+                }
+                if order.most_minutes.is_some() {
+                    check_minutes_can_be_found(can_slice)?;
+                    order.height_tenths_mm = 0;
+                }
+                order.estimate = estimate_at_first(can_slice);
+                (order.minutes, order.tenths_gram, order.printer) = (None, None, None);
+            }
+            take_step(tx, &mut order, step, "", now)?;
+            Ok(note(tx, now, Some(account), name_of(step), subject_of(&sculpture))?)
+        })
+    }
+
+    /// The print that waits longest for its time and material.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn next_slice(&self) -> Result<Option<PrintJob>, Refusal> {
+        let waiting = Query::all::<PrintOrder>()
+            .equal("state", &PrintState::Ordered)
+            .equal("estimate", &EstimateState::Waiting)
+            .ordered("changed_at", Order::Ascending);
+        self.view(|tx| {
+            let Some(order) = tx.find_first::<PrintOrder>(waiting)? else { return Ok(None) };
+            let sculpture = tx.get::<Sculpture>(&[order.sculpture.to_value()])?;
+            Ok(sculpture.map(|sculpture| PrintJob { order, sculpture }))
+        })
+    }
+
+    /// Notes what the slicer tells of a print; nothing where its order is gone or went on meanwhile. Where the size was
+    /// to be found by time, a print without an estimate fails; otherwise it can be started by hand.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn note_slice(
+        &self,
+        order: u64,
+        outcome: &SliceOutcome,
+        now: BoothTime,
+    ) -> Result<(), Refusal> {
+        self.update(|tx| {
+            let found: Option<PrintOrder> = tx.get(&[order.to_value()])?;
+            let is_waiting = |order: &PrintOrder| {
+                order.state == PrintState::Ordered && order.estimate == EstimateState::Waiting
+            };
+            let Some(mut order) = found.filter(is_waiting) else { return Ok(()) };
+            match outcome {
+                SliceOutcome::Known { height, minutes, tenths_gram } => {
+                    order.height_tenths_mm = *height;
+                    order.estimate = EstimateState::Known;
+                    (order.minutes, order.tenths_gram) = (Some(*minutes), Some(*tenths_gram));
+                    take_step(tx, &mut order, PrintStep::Slice, "", now)
+                }
+                SliceOutcome::Unknown(why) => {
+                    order.estimate = EstimateState::Unknown;
+                    if order.most_minutes.is_some() {
+                        return take_step(tx, &mut order, PrintStep::Fail, why, now);
+                    }
+                    order.why.clone_from(why);
+                    Ok(tx.put(&order)?)
+                }
+            }
+        })
+    }
+}
+
+/// Takes back what isn't being printed yet of a sculpture, as its visitor wants it hidden.
+pub(crate) fn withdraw_prints(
+    tx: &mut Tx<'_>,
+    sculpture: &[u8; 16],
+    now: BoothTime,
+) -> Result<(), Refusal> {
+    for mut order in tx.find::<PrintOrder>(&orders_of(sculpture))? {
+        if matches!(order.state, PrintState::Ordered | PrintState::Sliced) {
+            take_step(tx, &mut order, PrintStep::Cancel, WITHDRAWN, now)?;
+        }
+    }
+    Ok(())
+}
+
+/// Removes the orders of a sculpture that is deleted.
+pub(crate) fn remove_prints(tx: &mut Tx<'_>, sculpture: &[u8; 16]) -> Result<(), StoreError> {
+    for order in tx.find::<PrintOrder>(&orders_of(sculpture))? {
+        tx.remove::<PrintOrder>(&[order.order.to_value()])?;
+    }
+    Ok(())
+}
+
+/// Takes a print a step further, and keeps it.
+pub(crate) fn take_step(
+    tx: &mut Tx<'_>,
+    order: &mut PrintOrder,
+    step: PrintStep,
+    why: &str,
+    now: BoothTime,
+) -> Result<(), Refusal> {
+    let Some(state) = order.state.after(step) else {
+        return Err(Refusal::Conflict("the print is not at a state for that any more"));
+    };
+    order.state = state;
+    order.changed_at = now;
+    order.why = why.to_owned();
+    Ok(tx.put(order)?)
+}
+
+fn orders_of(sculpture: &[u8; 16]) -> Query {
+    Query::all::<PrintOrder>().equal("sculpture", sculpture)
+}
+
+const fn estimate_at_first(can_slice: bool) -> EstimateState {
+    if can_slice { EstimateState::Waiting } else { EstimateState::Unknown }
+}
+
+/// As the audit has it.
+const fn name_of(step: PrintStep) -> &'static str {
+    match step {
+        PrintStep::Slice => "print sliced",
+        PrintStep::Start => "print started",
+        PrintStep::Finish => "print done",
+        PrintStep::Fail => "print failed",
+        PrintStep::Cancel => "print cancelled",
+        PrintStep::Retry => "print again",
+    }
+}
+
+fn check_wish(wish: &PrintWish, can_slice: bool) -> Result<(), Refusal> {
+    let bad = |why: String| Err(Refusal::BadRequest(why));
+    match wish.size {
+        PrintSize::Height(height) if !PRINT_TENTHS_MM.contains(&height) => {
+            let (least, most) = (PRINT_TENTHS_MM.start() / 10, PRINT_TENTHS_MM.end() / 10);
+            return bad(format!("expected a height of {least} to {most} mm"));
+        }
+        PrintSize::Minutes(minutes) if !PRINT_MINUTES.contains(&minutes) => {
+            let (least, most) = (PRINT_MINUTES.start(), PRINT_MINUTES.end());
+            return bad(format!("expected a time of {least} to {most} minutes"));
+        }
+        PrintSize::Minutes(_) => check_minutes_can_be_found(can_slice)?,
+        PrintSize::Height(_) => {}
+    }
+    let is_text = |text: &str, most: usize, is_one_line: bool| {
+        let is_fine =
+            |letter: char| !letter.is_control() || !is_one_line && "\r\n".contains(letter);
+        text.chars().count() <= most && text.chars().all(is_fine)
+    };
+    if !is_text(&wish.filament, MAX_FILAMENT_CHARS, true) {
+        return bad(format!("expected a filament of up to {MAX_FILAMENT_CHARS} letters"));
+    }
+    if !is_text(&wish.note, MAX_NOTE_CHARS, false) {
+        return bad(format!("expected a note of up to {MAX_NOTE_CHARS} letters"));
+    }
+    Ok(())
+}
+
+fn check_minutes_can_be_found(can_slice: bool) -> Result<(), Refusal> {
+    let why = "a size can't be found by time: the booth has no slicer";
+    if can_slice { Ok(()) } else { Err(Refusal::BadRequest(why.into())) }
+}

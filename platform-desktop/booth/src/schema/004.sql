@@ -1,0 +1,8 @@
+ALTER TABLE print_orders ADD COLUMN most_minutes INTEGER;
+ALTER TABLE print_orders ADD COLUMN estimate INTEGER NOT NULL DEFAULT 2;
+ALTER TABLE print_orders ADD COLUMN minutes INTEGER;
+ALTER TABLE print_orders ADD COLUMN tenths_gram INTEGER;
+ALTER TABLE print_orders ADD COLUMN printer TEXT;
+ALTER TABLE print_orders ADD COLUMN job TEXT;
+ALTER TABLE print_orders ADD COLUMN changed_at INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE print_orders ADD COLUMN why TEXT NOT NULL DEFAULT '';
