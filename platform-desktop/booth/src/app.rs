@@ -53,10 +53,8 @@ pub(crate) struct App {
     pub files: Arc<DiskFiles>,
     /// What is counted.
     pub metrics: Metrics,
-    /// Tells the exporter of work.
-    pub export_waker: Waker,
-    /// Tells the mailer of work, where mails are sent.
-    pub mail_waker: Option<Waker>,
+    /// Tell threads of work.
+    pub wakers: Wakers,
     pub(crate) logins: LoginGate,
     pub(crate) of_device: RateLimiter<u32>,
     pub(crate) of_stranger: RateLimiter<IpAddr>,
@@ -65,6 +63,16 @@ pub(crate) struct App {
     small: Gate,
     work: Gate,
     decodes: Gate,
+}
+
+/// What tells threads of work.
+pub(crate) struct Wakers {
+    /// The exporter.
+    pub exports: Waker,
+    /// The mailer, where mails are sent.
+    pub mails: Option<Waker>,
+    /// The slicer, where there is one.
+    pub slices: Option<Waker>,
 }
 
 /// A booth's parts in a folder.
@@ -100,15 +108,14 @@ impl App {
     pub(crate) fn new(
         booth: Booth,
         files: Arc<DiskFiles>,
-        (export_waker, mail_waker): (Waker, Option<Waker>),
+        wakers: Wakers,
         logins: LoginGate,
     ) -> Self {
         App {
             booth,
             files,
             metrics: Metrics::default(),
-            export_waker,
-            mail_waker,
+            wakers,
             logins,
             // A mesh of 5 MB comes in 20 pieces.
             of_device: RateLimiter::new(200, 50.0),

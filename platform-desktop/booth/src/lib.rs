@@ -21,6 +21,7 @@ mod options;
 mod parcel_decode;
 mod picture;
 mod places;
+mod printing;
 mod random;
 mod rate;
 mod routes;
@@ -36,6 +37,7 @@ pub use error::Error;
 pub use mailer::{MailOptions, SmtpTls};
 pub use options::Options;
 pub use parcel_decode::check_parcel;
+pub use printing::SlicerOptions;
 pub use sqlite_store::SqliteStore;
 
 /// Does what the command line asks. Returns output as whole lines.

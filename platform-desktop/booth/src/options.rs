@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand};
 use paros_booth_rules::BoothPlan;
 
 use crate::mailer::MailOptions;
+use crate::printing::SlicerOptions;
 
 /// Keeps what headsets send, and lets staff find it by its badge.
 #[derive(Debug, Parser)]
@@ -46,6 +47,9 @@ pub struct ServeOptions {
     /// How mails go.
     #[command(flatten)]
     pub mail: MailOptions,
+    /// How prints are sliced.
+    #[command(flatten)]
+    pub slicer: SlicerOptions,
 }
 
 /// Where everything is kept.

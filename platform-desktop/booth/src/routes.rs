@@ -179,7 +179,7 @@ async fn put_parcel(
             })
             .await?;
         info!(headset, %id, kept = matches!(progress, ParcelProgress::Signed(_)), "parcel");
-        app.export_waker.wake();
+        app.wakers.exports.wake();
     }
     Ok(match progress {
         ParcelProgress::Signed(receipt) => {

@@ -3,6 +3,7 @@
 use std::io::{self, Write as _};
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, SystemTime};
 
 use paros_booth_rules::{Booth, BoothPlan};
@@ -12,7 +13,7 @@ use tokio::signal::unix::{Signal, SignalKind, signal};
 use tokio_rustls::TlsAcceptor;
 use tracing::{info, warn};
 
-use crate::app::{App, OpenBooth, WORK_THREADS};
+use crate::app::{App, OpenBooth, WORK_THREADS, Wakers};
 use crate::clock::booth_time;
 use crate::error::Error;
 use crate::exporter::export_next;
@@ -20,6 +21,7 @@ use crate::folder_lock::FolderLock;
 use crate::leaf::{LeafKeeper, local_names, primary_address};
 use crate::mailer::Mailer;
 use crate::options::ServeOptions;
+use crate::printing::{Slicer, slice_next};
 use crate::random::random_bytes;
 use crate::server::serve;
 use crate::staff::LoginGate;
@@ -49,7 +51,12 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     let exports = Worker::start(move || export_next(&of_exports));
     let of_mails = open.booth.clone();
     let mails = mailer.map(|mailer| Worker::start(move || mailer.send_next(&of_mails)));
-    let wakers = (exports.waker(), mails.as_ref().map(Worker::waker));
+    let slices = start_slices(&open.booth, options)?;
+    let wakers = Wakers {
+        exports: exports.waker(),
+        mails: mails.as_ref().map(Worker::waker),
+        slices: slices.as_ref().map(|slices| slices.worker.waker()),
+    };
     let first_code = draw_first_code(&open.booth)?;
     let logins = LoginGate::new(first_code.clone());
     let app = Arc::new(App::new(open.booth, open.files, wakers, logins));
@@ -77,9 +84,32 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     // Its threads end with what they do; the app goes with them, and then its workers can end.
     runtime.shutdown_timeout(Duration::from_secs(10));
     drop(app);
-    drop((exports, mails));
+    drop((exports, mails, slices));
     info!("ended");
     served
+}
+
+/// The thread that slices; it ends in the middle of a slice.
+struct Slices {
+    worker: Worker,
+    end: Arc<AtomicBool>,
+}
+
+impl Drop for Slices {
+    fn drop(&mut self) {
+        self.end.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Starts the thread that slices, where there is a slicer.
+fn start_slices(booth: &Booth, options: &ServeOptions) -> Result<Option<Slices>, Error> {
+    let folder = options.folder.folder.join("slices");
+    let Some(slicer) = Slicer::find(&options.slicer, folder)?.map(Arc::new) else {
+        info!("no slicer: prints have no estimate");
+        return Ok(None);
+    };
+    let (booth, end) = (booth.clone(), slicer.end());
+    Ok(Some(Slices { worker: Worker::start(move || slice_next(&booth, &slicer)), end }))
 }
 
 /// Tells on standard output where the booth is, once it can be reached.

@@ -28,7 +28,7 @@ pub(crate) async fn ask_mail(
     let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
     fields.check(&login).map_err(fail)?;
     let id = SculptureId::parse_hex(&id).ok_or(fail(Refusal::NotFound("no such sculpture")))?;
-    let Some(waker) = app.mail_waker.clone() else {
+    let Some(waker) = app.wakers.mails.clone() else {
         return Err(fail(Refusal::NotFound("no mail server was set")));
     };
     let order = u64::from_le_bytes(random_bytes().map_err(|error| fail(error.into()))?);

@@ -4,7 +4,10 @@ mod headsets;
 mod login;
 mod mails;
 mod page;
+mod print_texts;
+mod prints;
 mod sculptures;
+mod slip;
 mod svg;
 mod texts;
 
@@ -47,7 +50,12 @@ pub(crate) fn router(app: &Arc<App>) -> Router<Arc<App>> {
         .route("/staff/sculptures/{id}/model.stl", get(sculptures::send_stl))
         .route("/staff/sculptures/{id}/model.3mf", get(sculptures::send_3mf))
         .route("/staff/sculptures/{id}/mail", post(mails::ask_mail))
+        .route("/staff/sculptures/{id}/print", post(prints::ask_print))
+        .route("/staff/sculptures/{id}/slip", get(slip::show_slip))
         .route("/staff/sculptures/{id}/{action}", post(sculptures::change))
+        .route("/staff/prints", get(prints::show_queue))
+        .route("/staff/prints/{order}/slip", get(slip::show_order_slip))
+        .route("/staff/prints/{order}/{step}", post(prints::step_print))
         .route("/staff/headsets", get(headsets::show_headsets))
         .route("/staff/headsets/{number}/{command}", post(headsets::ask_command))
         .route("/staff/attempts/{number}/{action}", post(headsets::decide_attempt))

@@ -30,3 +30,5 @@ if (chosen) {
   // Back from a result, nothing is chosen any more.
   addEventListener("pageshow", () => { colour = null; pictures = []; show(); });
 }
+const slip = document.getElementById("print-slip");
+if (slip) slip.addEventListener("click", () => print());

@@ -9,6 +9,7 @@ use paros_booth_rules::{LoggedIn, Refusal};
 use serde::Deserialize;
 use tracing::warn;
 
+use super::print_texts::PrintTexts;
 use super::texts::Texts;
 
 /// The fields of a form.
@@ -86,6 +87,7 @@ pub(crate) fn page(
                             a href="/staff/find" { (texts.find) } " "
                             a href="/staff/withdrawn" { (texts.withdrawn) } " "
                             a href="/staff/missing" { (texts.missing) } " "
+                            a href="/staff/prints" { (PrintTexts::of(texts.language).prints) } " "
                             a href="/staff/headsets" { (texts.headsets) }
                         }
                         form method="post" action="/staff/logout" {

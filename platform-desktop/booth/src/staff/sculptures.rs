@@ -16,6 +16,8 @@ use paros_core::outbox::messages::SculptureId;
 
 use super::mails::mails_of;
 use super::page::{Fields, StaffAnswer, action_button, page};
+use super::print_texts::PrintTexts;
+use super::prints::prints_of;
 use super::svg::{draw_badge, draw_colour, draw_pictogram};
 use super::texts::Texts;
 use crate::app::App;
@@ -134,17 +136,19 @@ pub(crate) async fn show(
     let texts = Texts::of_request(&headers);
     let found = find_sculpture(&app, &id).await.map_err(|refusal| StaffAnswer(texts, refusal))?;
     let id = SculptureId(found.id);
-    let mails = app.run(move |app| app.booth.list_mails(&id)).await;
-    let mails = mails.map_err(|refusal| StaffAnswer(texts, refusal))?;
+    let orders = app.run(move |app| Ok((app.booth.list_mails(&id)?, app.booth.list_prints(&id)?)));
+    let (mails, prints) = orders.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
     let at = format!("/staff/sculptures/{id}");
     let is_admin = login.check_admin().is_ok();
     let body = html! {
         div class="card" { (sculpture_facts(texts, &found)) }
         p class="actions" {
             a class="button" href={ (at) "/model.stl" } { (texts.download) " STL" } " "
-            a class="button" href={ (at) "/model.3mf" } { (texts.download) " 3MF" }
+            a class="button" href={ (at) "/model.3mf" } { (texts.download) " 3MF" } " "
+            a class="button" href={ (at) "/slip" } { (PrintTexts::of(texts.language).slip) }
         }
-        (mails_of(texts, &login, &found, &mails, app.mail_waker.is_some()))
+        (mails_of(texts, &login, &found, &mails, app.wakers.mails.is_some()))
+        (prints_of(texts, &login, &found, &prints, app.wakers.slices.is_some()))
         div class="actions" {
             @if found.withdrawn_at.is_none() {
                 (action_button(&login, &format!("{at}/withdraw"), texts.withdraw, ""))

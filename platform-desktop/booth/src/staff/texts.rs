@@ -1,9 +1,9 @@
 //! What the staff page says, in two languages.
 
 use axum::http::{HeaderMap, header};
-use paros_booth_rules::records::{BadgeClaim, CommandState, ExportState, MailState};
+use paros_booth_rules::records::{BadgeClaim, CommandState, ExportState, MailState, Sculpture};
 use paros_core::badge::Language;
-use paros_core::outbox::messages::CommandKind;
+use paros_core::outbox::messages::{CommandKind, UploadFacts};
 
 /// What the staff page says.
 pub(crate) struct Texts {
@@ -81,6 +81,13 @@ impl Texts {
 
     pub(crate) const fn mail_state(&self, state: MailState) -> &'static str {
         self.mail_states[state as usize]
+    }
+
+    /// Those of the language that a sculpture's visitor chose.
+    pub(crate) fn of_visit(sculpture: &Sculpture) -> &'static Texts {
+        let facts = UploadFacts::from_bytes(&sculpture.facts);
+        let is_greek = facts.is_ok_and(|facts| &facts.language == b"el");
+        if is_greek { &GREEK } else { &ENGLISH }
     }
 
     /// Those of the language that a browser was set to, or asks for first.

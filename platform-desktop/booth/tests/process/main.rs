@@ -5,6 +5,7 @@ mod enrolment;
 mod kills;
 mod mail;
 mod parcels;
+mod prints;
 mod rig;
 mod running;
 mod smtp_sink;

@@ -1,0 +1,400 @@
+//! PrusaSlicer as a program: one at a time, in a folder of its own, without the booth's environment, bounded in time,
+//! memory and what it writes. What it says is another's word.
+
+use std::fs::{self, File};
+use std::io::{self, Read as _, Write as _};
+use std::os::unix::process::CommandExt as _;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use rustix::process::{Pid, Resource, Rlimit, Signal, kill_process_group, prlimit};
+
+use super::gcode::{Estimate, read_estimate};
+use crate::error::Error;
+
+/// How long a slice may take: a sculpture at 256 takes some twenty seconds of a small processor.
+const MAX_SLICE_TIME: Duration = Duration::from_secs(240);
+
+/// Bytes of memory that it may have: it needs half a gigabyte for a sculpture at 256.
+const MAX_MEMORY: u64 = 4 << 30;
+
+/// Bytes of a file that it may write. A print of a week has some 200 MB.
+const MAX_FILE: u64 = 1 << 30;
+
+/// Bytes of its words that are looked at.
+const MAX_WORDS: u64 = 64 << 10;
+
+/// Grams of a cubic centimetre of PLA, which most prints are of, where no profile says otherwise.
+const PLA_DENSITY: &str = "1.24";
+
+/// How often it is looked at.
+const LOOK_AGAIN: Duration = Duration::from_millis(30);
+
+/// Which slicer tells a print's time and material.
+#[derive(Clone, Debug, Default, Args)]
+pub struct SlicerOptions {
+    /// PrusaSlicer's program, which tells a print's time and material; `none` for none. Otherwise it is looked for.
+    #[arg(long, value_name = "PROGRAM")]
+    pub slicer: Option<PathBuf>,
+    /// A file of PrusaSlicer's settings, as its "Export Config" writes it. Otherwise its own defaults and PLA.
+    #[arg(long, value_name = "FILE")]
+    pub slicer_profile: Option<PathBuf>,
+}
+
+/// PrusaSlicer.
+pub(crate) struct Slicer {
+    program: PathBuf,
+    profile: Option<PathBuf>,
+    folder: PathBuf,
+    one_at_a_time: Mutex<()>,
+    count: AtomicU64,
+    is_over: Arc<AtomicBool>,
+    bounds: Bounds,
+}
+
+/// Bounds of a slice.
+#[derive(Clone, Copy)]
+struct Bounds {
+    time: Duration,
+    memory: u64,
+    file: u64,
+}
+
+/// Why there is no slice.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) enum SliceFault {
+    /// The print is larger than its printer.
+    TooLarge,
+    /// Something else, for people.
+    Failed(String),
+    /// The booth ends.
+    Over,
+}
+
+/// G-code in a folder, which goes with this.
+pub(crate) struct SlicedPrint {
+    pub(crate) estimate: Estimate,
+    pub(crate) gcode: PathBuf,
+    _folder: SliceFolder,
+}
+
+/// A folder that is removed when this is dropped.
+struct SliceFolder(PathBuf);
+
+impl Drop for SliceFolder {
+    fn drop(&mut self) {
+        // What stays is removed at the next start.
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+impl Slicer {
+    /// By the options; `None` where there is none. Slices lie in `folder`, which is emptied.
+    ///
+    /// # Errors
+    /// A program or a file that was named and isn't there; what the disk says.
+    pub(crate) fn find(options: &SlicerOptions, folder: PathBuf) -> Result<Option<Self>, Error> {
+        let program = match &options.slicer {
+            Some(none) if none.as_os_str() == "none" => return Ok(None),
+            Some(named) => find_program(named).ok_or_else(|| {
+                Error::Input(format!("--slicer {}: expected a program", named.display()))
+            })?,
+            None => match find_program(Path::new("prusa-slicer")) {
+                Some(found) => found,
+                None => return Ok(None),
+            },
+        };
+        let profile = options.slicer_profile.as_deref().map(check_profile).transpose()?;
+        match fs::remove_dir_all(&folder) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                return Err(Error::at(&folder, error));
+            }
+            _ => {}
+        }
+        Ok(Some(Slicer {
+            program,
+            profile,
+            folder,
+            one_at_a_time: Mutex::new(()),
+            count: AtomicU64::new(0),
+            is_over: Arc::default(),
+            bounds: Bounds { time: MAX_SLICE_TIME, memory: MAX_MEMORY, file: MAX_FILE },
+        }))
+    }
+
+    /// What ends a slice at once when it is set: the program ends.
+    pub(crate) fn end(&self) -> Arc<AtomicBool> {
+        self.is_over.clone()
+    }
+
+    /// Slices a model, scaled, by a profile; by that of the options where there is none.
+    ///
+    /// # Errors
+    /// Why there is no slice.
+    pub(crate) fn slice(
+        &self,
+        stl: &[u8],
+        scale: f64,
+        profile: Option<&Path>,
+    ) -> Result<SlicedPrint, SliceFault> {
+        let _turn = self.one_at_a_time.lock().unwrap_or_else(PoisonError::into_inner);
+        if self.is_over.load(Ordering::Relaxed) {
+            return Err(SliceFault::Over);
+        }
+        let number = self.count.fetch_add(1, Ordering::Relaxed);
+        let folder = SliceFolder(self.folder.join(number.to_string()));
+        let failed = |error: io::Error| SliceFault::Failed(format!("the slicer's folder: {error}"));
+        fs::create_dir_all(&folder.0).map_err(failed)?;
+        File::create(folder.0.join("model.stl"))
+            .and_then(|mut file| file.write_all(stl))
+            .map_err(failed)?;
+        let profile = profile.or(self.profile.as_deref());
+        let status = self.run(&folder.0, scale, profile)?;
+        if !status.success() {
+            return Err(fault_of(&folder.0, status));
+        }
+        let gcode = folder.0.join("print.gcode");
+        match read_estimate(&gcode) {
+            Ok(Some(estimate)) => Ok(SlicedPrint { estimate, gcode, _folder: folder }),
+            Ok(None) => Err(SliceFault::Failed("the slicer told no time".into())),
+            Err(_) => Err(SliceFault::Failed("the slicer wrote nothing".into())),
+        }
+    }
+
+    fn run(
+        &self,
+        folder: &Path,
+        scale: f64,
+        profile: Option<&Path>,
+    ) -> Result<ExitStatus, SliceFault> {
+        let failed = |error: io::Error| SliceFault::Failed(format!("the slicer: {error}"));
+        let words = File::create(folder.join("words")).map_err(failed)?;
+        let mut command = Command::new(&self.program);
+        command.args(["--export-gcode", "--output", "print.gcode", "--datadir", "settings"]);
+        match profile {
+            Some(profile) => command.arg("--load").arg(profile),
+            None => command.args(["--filament-density", PLA_DENSITY]),
+        };
+        command
+            .arg("--scale")
+            .arg(format!("{scale:.6}"))
+            .arg("model.stl")
+            .current_dir(folder)
+            .env_clear()
+            .env("PATH", "/usr/local/bin:/usr/bin:/bin")
+            .env("HOME", folder)
+            .env("TMPDIR", folder)
+            .env("LC_ALL", "C")
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(words)
+            // What it starts itself ends with it.
+            .process_group(0);
+        let mut child = command.spawn().map_err(failed)?;
+        let bounded = self.bound(&child);
+        let ended = bounded.and_then(|()| self.wait(&mut child));
+        if ended.is_err() {
+            kill(&mut child);
+        }
+        ended
+    }
+
+    /// Bounds it before it has read its model.
+    fn bound(&self, child: &Child) -> Result<(), SliceFault> {
+        let pid = Pid::from_child(child);
+        let Bounds { time, memory, file } = self.bounds;
+        // Should the booth be killed, its time on a processor ends it.
+        for (resource, most) in [
+            (Resource::As, memory),
+            (Resource::Fsize, file),
+            (Resource::Core, 0),
+            (Resource::Cpu, 4 * time.as_secs().max(1)),
+        ] {
+            let limit = Rlimit { current: Some(most), maximum: Some(most) };
+            match prlimit(Some(pid), resource, limit) {
+                Ok(_) | Err(rustix::io::Errno::SRCH) => {}
+                Err(error) => {
+                    return Err(SliceFault::Failed(format!("the slicer's bounds: {error}")));
+                }
+            }
+        }
+        // Whoever waits at the page goes first.
+        let _ = rustix::process::setpriority_process(Some(pid), 15);
+        Ok(())
+    }
+
+    fn wait(&self, child: &mut Child) -> Result<ExitStatus, SliceFault> {
+        let start = Instant::now();
+        loop {
+            match child.try_wait() {
+                Ok(Some(status)) => return Ok(status),
+                Ok(None) if self.is_over.load(Ordering::Relaxed) => return Err(SliceFault::Over),
+                Ok(None) if start.elapsed() > self.bounds.time => {
+                    return Err(SliceFault::Failed("the slicer took too long".into()));
+                }
+                Ok(None) => std::thread::sleep(LOOK_AGAIN),
+                Err(error) => return Err(SliceFault::Failed(format!("the slicer: {error}"))),
+            }
+        }
+    }
+}
+
+/// A profile that is there, as the slicer finds it from its folder.
+pub(crate) fn check_profile(path: &Path) -> Result<PathBuf, Error> {
+    let found = fs::canonicalize(path).ok().filter(|found| found.is_file());
+    let expected = "expected a file of the slicer's settings";
+    found.ok_or_else(|| Error::Input(format!("{}: {expected}", path.display())))
+}
+
+/// A program by its path, or by its name where programs are.
+fn find_program(name: &Path) -> Option<PathBuf> {
+    if name.components().count() > 1 {
+        return fs::canonicalize(name).ok().filter(|found| found.is_file());
+    }
+    let folders = std::env::var_os("PATH")?;
+    std::env::split_paths(&folders).map(|folder| folder.join(name)).find(|path| path.is_file())
+}
+
+fn kill(child: &mut Child) {
+    let _ = kill_process_group(Pid::from_child(child), Signal::KILL);
+    let _ = child.kill();
+    let _ = child.wait();
+}
+
+/// Why it failed: what is known of its words, and never the words.
+fn fault_of(folder: &Path, status: ExitStatus) -> SliceFault {
+    let mut words = Vec::new();
+    let read = File::open(folder.join("words"))
+        .and_then(|file| file.take(MAX_WORDS).read_to_end(&mut words));
+    let words = String::from_utf8_lossy(&words);
+    if read.is_ok() && words.contains("could not fit on the bed") {
+        return SliceFault::TooLarge;
+    }
+    SliceFault::Failed(match status.code() {
+        Some(code) => format!("the slicer ended with code {code}"),
+        None => "the slicer broke off".to_owned(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::os::unix::fs::PermissionsExt;
+    use std::path::{Path, PathBuf};
+    use std::sync::atomic::Ordering;
+    use std::time::{Duration, Instant};
+
+    use super::{Bounds, SliceFault, Slicer, SlicerOptions};
+
+    /// A slicer that is a script of the shell's.
+    fn slicer(name: &str, script: &str) -> Slicer {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/tmp/slicer");
+        let folder = folder.join(name);
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        let program = folder.join("slicer");
+        std::fs::write(&program, format!("#!/bin/sh\n{script}\n")).unwrap();
+        std::fs::set_permissions(&program, PermissionsExt::from_mode(0o755)).unwrap();
+        let options = SlicerOptions { slicer: Some(program), slicer_profile: None };
+        let mut slicer =
+            Slicer::find(&options, folder.join("slices")).unwrap().expect("it is there");
+        slicer.bounds = Bounds { time: Duration::from_secs(3), memory: 1 << 30, file: 1 << 20 };
+        slicer
+    }
+
+    fn fault(slicer: &Slicer) -> String {
+        match slicer.slice(b"stl", 1.0, None).err().expect("a fault") {
+            SliceFault::Failed(why) => why,
+            other => format!("{other:?}"),
+        }
+    }
+
+    const WELL: &str =
+        "printf '; total filament used [g] = 2\n; estimated printing time (normal mode) = 2m\n'";
+
+    #[test]
+    fn it_is_told_what_to_do_in_a_folder_of_its_own_without_the_booths_environment() {
+        let script = format!("env | sort >env; echo \"$@\" >arguments; {WELL} >print.gcode");
+        let slicer = slicer("well", &script);
+        let sliced = slicer.slice(b"stl", 0.5, None).ok().expect("a slice");
+        assert_eq!((sliced.estimate.minutes, sliced.estimate.tenths_gram), (2, 20));
+        let folder = sliced.gcode.parent().unwrap().to_owned();
+        let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+        assert!(!read("env").contains("CARGO"), "{}", read("env"));
+        assert!(read("arguments").contains("--scale 0.500000 model.stl"));
+        assert_eq!(read("model.stl"), "stl");
+        drop(sliced);
+        assert!(!folder.exists(), "it is removed");
+    }
+
+    #[test]
+    fn it_is_bounded_in_time_with_all_that_it_started() {
+        let slicer = slicer("slow", "sleep 300 & echo $! >../../child; wait");
+        let start = Instant::now();
+        assert_eq!(fault(&slicer), "the slicer took too long");
+        assert!(start.elapsed() < Duration::from_secs(20));
+        let child = std::fs::read_to_string(slicer.folder.join("../child")).unwrap();
+        let of_child = PathBuf::from(format!("/proc/{}/stat", child.trim()));
+        // Killed, it may wait for somebody to ask how it ended.
+        let is_gone =
+            || std::fs::read_to_string(&of_child).map_or(true, |stat| stat.contains(") Z"));
+        let start = Instant::now();
+        while !is_gone() {
+            assert!(start.elapsed() < Duration::from_secs(10), "its child goes on");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    #[test]
+    fn it_is_bounded_in_what_it_writes_and_in_memory() {
+        // The limits may come a moment after it began.
+        let slicer_of_file =
+            slicer("file", "sleep 0.3; head -c 9000000 /dev/zero >print.gcode || exit 3");
+        assert_eq!(fault(&slicer_of_file), "the slicer ended with code 3");
+        let of_memory = "sleep 0.3; dd if=/dev/zero of=/dev/null bs=1500M count=1 || exit 4";
+        assert_eq!(fault(&slicer("memory", of_memory)), "the slicer ended with code 4");
+    }
+
+    #[test]
+    fn its_words_are_not_passed_on() {
+        assert_eq!(
+            fault(&slicer("words", "echo '<b>secret' >&2; exit 9")),
+            "the slicer ended with code 9"
+        );
+        assert_eq!(
+            fault(&slicer("bed", "echo 'Objects could not fit on the bed' >&2; exit 1")),
+            "TooLarge"
+        );
+        assert_eq!(fault(&slicer("silent", "exit 0")), "the slicer wrote nothing");
+        assert_eq!(fault(&slicer("empty", ": >print.gcode")), "the slicer told no time");
+        assert_eq!(fault(&slicer("killed", "kill -9 $$")), "the slicer broke off");
+    }
+
+    #[test]
+    fn the_end_of_the_program_waits_for_none() {
+        let slicer = slicer("over", "sleep 300");
+        let end = slicer.end();
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                std::thread::sleep(Duration::from_millis(200));
+                end.store(true, Ordering::Relaxed);
+            });
+            assert_eq!(fault(&slicer), "Over");
+        });
+        assert_eq!(fault(&slicer), "Over");
+    }
+
+    #[test]
+    fn one_that_was_named_and_is_not_there_is_told() {
+        for name in ["/nowhere/slicer", "no-such-slicer-anywhere"] {
+            let options = SlicerOptions { slicer: Some(name.into()), slicer_profile: None };
+            let told = Slicer::find(&options, "slices".into()).err().expect("it is missing");
+            assert!(told.to_string().contains(name), "{told}");
+        }
+        let none = SlicerOptions { slicer: Some("none".into()), slicer_profile: None };
+        assert!(Slicer::find(&none, "slices".into()).unwrap().is_none());
+    }
+}

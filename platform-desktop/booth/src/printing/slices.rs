@@ -1,0 +1,93 @@
+//! The thread that slices one print after the other, and finds the size that fits a time.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use paros_booth_rules::{Booth, PrintJob, Refusal, SizeSearch, SliceOutcome, Sliced};
+use tracing::{info, warn};
+
+use super::slicer::{SliceFault, Slicer};
+use crate::clock::booth_time;
+use crate::exporter::make_stl;
+
+/// How often the thread looks for work that nobody told it of, as what was left by a start before.
+const LOOK_AGAIN: Duration = Duration::from_secs(30);
+
+/// Slices the next print, if there is one. Returns for how long there is nothing to do.
+pub(crate) fn slice_next(booth: &Booth, slicer: &Arc<Slicer>) -> Duration {
+    let sliced = booth.next_slice().and_then(|job| {
+        let Some(job) = job else { return Ok(LOOK_AGAIN) };
+        let Some(outcome) = slice(booth, slicer, &job)? else { return Ok(LOOK_AGAIN) };
+        info!(order = job.order.order, ?outcome, "print sliced");
+        booth.note_slice(job.order.order, &outcome, booth_time())?;
+        Ok(Duration::ZERO)
+    });
+    sliced.unwrap_or_else(|error| {
+        // Disk and database may be well again later.
+        warn!(%error, "a print could not be sliced");
+        LOOK_AGAIN
+    })
+}
+
+/// What the slicer tells of a print; `None` where the booth ends.
+fn slice(booth: &Booth, slicer: &Slicer, job: &PrintJob) -> Result<Option<SliceOutcome>, Refusal> {
+    let unknown = |why: &str| Ok(Some(SliceOutcome::Unknown(why.to_owned())));
+    let stl = match make_stl(&booth.read_kept(&job.sculpture)?) {
+        Ok(stl) => stl,
+        Err(why) => return unknown(&why),
+    };
+    let Some(model_mm) = height_of(&stl) else { return unknown("it has no height") };
+    let slice_at = |height: u32| {
+        let scale = f64::from(height) / 10.0 / model_mm;
+        slicer.slice(&stl, scale, None).map(|sliced| sliced.estimate)
+    };
+    let found = match job.order.most_minutes {
+        None => slice_at(job.order.height_tenths_mm)
+            .map(|estimate| (job.order.height_tenths_mm, estimate)),
+        Some(most) => {
+            let mut search = SizeSearch::new(most, (10.0 * model_mm) as u32);
+            let mut best = None;
+            loop {
+                let Some(height) = search.next_height() else { break };
+                // One that is larger than the printer takes longer than any time.
+                let minutes = match slice_at(height) {
+                    Ok(estimate) => {
+                        if estimate.minutes <= most && best.is_none_or(|(known, _)| height > known)
+                        {
+                            best = Some((height, estimate));
+                        }
+                        estimate.minutes
+                    }
+                    Err(SliceFault::TooLarge) => u32::MAX,
+                    Err(SliceFault::Over) => return Ok(None),
+                    Err(SliceFault::Failed(why)) => return unknown(&why),
+                };
+                search.note(Sliced { height, minutes });
+            }
+            best.ok_or_else(|| SliceFault::Failed("no size was found that fits the time".into()))
+        }
+    };
+    match found {
+        Ok((height, estimate)) => Ok(Some(SliceOutcome::Known {
+            height,
+            minutes: estimate.minutes,
+            tenths_gram: estimate.tenths_gram,
+        })),
+        Err(SliceFault::Over) => Ok(None),
+        Err(SliceFault::TooLarge) => unknown("it is larger than the printer"),
+        Err(SliceFault::Failed(why)) => unknown(&why),
+    }
+}
+
+/// How high the model of a binary STL is, in millimetres; `None` where it has no height.
+pub(crate) fn height_of(stl: &[u8]) -> Option<f64> {
+    let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+    for triangle in stl.get(84..)?.chunks_exact(50) {
+        for corner in triangle[12..48].chunks_exact(12) {
+            let z = f32::from_le_bytes([corner[8], corner[9], corner[10], corner[11]]);
+            (low, high) = (low.min(z), high.max(z));
+        }
+    }
+    let height = f64::from(high) - f64::from(low);
+    (height.is_finite() && height > 0.0).then_some(height)
+}

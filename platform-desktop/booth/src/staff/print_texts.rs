@@ -1,0 +1,84 @@
+//! What the staff page says of prints, in two languages.
+
+use paros_booth_rules::PrintStep;
+use paros_booth_rules::records::PrintState;
+use paros_core::badge::Language;
+
+/// What the staff page says of prints.
+pub(crate) struct PrintTexts {
+    pub(crate) prints: &'static str,
+    pub(crate) order: &'static str,
+    pub(crate) height_mm: &'static str,
+    pub(crate) or_minutes: &'static str,
+    pub(crate) filament: &'static str,
+    pub(crate) note: &'static str,
+    pub(crate) at_most: &'static str,
+    pub(crate) estimate_waits: &'static str,
+    pub(crate) estimate_unknown: &'static str,
+    pub(crate) slip: &'static str,
+    pub(crate) number: &'static str,
+    pub(crate) print_slip: &'static str,
+    pub(crate) scan: &'static str,
+    states: [&'static str; 6],
+    steps: [&'static str; 6],
+}
+
+impl PrintTexts {
+    pub(crate) const fn of(language: Language) -> &'static PrintTexts {
+        match language {
+            Language::English => &ENGLISH,
+            Language::Greek => &GREEK,
+        }
+    }
+
+    pub(crate) const fn state(&self, state: PrintState) -> &'static str {
+        self.states[state as usize]
+    }
+
+    pub(crate) const fn step(&self, step: PrintStep) -> &'static str {
+        self.steps[step as usize]
+    }
+}
+
+const ENGLISH: PrintTexts = PrintTexts {
+    prints: "Prints",
+    order: "Order a print",
+    height_mm: "Height in mm",
+    or_minutes: "Or as large as fits, in minutes",
+    filament: "Filament's colour",
+    note: "Note",
+    at_most: "at most",
+    estimate_waits: "time and material are being worked out",
+    estimate_unknown: "time and material unknown",
+    slip: "Slip",
+    number: "Number",
+    print_slip: "Print this slip",
+    scan: "Your sculpture, to see and to keep: scan this",
+    states: ["ordered", "printing", "done", "failed", "cancelled", "ready to print"],
+    steps: ["Slice", "Printing has begun", "It is done", "It failed", "Cancel", "Order again"],
+};
+
+const GREEK: PrintTexts = PrintTexts {
+    prints: "Εκτυπώσεις",
+    order: "Παραγγελία εκτύπωσης",
+    height_mm: "Ύψος σε mm",
+    or_minutes: "Ή όσο μεγάλο χωράει, σε λεπτά",
+    filament: "Χρώμα νήματος",
+    note: "Σημείωση",
+    at_most: "το πολύ",
+    estimate_waits: "υπολογίζονται χρόνος και υλικό",
+    estimate_unknown: "άγνωστος χρόνος και υλικό",
+    slip: "Απόδειξη",
+    number: "Αριθμός",
+    print_slip: "Εκτύπωση της απόδειξης",
+    scan: "Το γλυπτό σας, για να το δείτε και να το κρατήσετε: σαρώστε",
+    states: [
+        "παραγγέλθηκε",
+        "εκτυπώνεται",
+        "έτοιμο",
+        "απέτυχε",
+        "ακυρώθηκε",
+        "έτοιμο για εκτύπωση",
+    ],
+    steps: ["Τεμαχισμός", "Άρχισε η εκτύπωση", "Έτοιμο", "Απέτυχε", "Ακύρωση", "Ξανά"],
+};

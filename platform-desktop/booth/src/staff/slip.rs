@@ -1,0 +1,79 @@
+//! A slip of paper for the visitor: the badge, its words and number, the print that was ordered, and the way to the
+//! sculpture as a QR code where visitors have a page.
+
+use std::sync::Arc;
+
+use axum::extract::{Extension, Path, State};
+use axum::http::HeaderMap;
+use axum::response::Response;
+use maud::{Markup, html};
+use paros_booth_rules::records::{PrintOrder, Sculpture};
+use paros_booth_rules::{LoggedIn, PrintJob, Refusal};
+use paros_core::badge::BadgeNumber;
+use paros_core::outbox::messages::SculptureId;
+
+use super::page::{StaffAnswer, page};
+use super::print_texts::PrintTexts;
+use super::prints::order_facts;
+use super::sculptures::utc;
+use super::svg::draw_badge;
+use super::texts::Texts;
+use crate::app::App;
+use crate::clock::booth_time;
+
+type Answer = Result<Response, StaffAnswer>;
+
+/// `GET /staff/sculptures/{id}/slip`.
+pub(crate) async fn show_slip(
+    State(app): State<Arc<App>>,
+    Extension(login): Extension<LoggedIn>,
+    headers: HeaderMap,
+    Path(id): Path<String>,
+) -> Answer {
+    let texts = Texts::of_request(&headers);
+    let found = app.run(move |app| {
+        let id = SculptureId::parse_hex(&id).ok_or(Refusal::NotFound("no such sculpture"))?;
+        let sculpture = app.booth.find_sculpture(&id, booth_time())?;
+        Ok(slip(app, &sculpture, None))
+    });
+    let slip = found.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
+    Ok(page(texts, Some(&login), PrintTexts::of(texts.language).slip, &slip))
+}
+
+/// `GET /staff/prints/{order}/slip`.
+pub(crate) async fn show_order_slip(
+    State(app): State<Arc<App>>,
+    Extension(login): Extension<LoggedIn>,
+    headers: HeaderMap,
+    Path(order): Path<u64>,
+) -> Answer {
+    let texts = Texts::of_request(&headers);
+    let found = app.run(move |app| {
+        let PrintJob { order, sculpture } = app.booth.find_print(order)?;
+        Ok(slip(app, &sculpture, Some(&order)))
+    });
+    let slip = found.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
+    Ok(page(texts, Some(&login), PrintTexts::of(texts.language).slip, &slip))
+}
+
+/// The slip, in the language of the visit.
+fn slip(_app: &App, sculpture: &Sculpture, order: Option<&PrintOrder>) -> Markup {
+    let texts = Texts::of_visit(sculpture);
+    let of_prints = PrintTexts::of(texts.language);
+    html! {
+        section class="slip" lang=(texts.code) {
+            @match sculpture.badge.and_then(BadgeNumber::new) {
+                Some(number) => {
+                    (draw_badge(&number.badge(), texts.language))
+                    p { (of_prints.number) " " strong { (number.get()) } }
+                },
+                None => { p { (texts.no_badge) } },
+            }
+            p { (texts.headset) " " (sculpture.headset) ", " (utc(sculpture.received_at)) }
+            @if let Some(order) = order { (order_facts(texts, order)) }
+        }
+        p class="actions no-print" {
+            button type="button" id="print-slip" { (of_prints.print_slip) }
+        }
+    }
+}
