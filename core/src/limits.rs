@@ -364,6 +364,13 @@ pub const ALLOWANCE_SECONDS: u32 = 600;
 /// anew.
 pub const MAX_REPORT_SECONDS: u32 = 600;
 
+/// Blocks that a ledger hands out in a day at most. 200 headsets with 50 visits a day, half of them wiped daily, need 919 at
+/// most in a year. It bounds what a ledger can have handed out since a copy was made of it.
+pub const DAY_BLOCKS: u16 = 1024;
+
+/// Blocks that a ledger hands out on the day on which it came back from a copy: the reserves of all headsets.
+pub const RESTORE_BLOCKS: u16 = 1024;
+
 /// Headsets that a ledger knows: 200, and spares that take the place of broken ones.
 pub const MAX_HEADSETS: usize = 256;
 

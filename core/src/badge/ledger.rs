@@ -11,7 +11,7 @@ use heapless::Vec;
 use crate::badge::code::{BadgeNumber, LEASED_BLOCKS};
 use crate::badge::exchange::{LeaseAnswer, LeaseReport, LeasedBlock, LeasedBlocks};
 use crate::limits::{
-    ALLOWANCE_SECONDS, BLOCK_NUMBERS, FORMER_EPOCHS, MAX_ALLOWANCE, MAX_HEADSETS,
+    ALLOWANCE_SECONDS, BLOCK_NUMBERS, DAY_BLOCKS, FORMER_EPOCHS, MAX_ALLOWANCE, MAX_HEADSETS,
     MAX_LEASED_BLOCKS, MAX_REPORT_SECONDS, RESERVE_NUMBERS, SHORTEST_TAIL,
 };
 
@@ -32,6 +32,10 @@ pub struct BadgeLedger {
     pub(crate) headsets: Vec<HeadsetLease, MAX_HEADSETS>,
     /// The turn at which the look for a block goes on; see [`block_of_turn`].
     pub(crate) next_turn: u16,
+    /// The last day on which a block was looked for, and how many may yet be handed out on it. So it is known how far a
+    /// ledger can have come that this one is a copy of.
+    pub(crate) lease_day: u32,
+    pub(crate) blocks_left: u16,
     /// When it was last told the time.
     pub(crate) now: u64,
     /// How long sculptures are kept, in days.
@@ -105,6 +109,8 @@ impl BadgeLedger {
             blocks: [BlockState { spent: 0, is_held: false, free_on: 0 }; LEASED_BLOCKS],
             headsets: Vec::new(),
             next_turn: 0,
+            lease_day: 0,
+            blocks_left: DAY_BLOCKS,
             now: 0,
             retention_days,
         }
@@ -178,11 +184,17 @@ impl BadgeLedger {
     /// somebody wants it kept for longer. Of a provisional number nothing is noted.
     pub fn keep_until(&mut self, number: BadgeNumber, last_day: u32) {
         let Some((block, place)) = number.block_and_place() else { return };
+        let today = Self::day_of(self.now);
         let state = &mut self.blocks[usize::from(block)];
+        let was_to_be_had = state.is_to_be_had(today);
         state.free_on = state.free_on.max(last_day.saturating_add(1));
         // A sculpture may be here before the report of its number. Of a block that nobody holds there is none to come.
         if !state.is_held {
             state.spent = state.spent.max(place + 1);
+        }
+        // A copy of this ledger counts the block among those that may have been handed out since.
+        if was_to_be_had && !state.is_to_be_had(today) {
+            self.blocks_left = self.blocks_left.saturating_sub(1);
         }
     }
 
@@ -225,7 +237,7 @@ impl BadgeLedger {
 
     /// A clock that was set back says nothing of how long ago a report was: until the next one, a headset may have
     /// shown all that it holds.
-    fn set_clock(&mut self, now: u64) {
+    pub(crate) fn set_clock(&mut self, now: u64) {
         if now < self.now {
             for lease in &mut self.headsets {
                 (lease.reported_at, lease.begun_at) = (None, now);
@@ -251,7 +263,7 @@ impl BadgeLedger {
     }
 
     /// Spends the first `count` numbers that a headset holds, or all, for so many days after this one.
-    fn spend(&mut self, row: usize, mut count: u32, days: u32) {
+    pub(crate) fn spend(&mut self, row: usize, mut count: u32, days: u32) {
         let free_on = Self::day_of(self.now).saturating_add(days).saturating_add(1);
         let lease = &mut self.headsets[row];
         while count > 0
@@ -290,12 +302,17 @@ impl BadgeLedger {
     /// round needs no list of what is free.
     fn find_block(&mut self) -> Option<u16> {
         let today = Self::day_of(self.now);
+        if today > self.lease_day {
+            (self.lease_day, self.blocks_left) = (today, DAY_BLOCKS);
+        }
+        if self.blocks_left == 0 {
+            return None;
+        }
         for _ in 0..LEASED_BLOCKS {
             let block = block_of_turn(self.next_turn);
             self.next_turn = (self.next_turn + 1) % LEASED_BLOCKS as u16;
-            let state = &self.blocks[usize::from(block)];
-            let has_tail = state.rest() >= u32::from(SHORTEST_TAIL);
-            if !state.is_held && (today >= state.free_on || has_tail) {
+            if self.blocks[usize::from(block)].is_to_be_had(today) {
+                self.blocks_left -= 1;
                 return Some(block);
             }
         }
@@ -315,6 +332,11 @@ impl BadgeLedger {
 }
 
 impl BlockState {
+    /// Whether a headset may get its numbers on a day: all, or a tail that is worth it.
+    pub(crate) const fn is_to_be_had(&self, today: u32) -> bool {
+        !self.is_held && (today >= self.free_on || self.rest() >= SHORTEST_TAIL as u32)
+    }
+
     /// Numbers that are not spent.
     pub(crate) const fn rest(&self) -> u32 {
         (BLOCK_NUMBERS as u32).saturating_sub(self.spent as u32)
@@ -348,7 +370,7 @@ pub(crate) const fn most_taken_within(seconds: u64) -> u32 {
 }
 
 /// The blocks take turns by colour, so that visitors of a day have badges of all.
-const fn block_of_turn(turn: u16) -> u16 {
+pub(crate) const fn block_of_turn(turn: u16) -> u16 {
     let (turn, of_colour) = (turn as usize, LEASED_BLOCKS / LEASED_COLOURS);
     (turn % LEASED_COLOURS * of_colour + turn / LEASED_COLOURS) as u16
 }

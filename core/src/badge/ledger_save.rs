@@ -1,6 +1,7 @@
 //! A ledger as bytes, as the booth keeps it.
 //!
-//! Little-endian. `PBLG`; u16 version; u64 time; u16 days of retention; u16 the next turn; for every block u8 numbers
+//! Little-endian. `PBLG`; u16 version; u64 time; u16 days of retention; u16 the next turn; u32 the last
+//! day on which a block was looked for, and u16 the blocks that it has left; for every block u8 numbers
 //! spent, 128 more where it is held, and u32 the day from which it is free; u16 headsets; for each u32 number,
 //! u64 epoch, u64 when it began, u64 former epochs, u32 report, u32 taken, u64 when it was reported and one more, or 0, u8 blocks, and a u16
 //! for each that there may be; u64 checksum.
@@ -11,13 +12,13 @@ use crate::badge::code::LEASED_BLOCKS;
 use crate::badge::ledger::{BadgeLedger, BlockState, HeadsetLease};
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::codec::digest::checksum;
-use crate::limits::{BLOCK_NUMBERS, FORMER_EPOCHS, MAX_HEADSETS, MAX_LEASED_BLOCKS};
+use crate::limits::{BLOCK_NUMBERS, DAY_BLOCKS, FORMER_EPOCHS, MAX_HEADSETS, MAX_LEASED_BLOCKS};
 
 /// The first bytes of a saved ledger.
 const MAGIC: [u8; 4] = *b"PBLG";
 
 /// Changes with every change of the format.
-const LEDGER_VERSION: u16 = 1;
+const LEDGER_VERSION: u16 = 2;
 
 /// In the byte of the numbers spent.
 const IS_HELD: u8 = 128;
@@ -25,7 +26,7 @@ const IS_HELD: u8 = 128;
 const HEADSET_BYTES: usize = 4 + 16 + 8 * FORMER_EPOCHS + 4 + 4 + 8 + 1 + 2 * MAX_LEASED_BLOCKS;
 
 /// Before the blocks.
-const HEAD_BYTES: usize = 18;
+const HEAD_BYTES: usize = 24;
 
 /// Bytes of a saved ledger at most: 158 KB.
 pub const MAX_LEDGER_BYTES: usize =
@@ -50,6 +51,8 @@ impl BadgeLedger {
         to.u64(self.now);
         to.u16(self.retention_days);
         to.u16(self.next_turn);
+        to.u32(self.lease_day);
+        to.u16(self.blocks_left);
         for state in &self.blocks {
             to.u8(state.spent | if state.is_held { IS_HELD } else { 0 });
             to.u32(state.free_on);
@@ -67,7 +70,7 @@ impl BadgeLedger {
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), BadBytes> {
         check_sum(bytes)?;
         let from = &mut ByteReader::new(bytes);
-        let (now, retention_days, next_turn) = read_head(from)?;
+        let head = read_head(from)?;
         // Looked at first, and taken over when all is right: a second ledger would be large.
         let blocks = from.bytes(5 * LEASED_BLOCKS)?;
         let headsets = read_headsets(from)?;
@@ -77,7 +80,9 @@ impl BadgeLedger {
         for (state, bytes) in self.blocks.iter_mut().zip(blocks.chunks_exact(5)) {
             *state = read_block(bytes);
         }
-        (self.now, self.retention_days, self.next_turn) = (now, retention_days, next_turn);
+        (self.now, self.retention_days, self.next_turn) =
+            (head.now, head.retention_days, head.next_turn);
+        (self.lease_day, self.blocks_left) = (head.lease_day, head.blocks_left);
         self.headsets = headsets;
         Ok(())
     }
@@ -92,12 +97,21 @@ fn check_sum(bytes: &[u8]) -> Result<(), BadBytes> {
     Err(BadBytes { offset, expected: "the checksum of the bytes before" })
 }
 
-fn read_head(from: &mut ByteReader<'_>) -> Result<(u64, u16, u16), BadBytes> {
+/// What stands before the blocks.
+struct Head {
+    now: u64,
+    retention_days: u16,
+    next_turn: u16,
+    lease_day: u32,
+    blocks_left: u16,
+}
+
+fn read_head(from: &mut ByteReader<'_>) -> Result<Head, BadBytes> {
     let bad = from.error_here("the magic PBLG");
     if from.bytes(4)? != MAGIC {
         return Err(bad);
     }
-    let bad = from.error_here("version 1 of a ledger");
+    let bad = from.error_here("version 2 of a ledger");
     if from.u16()? != LEDGER_VERSION {
         return Err(bad);
     }
@@ -107,7 +121,13 @@ fn read_head(from: &mut ByteReader<'_>) -> Result<(u64, u16, u16), BadBytes> {
     if usize::from(next_turn) >= LEASED_BLOCKS {
         return Err(bad);
     }
-    Ok((now, retention_days, next_turn))
+    let lease_day = from.u32()?;
+    let bad = from.error_here("no more blocks than a day has");
+    let blocks_left = from.u16()?;
+    if blocks_left > DAY_BLOCKS {
+        return Err(bad);
+    }
+    Ok(Head { now, retention_days, next_turn, lease_day, blocks_left })
 }
 
 /// A block of five bytes.

@@ -37,6 +37,9 @@
 //! - A headset's seconds, by a clock that nobody sets, are at most a hundredth too many; too few do no harm.
 //! - A headset that was retired longer ago than sculptures are kept is wiped before it is used again.
 //! - The booth's clock goes on while it is off, and isn't set forward by mistake. Set back, it costs numbers, no more.
+//! - A ledger that is brought back from a copy begins a generation ([`BadgeLedger::begin_generation`]) before it answers
+//!   anybody, and of one copy no more than one a day. The one before answers nobody any more, and the
+//!   clock isn't set back between a copy and its return.
 //! - The ledger is on disk before an answer is sent, and the booth tells it of every sculpture that arrives, and of
 //!   each that is kept for longer ([`BadgeLedger::keep_until`]).
 
@@ -45,6 +48,7 @@ mod exchange;
 mod gf64;
 mod lease;
 mod ledger;
+mod ledger_generation;
 mod ledger_save;
 mod shapes;
 mod words;

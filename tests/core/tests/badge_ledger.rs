@@ -240,7 +240,7 @@ fn a_ledger_comes_back_from_its_bytes_and_a_damaged_one_does_not() {
         let mut damaged = bytes.clone();
         // Most of it are blocks that were never used: mostly the rest is damaged, its ends.
         let at =
-            [dice.below(300), 18 + 5 * 28_672 + dice.below(1500), dice.below(bytes.len() as u64)];
+            [dice.below(300), 24 + 5 * 28_672 + dice.below(1500), dice.below(bytes.len() as u64)];
         damaged[at[case % 3] as usize] ^= 1 << dice.below(8);
         assert!(other.load(&damaged).is_err());
         let body = bytes.len() - 8;
@@ -253,7 +253,7 @@ fn a_ledger_comes_back_from_its_bytes_and_a_damaged_one_does_not() {
         }
         other.load(&bytes).expect("what was saved");
     }
-    for len in [0, 3, 8, 18, bytes.len() - 1] {
+    for len in [0, 3, 8, 24, bytes.len() - 1] {
         assert!(other.load(&bytes[..len]).is_err(), "{len} bytes");
     }
     assert!(save(&other) == bytes, "what is refused changes nothing");
@@ -267,7 +267,7 @@ fn a_block_that_two_hold_is_refused() {
     let mut bytes = save(&ledger);
     // A headset's blocks are its last twelve bytes, and the checksum is the last eight of all.
     let body = bytes.len() - 8;
-    let headset = (body - 18 - 5 * 28_672 - 2) / 2;
+    let headset = (body - 24 - 5 * 28_672 - 2) / 2;
     bytes.copy_within(body - headset - 12..body - headset - 10, body - 12);
     let sum = checksum(&bytes[..body]).to_le_bytes();
     bytes[body..].copy_from_slice(&sum);

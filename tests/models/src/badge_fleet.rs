@@ -5,6 +5,7 @@
 
 use paros_core::badge::{
     AnswerOutcome, BadgeLease, BadgeLedger, BadgeNumber, LEASED_NUMBERS, LedgerRefusal,
+    MAX_LEDGER_BYTES,
 };
 
 use crate::random_visitor::RandomSource;
@@ -148,6 +149,23 @@ impl Fleet {
             let kept_before = &mut self.kept_before[number.get() as usize];
             *kept_before = (*kept_before).max(last_day + 1);
         }
+    }
+
+    /// The booth's disk is lost, and its ledger comes back from a copy of some time before.
+    ///
+    /// # Panics
+    /// It is no saved ledger.
+    pub fn restore(&mut self, (copy, copied_at): (&[u8], u64), now: u64) {
+        self.ledger.load(copy).expect("a saved ledger");
+        self.ledger.begin_generation(copied_at, now);
+    }
+
+    /// The ledger's bytes, as a backup has them.
+    pub fn copy_ledger(&self) -> Vec<u8> {
+        let mut bytes = vec![0; MAX_LEDGER_BYTES];
+        let len = self.ledger.save(&mut bytes);
+        bytes.truncate(len);
+        bytes
     }
 
     fn keep(&mut self, number: BadgeNumber, now: u64) {
