@@ -6,8 +6,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use paros_booth_rules::records::{Announcement, Command, Sculpture, Tombstone};
 use paros_booth_rules::{
-    Access, Booth, BoothPlan, BoothTime, Chunk, KeptName, MemoryStore, ParcelFiles, ParcelName,
-    ParcelProgress, Query, Refusal, SiteKeys, Store, StoreError, Transaction, hash_of, view,
+    Access, Booth, BoothPlan, BoothTime, Chunk, Deletion, KeptName, MemoryStore, ParcelFiles,
+    ParcelName, ParcelProgress, Query, Refusal, SiteKeys, Store, StoreError, Transaction, hash_of,
+    view,
 };
 use paros_core::outbox::messages::{
     ContentHash, DeviceHint, DeviceName, DeviceToken, EnrolmentToken, FleetEnrolment, Heartbeat,
@@ -137,6 +138,10 @@ impl ParcelFiles for SimFiles {
         inside.fail()?;
         inside.kept.remove(name);
         Ok(())
+    }
+
+    fn log_deletions(&self, _deletions: &[Deletion]) -> io::Result<()> {
+        self.lock().fail()
     }
 }
 

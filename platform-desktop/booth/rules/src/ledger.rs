@@ -39,6 +39,19 @@ pub(crate) fn retire_headset(
     Ok(save(tx, &ledger)?)
 }
 
+/// Sets numbers aside that may have been handed out since the store was copied.
+pub(crate) fn begin_generation(
+    tx: &mut Tx<'_>,
+    plan: &BoothPlan,
+    copied_at: BoothTime,
+    now: BoothTime,
+) -> Result<(), StoreError> {
+    let mut ledger = load(tx, plan)?;
+    tell_of_sculptures(tx, &mut ledger)?;
+    ledger.begin_generation(copied_at.seconds(), now.seconds());
+    save(tx, &ledger)
+}
+
 /// Tells it of each sculpture that came, or is to be kept for longer, since it was last asked.
 fn tell_of_sculptures(tx: &mut Tx<'_>, ledger: &mut BadgeLedger) -> Result<(), StoreError> {
     let untold = Query::all::<Sculpture>().equal("is_in_ledger", &false);

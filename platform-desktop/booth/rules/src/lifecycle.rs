@@ -7,6 +7,7 @@ use paros_core::outbox::messages::{ContentHash, SculptureId};
 
 use crate::audit::{Subject, note};
 use crate::booth::{Booth, Tx};
+use crate::deletions::Deletion;
 use crate::find::NO_SCULPTURE;
 use crate::limits::{OPEN_PARCEL_LIFE, SWEEP_BATCH};
 use crate::mail::withdraw_mails;
@@ -209,7 +210,7 @@ impl Booth {
     }
 
     /// Puts a tombstone in a sculpture's place.
-    fn bury(
+    pub(crate) fn bury(
         &self,
         tx: &mut Tx<'_>,
         sculpture: &Sculpture,
@@ -223,15 +224,27 @@ impl Booth {
             tx.remove::<MailOrder>(&[order.order.to_value()])?;
         }
         remove_prints(tx, &sculpture.id)?;
-        tx.put(&Tombstone {
-            id: sculpture.id,
+        tx.put(&self.make_tombstone(&Deletion {
+            id: SculptureId(sculpture.id),
             headset: sculpture.headset,
-            hash: sculpture.hash,
+            hash: ContentHash(sculpture.hash),
             badge: sculpture.badge,
             deleted_at: now,
-            ends_on: now.day().saturating_add(u32::from(self.plan.horizon_days)),
+        }))
+    }
+
+    /// What stays of a deleted sculpture whose files are yet to be removed.
+    pub(crate) fn make_tombstone(&self, deletion: &Deletion) -> Tombstone {
+        let Deletion { id, headset, hash, badge, deleted_at } = *deletion;
+        Tombstone {
+            id: id.0,
+            headset,
+            hash: hash.0,
+            badge,
+            deleted_at,
+            ends_on: deleted_at.day().saturating_add(u32::from(self.plan.horizon_days)),
             has_files: true,
-        })
+        }
     }
 
     fn bury_old(&self, now: BoothTime) -> Result<usize, Refusal> {
@@ -280,10 +293,15 @@ impl Booth {
         Ok(old.len())
     }
 
-    /// Removes the files of what was deleted.
-    fn remove_buried_files(&self) -> Result<(), Refusal> {
+    /// Logs what was deleted, and removes its files. A copy of the booth that lacks a file lacks no line of the log then.
+    pub(crate) fn remove_buried_files(&self) -> Result<(), Refusal> {
         let query = Query::all::<Tombstone>().equal("has_files", &true);
         let buried: Vec<Tombstone> = self.view(|tx| tx.find(&query))?;
+        if buried.is_empty() {
+            return Ok(());
+        }
+        let deletions: Vec<Deletion> = buried.iter().map(Deletion::of).collect();
+        self.files.log_deletions(&deletions)?;
         for mut tombstone in buried {
             for part in KeptPart::ALL {
                 self.files.remove_kept(&kept_name(&tombstone.id, &tombstone.hash, part))?;
@@ -295,7 +313,7 @@ impl Booth {
     }
 }
 
-const fn kept_name(id: &[u8; 16], hash: &[u8; 32], part: KeptPart) -> KeptName {
+pub(crate) const fn kept_name(id: &[u8; 16], hash: &[u8; 32], part: KeptPart) -> KeptName {
     KeptName { id: SculptureId(*id), hash: ContentHash(*hash), part }
 }
 

@@ -170,6 +170,17 @@ pub(crate) fn withdraw_mails(tx: &mut Tx<'_>, sculpture: &[u8; 16]) -> Result<()
     Ok(())
 }
 
+/// Ends all that is still to be sent. Returns how many mails that are.
+pub(crate) fn fail_queued_mails(tx: &mut Tx<'_>, why: &str) -> Result<usize, StoreError> {
+    let queued = Query::all::<MailOrder>().equal("state", &MailState::Queued);
+    let mut queued: Vec<MailOrder> = tx.find(&queued)?;
+    for order in &mut queued {
+        end_order(order, MailState::Failed, why);
+        tx.put(order)?;
+    }
+    Ok(queued.len())
+}
+
 fn orders_of(sculpture: &[u8; 16]) -> Query {
     Query::all::<MailOrder>().equal("sculpture", sculpture)
 }

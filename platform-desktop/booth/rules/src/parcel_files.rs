@@ -6,6 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use paros_core::outbox::messages::{ContentHash, SculptureId};
 
+use crate::deletions::Deletion;
 use crate::time::BoothTime;
 
 /// A parcel under way. Two headsets never share one, nor two parcels of an id.
@@ -103,6 +104,13 @@ pub trait ParcelFiles: Send + Sync {
     /// # Errors
     /// What the disk says.
     fn remove_kept(&self, name: &KeptName) -> io::Result<()>;
+
+    /// Adds deletions to the log of them, which outlives the database. They outlive a power cut from when this returns;
+    /// some may be there twice.
+    ///
+    /// # Errors
+    /// What the disk says.
+    fn log_deletions(&self, deletions: &[Deletion]) -> io::Result<()>;
 }
 
 /// Files in memory, for tests and simulations.
@@ -115,6 +123,7 @@ pub struct MemoryFiles {
 struct Files {
     parcels: BTreeMap<ParcelName, Held>,
     kept: BTreeMap<KeptName, Vec<u8>>,
+    deletions: Vec<Deletion>,
     /// Pieces added so far.
     turns: u64,
 }
@@ -143,6 +152,12 @@ impl MemoryFiles {
     #[must_use]
     pub fn kept_names(&self) -> Vec<KeptName> {
         self.lock().kept.keys().copied().collect()
+    }
+
+    /// The log of deletions.
+    #[must_use]
+    pub fn deletions(&self) -> Vec<Deletion> {
+        self.lock().deletions.clone()
     }
 
     fn lock(&self) -> MutexGuard<'_, Files> {
@@ -206,6 +221,11 @@ impl ParcelFiles for MemoryFiles {
 
     fn remove_kept(&self, name: &KeptName) -> io::Result<()> {
         self.lock().kept.remove(name);
+        Ok(())
+    }
+
+    fn log_deletions(&self, deletions: &[Deletion]) -> io::Result<()> {
+        self.lock().deletions.extend_from_slice(deletions);
         Ok(())
     }
 }

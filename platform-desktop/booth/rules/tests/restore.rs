@@ -1,0 +1,145 @@
+//! A store that comes back from a copy.
+
+mod common;
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use common::*;
+use paros_booth_rules::records::{EnrolToken, MailOrder, MailState, Sculpture, Tombstone};
+use paros_booth_rules::{
+    Booth, BoothPlan, BoothTime, Deletion, MemoryFiles, MemoryStore, Query, SessionBits, SiteKeys,
+    view,
+};
+use paros_core::badge::BadgeLease;
+use paros_core::outbox::messages::*;
+
+/// A booth of the same site on a copy, whose sculptures' files are the same.
+fn restored(store: MemoryStore, files: Arc<MemoryFiles>) -> Rig {
+    let keys = SiteKeys::new(SITE, ContentHash([6; 32]), &[7; 32], [8; 32]);
+    let plan = BoothPlan { retention_days: 30, ..BoothPlan::default() };
+    let store = Arc::new(store);
+    Rig { booth: Booth::new(store.clone(), files.clone(), keys, plan), store, files }
+}
+
+/// What was logged, as it is read again.
+fn log_of(rig: &Rig) -> Vec<Deletion> {
+    let lines: String = rig.files.deletions().iter().map(Deletion::to_line).collect();
+    lines.lines().map(|line| Deletion::parse_line(line).expect("a line of the log")).collect()
+}
+
+#[test]
+fn what_was_deleted_since_is_deleted_and_the_rest_is_as_it_was() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let parcels = [1, 2, 3, 4].map(|id| Parcel::new(device.headset, id, leased(u32::from(id))));
+    for parcel in &parcels[..3] {
+        rig.upload(&device, parcel, START).unwrap();
+    }
+    let kept = rig.booth.find_sculpture(&parcels[0].id, START).unwrap();
+    let copy = rig.store.copy();
+    rig.booth.delete(&parcels[1].id, "ana", seconds(5)).unwrap();
+    rig.upload(&device, &parcels[3], seconds(6)).unwrap();
+    rig.booth.delete(&parcels[3].id, "ana", seconds(7)).unwrap();
+
+    let again = restored(copy, rig.files.clone());
+    let report = again.booth.make_restored(&log_of(&rig), START, seconds(60)).unwrap();
+    assert_eq!((report.sculptures, report.deleted, report.tombstones), (3, 1, 1));
+    let again_kept = again.booth.find_sculpture(&parcels[0].id, seconds(60)).unwrap();
+    assert_eq!(again_kept, Sculpture { is_in_ledger: true, ..kept });
+    for (parcel, outcome) in parcels.iter().zip([true, false, true, false]) {
+        let receipt = again.upload(&device, parcel, seconds(70)).unwrap().receipt;
+        assert_eq!(receipt.outcome == ReceiptOutcome::Kept, outcome, "{:?}", parcel.id);
+        assert_eq!(receipt.badge, parcel.facts.badge);
+    }
+    let tombstones: Vec<Tombstone> =
+        view(again.store.as_ref(), |tx| tx.find(&Query::all::<Tombstone>())).unwrap();
+    let deleted_at: Vec<_> = tombstones.iter().map(|tombstone| tombstone.deleted_at).collect();
+    assert_eq!(deleted_at, [seconds(5), seconds(7)], "their horizon began then");
+    assert!(tombstones.iter().all(|tombstone| !tombstone.has_files));
+    assert_eq!(log_of(&rig).len(), 4, "a log of its own goes on");
+}
+
+#[test]
+fn a_copy_that_lacks_a_file_is_refused_unless_it_was_deleted() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let parcel = Parcel::with_trace(device.headset, 1);
+    rig.upload(&device, &parcel, START).unwrap();
+    let copy = rig.store.copy();
+    rig.booth.delete(&parcel.id, "ana", START).unwrap();
+    let again = restored(copy.copy(), rig.files.clone());
+    assert_eq!(status(again.booth.make_restored(&[], START, START)), 409);
+    let report = again.booth.make_restored(&log_of(&rig), START, START).unwrap();
+    assert_eq!(report.deleted, 1);
+    // A trace may be gone, by its age.
+    let other = Rig::new();
+    let device = other.enrol(1);
+    other.upload(&device, &parcel, START).unwrap();
+    let copy = other.store.copy();
+    other.booth.sweep(days(20)).unwrap();
+    let again = restored(copy, other.files.clone());
+    again.booth.make_restored(&[], START, days(20)).unwrap();
+    assert!(!again.booth.find_sculpture(&parcel.id, days(20)).unwrap().has_trace);
+}
+
+#[test]
+fn logins_tokens_and_waiting_mails_are_over() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let parcel = Parcel::new(device.headset, 1, None);
+    rig.upload(&device, &parcel, START).unwrap();
+    rig.booth.add_first_admin("ana", "hash", START).unwrap();
+    let bits = SessionBits { cookie: [1; 32], form_token: [2; 16] };
+    rig.booth.log_in("ana", &bits, START).unwrap();
+    rig.booth.ask_mail(&parcel.id, "eleni@example.org", 5, "ana", START).unwrap();
+    let again = restored(rig.store.copy(), rig.files.clone());
+    let report = again.booth.make_restored(&[], START, seconds(1)).unwrap();
+    assert_eq!((report.mails, report.tokens), (1, 1));
+    assert_eq!(status(again.booth.find_login(&bits.cookie, START)), 401);
+    assert_eq!(status(again.booth.enrol_fleet(&fleet_enrolment(2), START)), 401);
+    let mails: Vec<MailOrder> = again.booth.list_mails(&parcel.id).unwrap();
+    assert_eq!((mails[0].state, mails[0].address.as_deref()), (MailState::Failed, None));
+    let tokens: Vec<EnrolToken> = again.booth.list_enrol_tokens().unwrap();
+    assert!(tokens.iter().all(|token| token.is_revoked));
+    assert_eq!(again.booth.authenticate(&DeviceToken([1; 32])).unwrap().headset, device.headset);
+    assert_eq!(again.booth.list_audit(1).unwrap()[0].action, "restore");
+}
+
+/// Headsets that heard of numbers since the copy go on showing them until they are told; nobody gets them again.
+#[test]
+fn no_number_that_was_handed_out_since_the_copy_is_handed_out_again() {
+    let rig = Rig::new();
+    let devices = [1, 2, 3].map(|byte| rig.enrol(byte));
+    let mut leases: Vec<_> =
+        devices.iter().map(|device| BadgeLease::new(device.headset, 7)).collect();
+    let mut shown = BTreeSet::new();
+    let mut show = |rig: &Rig, leases: &mut [BadgeLease], now: BoothTime| {
+        for (device, lease) in devices.iter().zip(leases) {
+            lease.pass_time(7200);
+            for _ in 0..12 {
+                let number = lease.take_number(0);
+                assert!(number.is_provisional() || shown.insert(number.get()), "{number:?} again");
+            }
+            let report = Some(lease.make_report());
+            let beat = Heartbeat { lease: report, ..heartbeat(device.headset) };
+            if let Some(answer) = rig.beat(device, &beat, now).lease
+                && lease.take_answer(&answer) == paros_core::badge::AnswerOutcome::Void
+            {
+                *lease = BadgeLease::new(device.headset, now.0);
+            }
+        }
+    };
+    show(&rig, &mut leases, START);
+    let (copy, copied_at) = (rig.store.copy(), START);
+    for hour in 1..30 {
+        show(&rig, &mut leases, seconds(3600 * hour));
+    }
+    let now = seconds(3600 * 31);
+    let again = restored(copy, rig.files.clone());
+    again.booth.make_restored(&[], copied_at, now).unwrap();
+    for hour in 31..60 {
+        show(&again, &mut leases, seconds(3600 * hour + 60));
+    }
+    assert!(shown.len() > 1900, "they are leased again: {}", shown.len());
+}
