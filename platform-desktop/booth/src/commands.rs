@@ -9,10 +9,12 @@ use paros_core::badge::{Language, Pictogram};
 use paros_core::outbox::messages::EnrolmentToken;
 
 use crate::app::OpenBooth;
+use crate::backup::back_up;
 use crate::clock::booth_time;
 use crate::error::Error;
 use crate::options::BoothCommand;
 use crate::random::random_bytes;
+use crate::restore::restore;
 
 /// Who does what is done from the command line.
 const CONSOLE: &str = "console";
@@ -25,6 +27,10 @@ pub(crate) fn run(command: &BoothCommand) -> Result<String, Error> {
     match command {
         BoothCommand::FleetFile { folder, address, uses, days } => {
             make_fleet_file(&folder.folder, address, *uses, *days)
+        }
+        BoothCommand::Backup { folder, file } => back_up(&folder.folder, file),
+        BoothCommand::Restore { folder, file, deletions } => {
+            restore(file, &folder.folder, deletions.as_deref())
         }
         BoothCommand::Attempts { folder } => list_attempts(&folder.folder),
         BoothCommand::Accept { folder, attempt, headset } => {

@@ -7,8 +7,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
 
-use paros_booth_rules::{BoothTime, KeptName, KeptPart, ParcelFiles, ParcelName};
+use paros_booth_rules::{BoothTime, Deletion, KeptName, KeptPart, ParcelFiles, ParcelName};
 use paros_shell::durable;
+
+use crate::deletion_log::DeletionLog;
 
 /// Locks by which pieces of a parcel come one after the other; two parcels seldom share one.
 const PARCEL_LOCKS: usize = 64;
@@ -23,6 +25,7 @@ pub struct DiskFiles {
     /// Of kept files.
     used_bytes: AtomicU64,
     locks: [Mutex<()>; PARCEL_LOCKS],
+    deletions: DeletionLog,
 }
 
 impl DiskFiles {
@@ -48,6 +51,7 @@ impl DiskFiles {
             quota_bytes,
             used_bytes: AtomicU64::new(used_bytes),
             locks: std::array::from_fn(|_| Mutex::new(())),
+            deletions: DeletionLog::open(folder)?,
         })
     }
 
@@ -170,6 +174,10 @@ impl ParcelFiles for DiskFiles {
         let removed = remove_if_there(&self.kept_path(name))?;
         self.used_bytes.fetch_sub(removed, Ordering::Relaxed);
         Ok(())
+    }
+
+    fn log_deletions(&self, deletions: &[Deletion]) -> io::Result<()> {
+        self.deletions.append(deletions)
     }
 }
 

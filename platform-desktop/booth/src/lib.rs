@@ -3,9 +3,11 @@
 #![forbid(unsafe_code)]
 
 mod app;
+mod backup;
 mod body;
 mod clock;
 mod commands;
+mod deletion_log;
 mod disk_files;
 mod error;
 mod exporter;
@@ -18,12 +20,14 @@ mod mesh_check;
 mod metrics;
 mod migrations;
 mod options;
+mod own_file;
 mod parcel_decode;
 mod picture;
 mod places;
 mod printing;
 mod random;
 mod rate;
+mod restore;
 mod routes;
 mod run;
 mod server;

@@ -78,6 +78,25 @@ pub enum BoothCommand {
         #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u16).range(1..=3650))]
         days: u16,
     },
+    /// Copy all that the booth keeps into one file, keys and all, while it serves. Addresses of visitors stay out.
+    Backup {
+        /// Where everything is kept.
+        #[command(flatten)]
+        folder: FolderOption,
+        /// The file, which only its owner may read. One that is there is replaced once the new one is whole.
+        file: PathBuf,
+    },
+    /// Make a booth of a backup, in a new folder. The booth that it is of must not run any more.
+    Restore {
+        /// Where everything is to be kept: a folder that isn't there yet, or is empty.
+        #[command(flatten)]
+        folder: FolderOption,
+        /// The file that `backup` made.
+        file: PathBuf,
+        /// The `deletions` file of the booth's folder, if that is newer: what it names is deleted again.
+        #[arg(long, value_name = "FILE")]
+        deletions: Option<PathBuf>,
+    },
     /// List the headsets that enrol by hand, and the pictograms that each must show.
     Attempts {
         /// Where everything is kept.

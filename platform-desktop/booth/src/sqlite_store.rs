@@ -40,6 +40,8 @@ impl SqliteStore {
         // The log is on the disk before a commit returns.
         writer.pragma_update(None, "synchronous", "FULL").map_err(store_error)?;
         writer.pragma_update(None, "foreign_keys", "ON").map_err(store_error)?;
+        // What was deleted isn't left in what the file has free.
+        writer.pragma_update(None, "secure_delete", "ON").map_err(store_error)?;
         migrate(&mut writer)?;
         let open_reader = || -> Result<_, StoreError> {
             let reader = open_connection(path, OpenFlags::default())?;
@@ -160,6 +162,14 @@ fn open_connection(path: &Path, flags: OpenFlags) -> Result<Connection, StoreErr
     let connection = Connection::open_with_flags(path, flags).map_err(store_error)?;
     connection.busy_timeout(BUSY_TIMEOUT).map_err(store_error)?;
     Ok(connection)
+}
+
+/// Opens a database as it is, of whatever version.
+///
+/// # Errors
+/// What SQLite says.
+pub(crate) fn open_plain(path: &Path) -> Result<Connection, StoreError> {
+    open_connection(path, OpenFlags::SQLITE_OPEN_READ_WRITE)
 }
 
 fn lock(connection: &Mutex<Connection>) -> MutexGuard<'_, Connection> {

@@ -1,6 +1,7 @@
 //! The real program, over real TLS, on a real disk.
 
 mod attacks;
+mod backup;
 mod enrolment;
 mod kills;
 mod mail;

@@ -27,12 +27,17 @@ impl<'a> Browser<'a> {
     }
 
     /// Sends the form of a page that goes to `action`, as a click on its button does.
-    fn click(&self, page: &str, action: &str) -> Answer {
+    pub(crate) fn click(&self, page: &str, action: &str) -> Answer {
+        self.fill(page, action, "")
+    }
+
+    /// Fills a form in, and sends it: `fields` is what stands after its token.
+    pub(crate) fn fill(&self, page: &str, action: &str, fields: &str) -> Answer {
         let page = self.get(page);
         let form =
             page.text().split("<form").find(|form| form.contains(&format!("action=\"{action}\"")));
         let token = form.expect("a form").split("name=\"form\" value=\"").nth(1).expect("a token");
-        post_form(self.client, action, &self.cookie, &format!("form={}", &token[..32]))
+        post_form(self.client, action, &self.cookie, &format!("form={}{fields}", &token[..32]))
     }
 }
 
@@ -42,7 +47,7 @@ pub(crate) fn post_form(client: &Client, path: &str, cookie: &str, form: &str) -
     client.ask("POST", path, &headers, form.as_bytes()).expect("an answer")
 }
 
-fn cookie_of(answer: &Answer) -> String {
+pub(crate) fn cookie_of(answer: &Answer) -> String {
     let cookie = answer.head.lines().find_map(|line| line.strip_prefix("set-cookie: "));
     let cookie = cookie.expect("a cookie");
     for word in ["path=/", "secure", "httponly", "samesite=strict"] {

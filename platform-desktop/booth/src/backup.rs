@@ -1,0 +1,126 @@
+//! A backup: all that a booth keeps, in one file that only its owner reads, made while the booth serves.
+//!
+//! It is a ZIP archive: what it is and of when; the database as of one moment, without anybody's address; the site's keys;
+//! the files of the sculptures that the database knows; and last the log of deletions, in which those are whose files
+//! went meanwhile.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use rusqlite::Connection;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
+
+use crate::clock::booth_time;
+use crate::deletion_log::DELETIONS;
+use crate::error::Error;
+use crate::own_file::OwnPart;
+use crate::sqlite_store::open_plain;
+
+/// What the archive begins with, up to the time of the copy in milliseconds.
+pub(crate) const ABOUT_HEAD: &str = "backup of a Paros booth, version 1\ncopied_at = ";
+
+/// Names in the archive.
+pub(crate) const ABOUT: &str = "backup.txt";
+pub(crate) const DATABASE: &str = "booth.sqlite";
+pub(crate) const KEYS: [&str; 3] = ["keys/ca.key", "keys/ca.pem", "keys/site.key"];
+pub(crate) const PARTS: [&str; 3] = ["sculpture", "trace", "png"];
+
+/// Backs the booth of a folder up. Returns what it says of it.
+///
+/// # Errors
+/// That there is no booth, or what disk and database say. There is no new file then, and one of before stays.
+pub(crate) fn back_up(folder: &Path, to: &Path) -> Result<String, Error> {
+    let database = folder.join(DATABASE);
+    if !database.is_file() {
+        return Err(Error::Input(format!("{}: there is no booth", folder.display())));
+    }
+    let fail = |error: io::Error| Error::at(to, error);
+    let copied_at = booth_time();
+    let (copy, _) = OwnPart::new_file(to, "0").map_err(fail)?;
+    let kept = copy_database(&database, &copy.path)?;
+    let (part, file) = OwnPart::new_file(to, "1").map_err(fail)?;
+    let mut archive = Archive { zip: ZipWriter::new(BufWriter::new(file)) };
+    let about = format!("{ABOUT_HEAD}{}\n", copied_at.0);
+    archive.add(ABOUT, &mut about.as_bytes()).map_err(fail)?;
+    archive.add_file(DATABASE, &copy.path)?;
+    for key in KEYS {
+        archive.add_file(key, &folder.join(key))?;
+    }
+    for name in &kept {
+        for part in PARTS {
+            let name = format!("sculptures/{name}.{part}");
+            // A trace or a picture may never have been; what went meanwhile is in the log of deletions.
+            archive.add_file_if_there(&name, &folder.join(&name))?;
+        }
+    }
+    let log = folder.join(DELETIONS);
+    if log.is_file() {
+        archive.add_file(DELETIONS, &log)?;
+    }
+    archive.finish().map_err(fail)?;
+    part.rename(to).map_err(fail)?;
+    let count = kept.len();
+    Ok(format!("{}: {count} sculptures\n", to.display()))
+}
+
+/// Copies the database as of one moment, takes the addresses out of the copy, and lists the names of the sculptures'
+/// files.
+fn copy_database(from: &Path, to: &Path) -> Result<Vec<String>, Error> {
+    let fail = |error: rusqlite::Error| Error::at(from, error);
+    let source = open_plain(from)?;
+    // Into a file that is empty, so that it has the mode that this one has.
+    source.execute("VACUUM INTO ?", [to.to_string_lossy()]).map_err(fail)?;
+    let copy = Connection::open(to).map_err(fail)?;
+    // Nothing of them stays in what the file has free.
+    copy.pragma_update(None, "secure_delete", "ON").map_err(fail)?;
+    copy.pragma_update(None, "journal_mode", "OFF").map_err(fail)?;
+    copy.execute("UPDATE mail_orders SET address = NULL", []).map_err(fail)?;
+    let mut listed = copy.prepare("SELECT id, hash FROM sculptures").map_err(fail)?;
+    let names = listed.query_map([], |row| {
+        let (id, hash): ([u8; 16], [u8; 32]) = (row.get(0)?, row.get(1)?);
+        Ok(format!("{}-{}", hex(&id), hex(&hash)))
+    });
+    names.and_then(Iterator::collect).map_err(fail)
+}
+
+struct Archive {
+    zip: ZipWriter<BufWriter<File>>,
+}
+
+impl Archive {
+    fn add(&mut self, name: &str, from: &mut impl io::Read) -> io::Result<()> {
+        // What sculptures are is packed already.
+        let is_packed = name.starts_with("sculptures/");
+        let method =
+            if is_packed { CompressionMethod::Stored } else { CompressionMethod::Deflated };
+        let options = SimpleFileOptions::default().compression_method(method);
+        self.zip.start_file(name, options.large_file(true).unix_permissions(0o600))?;
+        io::copy(from, &mut self.zip).map(drop)
+    }
+
+    fn add_file(&mut self, name: &str, path: &Path) -> Result<(), Error> {
+        let added = File::open(path).and_then(|mut file| self.add(name, &mut file));
+        added.map_err(|error| Error::at(path, error))
+    }
+
+    /// Adds a file unless it has gone.
+    fn add_file_if_there(&mut self, name: &str, path: &Path) -> Result<(), Error> {
+        match File::open(path) {
+            Ok(mut file) => self.add(name, &mut file).map_err(|error| Error::at(path, error)),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+            Err(error) => Err(Error::at(path, error)),
+        }
+    }
+
+    fn finish(self) -> io::Result<()> {
+        let mut file = self.zip.finish()?;
+        file.flush()?;
+        file.get_ref().sync_all()
+    }
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,152 @@
+//! A booth made of a backup. It is whole before it has its folder's name.
+
+use std::fs::{self, DirBuilder, File, OpenOptions};
+use std::io::{self, BufReader, Read as _};
+use std::os::unix::fs::{DirBuilderExt as _, OpenOptionsExt as _};
+use std::path::Path;
+
+use paros_booth_rules::{BoothPlan, BoothTime, RestoreReport};
+use paros_core::outbox::messages::{ContentHash, SculptureId};
+use zip::ZipArchive;
+use zip::read::ZipFile;
+
+use crate::app::OpenBooth;
+use crate::backup::{ABOUT, ABOUT_HEAD, DATABASE, KEYS, PARTS};
+use crate::clock::booth_time;
+use crate::deletion_log::{DELETIONS, read_deletions};
+use crate::error::Error;
+use crate::own_file::OwnPart;
+
+/// Makes a booth of a backup, in a new folder. What `deletions` names beside what the backup does is deleted again.
+/// Returns what it says of it.
+///
+/// # Errors
+/// That the folder isn't empty, or a file is none of `backup`'s; what disk and database say. There is no folder then.
+pub(crate) fn restore(
+    archive: &Path,
+    folder: &Path,
+    deletions: Option<&Path>,
+) -> Result<String, Error> {
+    let is_free = fs::read_dir(folder).map_or_else(
+        |error| error.kind() == io::ErrorKind::NotFound,
+        |mut entries| entries.next().is_none(),
+    );
+    if !is_free {
+        let why = "expected a folder that isn't there yet, or is empty";
+        return Err(Error::Input(format!("{}: {why}", folder.display())));
+    }
+    // Read first: a wrong name is told before the disk is filled.
+    let since = deletions.map(read_deletions).transpose()?.unwrap_or_default();
+    let fail = |error: io::Error| Error::at(folder, error);
+    let part = OwnPart::new_folder(folder).map_err(fail)?;
+    let copied_at = unpack(archive, &part.path)?;
+    let log = part.path.join(DELETIONS);
+    let mut deletions = if log.is_file() { read_deletions(&log)? } else { Vec::new() };
+    deletions.extend(since);
+    let open = OpenBooth::open(&part.path, BoothPlan::default(), u64::MAX)?;
+    let report = open.booth.make_restored(&deletions, copied_at, booth_time());
+    let report = report.map_err(|refusal| bad(archive, &refusal))?;
+    drop(open);
+    for inner in ["keys", "sculptures", ""] {
+        File::open(part.path.join(inner)).and_then(|folder| folder.sync_all()).map_err(fail)?;
+    }
+    part.rename(folder).map_err(fail)?;
+    Ok(tell(folder, &report))
+}
+
+fn tell(folder: &Path, report: &RestoreReport) -> String {
+    let RestoreReport { sculptures, deleted, tombstones, tokens, mails } = report;
+    format!(
+        "{}: {sculptures} sculptures, {deleted} of them deleted again; {tombstones} deletions more\n\
+         {tokens} enrolment tokens were taken back; {mails} mails that waited have to be asked for anew\n\
+         Accounts and headsets that were shut out since the backup are let in again: look at both pages.\n\
+         Restore the same backup no second time on one day: badges would repeat.\n",
+        folder.display()
+    )
+}
+
+/// Unpacks an archive into an empty folder. Returns when it was made.
+fn unpack(archive: &Path, folder: &Path) -> Result<BoothTime, Error> {
+    let file = File::open(archive).map_err(|error| bad(archive, &error))?;
+    let mut zip = ZipArchive::new(BufReader::new(file)).map_err(|error| bad(archive, &error))?;
+    for inner in ["keys", "sculptures"] {
+        let path = folder.join(inner);
+        let made = DirBuilder::new().mode(0o700).create(&path);
+        made.map_err(|error| Error::at(&path, error))?;
+    }
+    let mut copied_at = None;
+    for k in 0..zip.len() {
+        let mut entry = zip.by_index(k).map_err(|error| bad(archive, &error))?;
+        let name = entry.name().map_err(|error| bad(archive, &error))?.into_owned();
+        if name == ABOUT {
+            copied_at = read_about(&mut entry);
+            continue;
+        }
+        if copied_at.is_none() {
+            return Err(bad(archive, &"expected a backup of a booth, version 1"));
+        }
+        if !is_known(&name) {
+            return Err(bad(archive, &format!("{name:?}: no file of a backup")));
+        }
+        unpack_entry(&mut entry, &folder.join(&name))
+            .map_err(|error| bad(archive, &format!("{name}: {error}")))?;
+    }
+    for name in [DATABASE, KEYS[0], KEYS[1], KEYS[2]] {
+        if !folder.join(name).is_file() {
+            return Err(bad(archive, &format!("{name} is missing")));
+        }
+    }
+    copied_at.ok_or_else(|| bad(archive, &"expected a backup of a booth, version 1"))
+}
+
+fn read_about(entry: &mut ZipFile<'_, BufReader<File>>) -> Option<BoothTime> {
+    let mut about = String::new();
+    entry.take(200).read_to_string(&mut about).ok()?;
+    let time = about.strip_prefix(ABOUT_HEAD)?.strip_suffix('\n')?;
+    time.parse().ok().map(BoothTime)
+}
+
+/// Whether a backup has a file of this name: nothing else is written anywhere.
+fn is_known(name: &str) -> bool {
+    if let Some(kept) = name.strip_prefix("sculptures/") {
+        let Some((names, part)) = kept.split_once('.') else { return false };
+        let Some((id, hash)) = names.split_once('-') else { return false };
+        let is_id = SculptureId::parse_hex(id).is_some() && ContentHash::parse_hex(hash).is_some();
+        return is_id && PARTS.contains(&part);
+    }
+    name == DATABASE || name == DELETIONS || KEYS.contains(&name)
+}
+
+fn unpack_entry(entry: &mut ZipFile<'_, BufReader<File>>, path: &Path) -> io::Result<()> {
+    let mut file = OpenOptions::new().write(true).create_new(true).mode(0o600).open(path)?;
+    // Its sum is checked at its end.
+    io::copy(entry, &mut file)?;
+    file.sync_all()
+}
+
+fn bad(path: &Path, why: &dyn std::fmt::Display) -> Error {
+    Error::Input(format!("{}: {why}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_known;
+
+    #[test]
+    fn only_names_of_a_backup_are_known() {
+        let (id, hash) = ("ab".repeat(16), "cd".repeat(32));
+        assert!(is_known(&format!("sculptures/{id}-{hash}.png")) && is_known("keys/ca.pem"));
+        for name in [
+            "../booth.sqlite",
+            "/etc/passwd",
+            "keys/../x",
+            "keys/leaf.key",
+            "sculptures/",
+            &format!("sculptures/{id}-{hash}.exe"),
+            &format!("sculptures/../{id}-{hash}.png"),
+            &format!("sculptures/{id}-{hash}.png/x"),
+        ] {
+            assert!(!is_known(name), "{name}");
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! A booth is backed up while it serves, and made anew of that.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::os::unix::fs::PermissionsExt as _;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use paros_core::badge::{AnswerOutcome, BadgeLease};
+use paros_core::outbox::messages::*;
+
+use crate::rig::{BoothFolder, BoothProcess, Client, Headset, Parcel, figure, heartbeat};
+use crate::staff::Browser;
+
+/// Backs a booth up. Returns where.
+fn back_up(folder: &BoothFolder) -> PathBuf {
+    let file = folder.path().with_file_name("booth.backup");
+    folder.run(&["backup", file.to_str().expect("text")]).expect("a backup");
+    file
+}
+
+/// Makes a booth of a backup, in a folder beside the first one's.
+fn restore(from: &BoothFolder, name: &str, with_log: bool) -> Result<BoothFolder, String> {
+    let to = BoothFolder::new(name);
+    let file = from.path().with_file_name("booth.backup");
+    let log = from.path().join("deletions");
+    let mut arguments = vec!["restore", file.to_str().expect("text")];
+    if with_log {
+        arguments.extend(["--deletions", log.to_str().expect("text")]);
+    }
+    to.run(&arguments).map(|_| to)
+}
+
+/// Takes badges of a lease, and reports them.
+fn show(client: &Client, headset: &Headset, lease: &mut BadgeLease, shown: &mut BTreeSet<u32>) {
+    for _ in 0..9 {
+        let number = lease.take_number(0);
+        assert!(number.is_provisional() || shown.insert(number.get()), "{number:?} is shown again");
+    }
+    let beat = Heartbeat { lease: Some(lease.make_report()), ..heartbeat(headset.number) };
+    let answer = client.ask("POST", "/v1/heartbeat", &[headset.bearer()], &beat.to_bytes());
+    let answer = HeartbeatAnswer::from_bytes(&answer.expect("an answer").body).expect("a message");
+    if lease.take_answer(&answer.lease.expect("it was asked")) == AnswerOutcome::Void {
+        *lease = BadgeLease::new(headset.number, 0x5eed + u64::from(headset.number));
+    }
+}
+
+fn delete(booth: &BoothProcess, cookie: &str, parcel: &Parcel) {
+    let browser = Browser { client: &booth.client, cookie: cookie.to_owned() };
+    let at = format!("/staff/sculptures/{}", parcel.facts.id);
+    assert_eq!(browser.click(&at, &format!("{at}/delete")).status, 303);
+}
+
+#[test]
+fn a_backup_while_it_serves_comes_back_without_what_was_deleted_since() {
+    let folder = BoothFolder::new("backup");
+    let mut booth = folder.start();
+    let client = booth.client.clone();
+    let cookie = Browser::first(&client, &booth.first_code().expect("a code")).cookie;
+    let fleet = folder.fleet_token();
+    let headsets: Vec<Headset> = (1..=2).map(|byte| Headset::enrol(&client, fleet, byte)).collect();
+    let mut leases: Vec<_> =
+        headsets.iter().map(|headset| BadgeLease::new(headset.number, 7)).collect();
+    let mut shown = BTreeSet::new();
+    for (headset, lease) in headsets.iter().zip(&mut leases) {
+        show(&client, headset, lease, &mut shown);
+    }
+    let headset = &headsets[0];
+    let parcels: Vec<Parcel> = (1..=40).map(|id| Parcel::with_trace(headset.number, id)).collect();
+    let send = |parcel: &Parcel| headset.upload(&client, parcel).unwrap().expect("a receipt");
+    let before: Vec<_> = parcels[..4].iter().map(send).collect();
+    delete(&booth, &cookie, &parcels[0]);
+    // Others come and go while the copy is made.
+    let is_over = AtomicBool::new(false);
+    let file = std::thread::scope(|scope| {
+        let (is_over, send, cookie, booth) = (&is_over, &send, &cookie, &booth);
+        let rest = &parcels[4..39];
+        let sent = scope.spawn(move || {
+            for parcel in rest.iter().cycle().take_while(|_| !is_over.load(Ordering::Relaxed)) {
+                if send(parcel).receipt.outcome == ReceiptOutcome::Kept {
+                    delete(booth, cookie, parcel);
+                }
+            }
+        });
+        let file = back_up(&folder);
+        is_over.store(true, Ordering::Relaxed);
+        sent.join().expect("nothing fails");
+        file
+    });
+    assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
+    // After it: one more is kept, one is deleted, badges go out.
+    let last = send(&parcels[39]);
+    delete(&booth, &cookie, &parcels[1]);
+    for (headset, lease) in headsets.iter().zip(&mut leases) {
+        (0..3).for_each(|_| show(&client, headset, lease, &mut shown));
+    }
+    booth.terminate();
+
+    let again = restore(&folder, "backup-again", true).expect("a booth");
+    let booth = again.start();
+    assert_eq!(booth.first_code(), None, "its accounts are there");
+    let client = &booth.client;
+    // Its receipts are the same site's, byte for byte; and what was deleted says so.
+    for (parcel, receipt) in parcels[2..4].iter().zip(&before[2..]) {
+        assert_eq!(headset.put(client, parcel, 0, &[]).unwrap().body, receipt.to_bytes());
+    }
+    for parcel in &parcels[..2] {
+        let receipt = headset.upload(client, parcel).unwrap().expect("a receipt").receipt;
+        assert_eq!(receipt.outcome, ReceiptOutcome::Deleted);
+    }
+    // What came after the backup comes again from the headset, which keeps it for its grace.
+    assert_eq!(headset.upload(client, &parcels[39]).unwrap().expect("a receipt"), last);
+    assert_eq!(client.metric("paros_booth_sculptures"), 3);
+    let staff = Browser { client, cookie };
+    assert!(staff.get("/staff").head.contains("location: /staff/login"), "logins are over");
+    for (headset, lease) in headsets.iter().zip(&mut leases) {
+        (0..3).for_each(|_| show(client, headset, lease, &mut shown));
+        assert!(lease.left() > 0, "it leases again");
+    }
+    let kept = again.files("sculptures");
+    assert_eq!(kept.iter().filter(|name| name.ends_with(".sculpture")).count(), 3);
+}
+
+#[test]
+fn what_is_no_backup_or_no_free_folder_is_refused_and_nothing_is_left() {
+    let folder = BoothFolder::new("backup-damaged");
+    let told = folder.run(&["backup", "/nowhere/x"]).expect_err("there is no booth");
+    assert!(told.contains("there is no booth"), "{told}");
+    let booth = folder.start();
+    let headset = Headset::enrol(&booth.client, folder.fleet_token(), 1);
+    headset.upload(&booth.client, &Parcel::volume(headset.number, 5)).unwrap().expect("a receipt");
+    let file = back_up(&folder);
+    let whole = fs::read(&file).unwrap();
+    assert!(whole.len() > figure().rmap.len() / 10);
+    let again = restore(&folder, "backup-taken", true).expect("a booth");
+    let into_taken = again.run(&["restore", file.to_str().unwrap()]).expect_err("it is taken");
+    assert!(into_taken.contains("is empty"), "{into_taken}");
+
+    let sum = whole.len() / 2;
+    for (name, bytes) in [
+        ("cut", whole[..whole.len() - 30].to_vec()),
+        ("turned", [&whole[..sum], &[!whole[sum]], &whole[sum + 1..]].concat()),
+        ("none", b"PK".to_vec()),
+        ("model", crate::rig::deflate(&whole)),
+    ] {
+        fs::write(&file, bytes).unwrap();
+        let parent = format!("backup-{name}");
+        let told = restore(&folder, &parent, true).err().expect("no backup");
+        assert!(told.contains("booth.backup: "), "{name}: {told}");
+        let left = again.path().parent().unwrap().with_file_name(&parent);
+        assert_eq!(fs::read_dir(left).unwrap().count(), 0, "{name}");
+    }
+    fs::write(&file, &whole).unwrap();
+    fs::write(folder.path().join("deletions"), "no deletion\n").unwrap();
+    let told = restore(&folder, "backup-log", true).err().expect("no log");
+    assert!(told.contains("deletions: line 1: expected a deletion"), "{told}");
+}
+
+/// An address is kept only until its mail is taken: a backup, which may lie anywhere for years, has none.
+#[test]
+fn no_address_is_in_a_backup() {
+    let folder = BoothFolder::new("backup-address");
+    // A mail server that isn't there: the mail waits.
+    let booth = folder.start_with(&[
+        "--smtp",
+        "127.0.0.1:9",
+        "--smtp-tls",
+        "none",
+        "--mail-from",
+        "booth@example.org",
+    ]);
+    let headset = Headset::enrol(&booth.client, folder.fleet_token(), 1);
+    let parcel = Parcel::volume(headset.number, 5);
+    headset.upload(&booth.client, &parcel).unwrap().expect("a receipt");
+    let browser = Browser::first(&booth.client, &booth.first_code().expect("a code"));
+    let at = format!("/staff/sculptures/{}", parcel.facts.id);
+    let asked = browser.fill(&at, &format!("{at}/mail"), "&address=eleni%40example.org");
+    assert_eq!(asked.status, 303, "{asked:?}");
+    let file = back_up(&folder);
+    let has = |path: PathBuf| fs::read(path).unwrap().windows(5).any(|bytes| bytes == b"eleni");
+    let live = ["booth.sqlite", "booth.sqlite-wal"].map(|name| has(folder.path().join(name)));
+    assert!(live.contains(&true), "the test looks where it is");
+    let again = restore(&folder, "backup-address-again", false).expect("a booth");
+    assert!(!has(again.path().join("booth.sqlite")));
+    let bytes = fs::read(&file).unwrap();
+    assert!(!bytes.windows(5).any(|bytes| bytes == b"eleni"));
+    // And what waits is told to be asked for anew.
+    let booth = again.start();
+    let log_in = crate::staff::post_form(
+        &booth.client,
+        "/staff/login",
+        "",
+        "name=ana&password=correct+horse+battery",
+    );
+    let browser = Browser { client: &booth.client, cookie: crate::staff::cookie_of(&log_in) };
+    assert!(browser.get(&at).text().contains("mail failed (it may have been sent"));
+}
