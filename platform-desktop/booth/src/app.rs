@@ -13,6 +13,7 @@ use crate::gate::Gate;
 use crate::keys::BoothKeys;
 use crate::metrics::Metrics;
 use crate::places::Places;
+use crate::public::{PublicAddress, PublicGate};
 use crate::rate::RateLimiter;
 use crate::sqlite_store::SqliteStore;
 use crate::staff::LoginGate;
@@ -28,8 +29,17 @@ const MAX_WORK: usize = 6;
 /// Parcels that are unpacked and checked at once: each holds its packed and unpacked bytes.
 const MAX_DECODES: usize = 2;
 
+/// Models that are made for downloads at once: each takes a processor for a second, and uploads go on beside.
+const MAX_MODELS: usize = 1;
+
+/// Downloads that wait for their model.
+const MAX_WAITING_MODELS: usize = 16;
+
+/// How long one waits: somebody looks at a browser.
+const LONGEST_WAIT_FOR_MODEL: Duration = Duration::from_secs(20);
+
 /// Threads for work that waits for the disk.
-pub(crate) const WORK_THREADS: usize = MAX_SMALL + MAX_WORK + MAX_DECODES;
+pub(crate) const WORK_THREADS: usize = MAX_SMALL + MAX_WORK + MAX_DECODES + MAX_MODELS;
 
 /// Pieces of parcels that are read from the network at once, all and of a headset: each has up to a quarter of a
 /// megabyte, and a slow radio takes its time.
@@ -55,6 +65,9 @@ pub(crate) struct App {
     pub metrics: Metrics,
     /// Tell threads of work.
     pub wakers: Wakers,
+    /// Where visitors' pages are, if they have some.
+    pub public_address: Option<PublicAddress>,
+    pub(crate) public: PublicGate,
     pub(crate) logins: LoginGate,
     pub(crate) of_device: RateLimiter<u32>,
     pub(crate) of_stranger: RateLimiter<IpAddr>,
@@ -63,6 +76,7 @@ pub(crate) struct App {
     small: Gate,
     work: Gate,
     decodes: Gate,
+    models: Gate,
 }
 
 /// What tells threads of work.
@@ -110,12 +124,15 @@ impl App {
         files: Arc<DiskFiles>,
         wakers: Wakers,
         logins: LoginGate,
+        public_address: Option<PublicAddress>,
     ) -> Self {
         App {
             booth,
             files,
             metrics: Metrics::default(),
             wakers,
+            public: PublicGate::new(public_address.as_ref().and_then(|address| address.proxy)),
+            public_address,
             logins,
             // A mesh of 5 MB comes in 20 pieces.
             of_device: RateLimiter::new(200, 50.0),
@@ -126,6 +143,7 @@ impl App {
             small: Gate::new(MAX_SMALL, MAX_WAITING, LONGEST_WAIT),
             work: Gate::new(MAX_WORK, MAX_WAITING, LONGEST_WAIT),
             decodes: Gate::new(MAX_DECODES, MAX_WAITING_DECODES, LONGEST_WAIT),
+            models: Gate::new(MAX_MODELS, MAX_WAITING_MODELS, LONGEST_WAIT_FOR_MODEL),
         }
     }
 
@@ -160,6 +178,17 @@ impl App {
         work: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
     ) -> Result<T, Refusal> {
         self.run_behind(&self.decodes, work).await
+    }
+
+    /// Does work that makes a model.
+    ///
+    /// # Errors
+    /// The work's, or [`Refusal::Overloaded`].
+    pub(crate) async fn run_model<T: Send + 'static>(
+        self: &Arc<Self>,
+        work: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
+    ) -> Result<T, Refusal> {
+        self.run_behind(&self.models, work).await
     }
 
     async fn run_behind<T: Send + 'static>(

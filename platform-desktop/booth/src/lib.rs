@@ -13,18 +13,21 @@ mod error;
 mod exporter;
 mod folder_lock;
 mod gate;
+mod glb;
 mod keys;
 mod leaf;
 mod mailer;
 mod mesh_check;
 mod metrics;
 mod migrations;
+mod model;
 mod options;
 mod own_file;
 mod parcel_decode;
 mod picture;
 mod places;
 mod printing;
+mod public;
 mod random;
 mod rate;
 mod restore;
@@ -34,6 +37,7 @@ mod server;
 mod sqlite_store;
 mod staff;
 mod threemf;
+mod viewer;
 mod worker;
 
 pub use disk_files::DiskFiles;
@@ -42,6 +46,7 @@ pub use mailer::{MailOptions, SmtpTls};
 pub use options::Options;
 pub use parcel_decode::check_parcel;
 pub use printing::SlicerOptions;
+pub use public::PublicOptions;
 pub use sqlite_store::SqliteStore;
 
 /// Does what the command line asks. Returns output as whole lines.

@@ -15,11 +15,13 @@ use lettre::{Address, Message, SmtpTransport, Transport as _};
 use paros_booth_rules::records::ExportState;
 use paros_booth_rules::{Booth, MailJob, MailOutcome, Refusal};
 use paros_core::badge::{BadgeNumber, Language, write_words};
+use paros_core::outbox::messages::SculptureId;
 use tracing::{info, warn};
 
 use crate::clock::booth_time;
 use crate::error::Error;
 use crate::exporter::make_stl;
+use crate::public::PublicAddress;
 use crate::threemf::write_3mf;
 
 /// Bytes of a model that goes by mail: most servers take no more, in the letters that a mail is made of.
@@ -65,18 +67,30 @@ pub enum SmtpTls {
     None,
 }
 
+/// What a mail brings beside the picture.
+enum MailContent {
+    /// The model in 3MF.
+    Model(Vec<u8>),
+    /// Where the model is, as it is too large.
+    Link(String),
+}
+
 /// Where mails go, and from whom.
 pub(crate) struct Mailer {
     transport: SmtpTransport,
     from: Mailbox,
+    public: Option<PublicAddress>,
 }
 
 impl Mailer {
-    /// By the options; `None` without a server.
+    /// By the options; `None` without a server. What is too large for a mail is found where visitors' pages are.
     ///
     /// # Errors
     /// What is wrong with them, or with a file.
-    pub(crate) fn new(options: &MailOptions) -> Result<Option<Self>, Error> {
+    pub(crate) fn new(
+        options: &MailOptions,
+        public: Option<PublicAddress>,
+    ) -> Result<Option<Self>, Error> {
         let (Some(server), Some(from)) = (&options.smtp, &options.mail_from) else {
             return Ok(None);
         };
@@ -105,7 +119,7 @@ impl Mailer {
             transport = transport.credentials(Credentials::new(user.clone(), password));
         }
         let from = Mailbox::new(Some("Paros".into()), from.clone());
-        Ok(Some(Mailer { transport: transport.build(), from }))
+        Ok(Some(Mailer { transport: transport.build(), from, public }))
     }
 
     /// Sends the next mail, if one is due. Returns for how long there is nothing to do.
@@ -130,12 +144,12 @@ impl Mailer {
         }
         let picture = booth.read_picture(&job.sculpture)?;
         let model = make_stl(&booth.read_kept(&job.sculpture)?).and_then(|stl| write_3mf(&stl));
-        let model = match model {
-            Ok(model) if model.len() <= MAX_MODEL_BYTES => model,
-            Ok(_) => return Ok(MailOutcome::Refused("its model is too large for a mail".into())),
+        let content = model.and_then(|model| choose_content(model, || self.link_of(booth, job)));
+        let content = match content {
+            Ok(content) => content,
             Err(why) => return Ok(MailOutcome::Refused(why)),
         };
-        let Some(message) = self.write_message(job, picture, model) else {
+        let Some(message) = self.write_message(job, picture, content) else {
             // Why may name the address.
             return Ok(MailOutcome::Refused("no mail can be made of it".into()));
         };
@@ -145,21 +159,30 @@ impl Mailer {
         })
     }
 
+    /// The visitor's link, where visitors have pages and it wasn't taken back.
+    fn link_of(&self, booth: &Booth, job: &MailJob) -> Option<String> {
+        let id = SculptureId(job.sculpture.id);
+        let token = booth.link_token(&id, booth_time()).ok()?;
+        self.public.as_ref().map(|public| public.link(&id, &token))
+    }
+
     fn write_message(
         &self,
         job: &MailJob,
         picture: Option<Vec<u8>>,
-        model: Vec<u8>,
+        content: MailContent,
     ) -> Option<Message> {
         let to: Address = job.address.parse().ok()?;
-        let (subject, text) = write_text(job);
+        let (subject, text) = write_text(job, &content);
         let mut parts = MultiPart::mixed().singlepart(SinglePart::plain(text));
         if let Some(png) = picture {
             let kind = ContentType::parse("image/png").ok()?;
             parts = parts.singlepart(Attachment::new("sculpture.png".into()).body(png, kind));
         }
-        let kind = ContentType::parse("model/3mf").ok()?;
-        parts = parts.singlepart(Attachment::new("sculpture.3mf".into()).body(model, kind));
+        if let MailContent::Model(model) = content {
+            let kind = ContentType::parse("model/3mf").ok()?;
+            parts = parts.singlepart(Attachment::new("sculpture.3mf".into()).body(model, kind));
+        }
         let message = Message::builder()
             .from(self.from.clone())
             .to(Mailbox::new(None, to))
@@ -170,6 +193,17 @@ impl Mailer {
             .multipart(parts);
         message.ok()
     }
+}
+
+/// The model where a mail can carry it, otherwise the link, if there is one.
+fn choose_content(
+    model: Vec<u8>,
+    link: impl FnOnce() -> Option<String>,
+) -> Result<MailContent, String> {
+    if model.len() <= MAX_MODEL_BYTES {
+        return Ok(MailContent::Model(model));
+    }
+    link().map(MailContent::Link).ok_or_else(|| "its model is too large for a mail".into())
 }
 
 /// Whether what is said to a host doesn't leave the machine.
@@ -207,28 +241,91 @@ fn outcome_of(error: &lettre::transport::smtp::Error) -> MailOutcome {
 }
 
 /// Subject and text, in the visitor's language.
-fn write_text(job: &MailJob) -> (&'static str, String) {
+fn write_text(job: &MailJob, content: &MailContent) -> (&'static str, String) {
     let mut words = String::new();
     if let Some(badge) = job.sculpture.badge.and_then(BadgeNumber::new) {
         // Writing to a String doesn't fail.
         let _ = write_words(&mut words, &badge.badge(), job.language);
     }
     match job.language {
-        Language::English => (
-            "Your sculpture",
-            format!(
+        Language::English => {
+            let where_it_is = match content {
+                MailContent::Model(_) => {
+                    "The .3mf file is what 3D printers' programs open.".to_owned()
+                }
+                MailContent::Link(link) => {
+                    format!("Its files are too large for a mail. Here you find them:\n{link}")
+                }
+            };
+            let text = format!(
                 "Hello,\n\nthis is the sculpture that you carved with Paros. Its badge: {words}\n\n\
-                 The .3mf file is what 3D printers' programs open.\n\n\
+                 {where_it_is}\n\n\
                  Your address was kept for this mail alone, and is deleted now.\n"
-            ),
-        ),
-        Language::Greek => (
-            "Το γλυπτό σας",
-            format!(
+            );
+            ("Your sculpture", text)
+        }
+        Language::Greek => {
+            let where_it_is = match content {
+                MailContent::Model(_) => {
+                    "Το αρχείο .3mf ανοίγει στα προγράμματα των τρισδιάστατων εκτυπωτών.".to_owned()
+                }
+                MailContent::Link(link) => {
+                    format!("Τα αρχεία του είναι πολύ μεγάλα για μήνυμα. Θα τα βρείτε εδώ:\n{link}")
+                }
+            };
+            let text = format!(
                 "Γεια σας,\n\nαυτό είναι το γλυπτό που σκαλίσατε με το Paros. Το σήμα του: {words}\n\n\
-                 Το αρχείο .3mf ανοίγει στα προγράμματα των τρισδιάστατων εκτυπωτών.\n\n\
+                 {where_it_is}\n\n\
                  Η διεύθυνσή σας κρατήθηκε μόνο για αυτό το μήνυμα, και τώρα διαγράφεται.\n"
-            ),
-        ),
+            );
+            ("Το γλυπτό σας", text)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use paros_booth_rules::MailJob;
+    use paros_booth_rules::records::{BadgeClaim, ExportState, Sculpture};
+    use paros_core::badge::Language;
+
+    use super::{MAX_MODEL_BYTES, MailContent, choose_content, write_text};
+
+    const LINK: &str = "https://paros.example/s/1/2";
+
+    fn job(language: Language) -> MailJob {
+        let sculpture = Sculpture {
+            id: [1; 16],
+            headset: 1,
+            hash: [2; 32],
+            badge: Some(77),
+            claim: BadgeClaim::Sole,
+            facts: Vec::new(),
+            received_at: Default::default(),
+            keep_day: 1,
+            is_in_ledger: false,
+            withdrawn_at: None,
+            has_trace: false,
+            export: ExportState::Equal,
+            link_generation: 0,
+            is_link_revoked: false,
+        };
+        MailJob { order: 1, address: "ana@example.org".into(), language, sculpture }
+    }
+
+    #[test]
+    fn what_is_too_large_for_a_mail_is_a_link_and_without_one_it_says_so() {
+        let link = || Some(LINK.to_owned());
+        let fits = choose_content(vec![0; MAX_MODEL_BYTES], link);
+        assert!(matches!(fits, Ok(MailContent::Model(_))));
+        let content = choose_content(vec![0; MAX_MODEL_BYTES + 1], link).expect("a link");
+        for language in [Language::English, Language::Greek] {
+            let (_, text) = write_text(&job(language), &content);
+            assert!(text.lines().any(|line| line == LINK) && !text.contains("3mf"), "{text}");
+            let (_, text) = write_text(&job(language), &MailContent::Model(Vec::new()));
+            assert!(text.contains("3mf") && !text.contains("http"), "{text}");
+        }
+        let none = choose_content(vec![0; MAX_MODEL_BYTES + 1], || None);
+        assert_eq!(none.err().as_deref(), Some("its model is too large for a mail"));
     }
 }

@@ -8,6 +8,7 @@ use paros_booth_rules::BoothPlan;
 
 use crate::mailer::MailOptions;
 use crate::printing::SlicerOptions;
+use crate::public::PublicOptions;
 
 /// Keeps what headsets send, and lets staff find it by its badge.
 #[derive(Debug, Parser)]
@@ -50,6 +51,9 @@ pub struct ServeOptions {
     /// How prints are sliced.
     #[command(flatten)]
     pub slicer: SlicerOptions,
+    /// Where visitors find their sculptures.
+    #[command(flatten)]
+    pub public: PublicOptions,
 }
 
 /// Where everything is kept.

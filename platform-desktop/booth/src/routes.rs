@@ -65,7 +65,11 @@ pub(crate) fn router(app: &Arc<App>) -> Router {
 }
 
 /// Ends a request whose body takes too long, and counts its answer.
-async fn bound_and_count(State(app): State<Arc<App>>, request: Request, next: Next) -> Response {
+pub(crate) async fn bound_and_count(
+    State(app): State<Arc<App>>,
+    request: Request,
+    next: Next,
+) -> Response {
     let answer = if says_too_long(request.headers()) {
         let most = MAX_CHUNK_BYTES as u64;
         RefusalAnswer(Refusal::TooLarge { what: "bytes of a request", most }).into_response()

@@ -22,7 +22,9 @@ use crate::leaf::{LeafKeeper, local_names, primary_address};
 use crate::mailer::Mailer;
 use crate::options::ServeOptions;
 use crate::printing::{Slicer, slice_next};
+use crate::public::{self, PublicAddress};
 use crate::random::random_bytes;
+use crate::routes;
 use crate::server::serve;
 use crate::staff::LoginGate;
 use crate::worker::Worker;
@@ -41,7 +43,8 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     start_log(options.json);
     // Pictures are drawn on one thread, beside all that is more urgent. A pool that is there already stays.
     let _ = rayon::ThreadPoolBuilder::new().num_threads(1).build_global();
-    let mailer = Mailer::new(&options.mail)?;
+    let public = PublicAddress::new(&options.public)?;
+    let mailer = Mailer::new(&options.mail, public.clone())?;
     let plan = BoothPlan { retention_days: options.keep_days, ..BoothPlan::default() };
     let quota = u64::from(options.quota_gb) * 1_000_000_000;
     let _lock = FolderLock::take(&options.folder.folder)?;
@@ -59,7 +62,7 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     };
     let first_code = draw_first_code(&open.booth)?;
     let logins = LoginGate::new(first_code.clone());
-    let app = Arc::new(App::new(open.booth, open.files, wakers, logins));
+    let app = Arc::new(App::new(open.booth, open.files, wakers, logins, public.clone()));
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()
         .max_blocking_threads(WORK_THREADS)
@@ -72,13 +75,22 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
         let listener = TcpListener::bind(options.listen).await;
         let listener = listener.map_err(|error| Error::failure(options.listen, error))?;
         let listen = listener.local_addr().map_err(|error| Error::failure("socket", error))?;
+        let visitors = listen_for_visitors(public.as_ref()).await?;
         let end = end_of_program()?;
         let hangup = signal(SignalKind::hangup());
         let hangup = hangup.map_err(|error| Error::failure("signals", error))?;
         tell_address(listen, &fingerprint.to_string(), first_code.as_deref());
         tokio::spawn(keep_leaf(leaf, names, hangup));
         tokio::spawn(sweep_now_and_then(app.clone()));
-        serve(app.clone(), listener, tls, end).await;
+        let staff = serve(app.clone(), listener, (Some(tls), routes::router), end);
+        match visitors {
+            Some((listener, tls)) => {
+                let end = end_of_program()?;
+                let visitors = serve(app.clone(), listener, (tls, public::router), end);
+                tokio::join!(staff, visitors);
+            }
+            None => staff.await,
+        }
         Ok(())
     });
     // Its threads end with what they do; the app goes with them, and then its workers can end.
@@ -123,6 +135,17 @@ fn tell_address(listen: SocketAddr, fingerprint: &str, first_code: Option<&str>)
     if let Some(code) = first_code {
         let _ = writeln!(io::stdout(), "first account: {address}/staff/first with the code {code}");
     }
+}
+
+/// Listens for visitors, where they have pages. The log says where.
+async fn listen_for_visitors(
+    public: Option<&PublicAddress>,
+) -> Result<Option<(TcpListener, Option<TlsAcceptor>)>, Error> {
+    let Some(public) = public else { return Ok(None) };
+    let fail = |error| Error::failure(public.listen, error);
+    let listener = TcpListener::bind(public.listen).await.map_err(fail)?;
+    info!(address = %listener.local_addr().map_err(fail)?, "listening for visitors");
+    Ok(Some((listener, public.tls.clone())))
 }
 
 /// The code that the first account has to bring, as long as there is none. It isn't logged.

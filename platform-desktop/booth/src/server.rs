@@ -4,11 +4,12 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
-use axum::Extension;
+use axum::{Extension, Router};
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::{GracefulShutdown, Watcher};
 use hyper_util::service::TowerToHyperService;
+use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::time::timeout;
 use tokio_rustls::TlsAcceptor;
@@ -16,7 +17,7 @@ use tracing::{debug, warn};
 
 use crate::app::App;
 use crate::places::Places;
-use crate::routes::{Peer, router};
+use crate::routes::Peer;
 
 /// Connections at once: two of each of 256 headsets, and staff.
 const MAX_CONNECTIONS: usize = 640;
@@ -36,11 +37,11 @@ const MAX_HEAD_BYTES: usize = 16 << 10;
 /// How long requests may take to their end after the program was told to end.
 const END_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// Serves until `end` is there; then takes no more connections, and ends when all requests have.
+/// Serves routes, over TLS or plain, until `end` is there; then takes no more connections, and ends when all requests have.
 pub(crate) async fn serve(
     app: Arc<App>,
     listener: TcpListener,
-    tls: TlsAcceptor,
+    (tls, router): (Option<TlsAcceptor>, fn(&Arc<App>) -> Router),
     end: impl Future<Output = ()>,
 ) {
     let graceful = GracefulShutdown::new();
@@ -58,7 +59,7 @@ pub(crate) async fn serve(
                     tokio::spawn(async move {
                         let _place = place;
                         app.metrics.connections.add(1);
-                        serve_connection(&app, stream, peer, &tls, watcher).await;
+                        serve_connection(router(&app), stream, peer, tls, watcher).await;
                         app.metrics.connections.subtract_one();
                     });
                 }
@@ -78,20 +79,29 @@ pub(crate) async fn serve(
 }
 
 async fn serve_connection(
-    app: &Arc<App>,
+    routes: Router,
     stream: TcpStream,
     peer: SocketAddr,
-    tls: &TlsAcceptor,
+    tls: Option<TlsAcceptor>,
     watcher: Watcher,
 ) {
     // Small answers go at once.
     let _ = stream.set_nodelay(true);
-    let stream = match timeout(HANDSHAKE_TIMEOUT, tls.accept(stream)).await {
-        Ok(Ok(stream)) => stream,
-        Ok(Err(error)) => return debug!(%peer, %error, "no handshake"),
-        Err(_) => return debug!(%peer, "the handshake took too long"),
-    };
-    let routes = router(app).layer(Extension(Peer(peer.ip())));
+    let Some(tls) = tls else { return serve_stream(routes, stream, peer, watcher).await };
+    match timeout(HANDSHAKE_TIMEOUT, tls.accept(stream)).await {
+        Ok(Ok(stream)) => serve_stream(routes, stream, peer, watcher).await,
+        Ok(Err(error)) => debug!(%peer, %error, "no handshake"),
+        Err(_) => debug!(%peer, "the handshake took too long"),
+    }
+}
+
+async fn serve_stream(
+    routes: Router,
+    stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static,
+    peer: SocketAddr,
+    watcher: Watcher,
+) {
+    let routes = routes.layer(Extension(Peer(peer.ip())));
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEAD_TIMEOUT)

@@ -38,10 +38,10 @@ pub(crate) fn write_3mf(stl: &[u8]) -> Result<Vec<u8>, String> {
     pack(&corners, &triangles).map_err(|error| error.to_string())
 }
 
-type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);
+pub(crate) type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 
 /// Each corner once, in the order in which they come, and triangles of their numbers.
-fn read_stl(stl: &[u8]) -> Result<Mesh, String> {
+pub(crate) fn read_stl(stl: &[u8]) -> Result<Mesh, String> {
     let triangles = stl.get(STL_HEAD..).ok_or("an STL is longer")?;
     if triangles.len() % STL_TRIANGLE != 0 {
         return Err("an STL is whole triangles".into());

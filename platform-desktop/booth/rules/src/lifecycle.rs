@@ -83,10 +83,20 @@ impl Booth {
     /// [`Refusal::NotFound`], or those of store and disk. Files that the disk doesn't give back are removed by a
     /// later sweep.
     pub fn delete(&self, id: &SculptureId, account: &str, now: BoothTime) -> Result<(), Refusal> {
+        self.delete_as(id, (Some(account), "delete"), now)
+    }
+
+    /// Deletes a sculpture, as an account's or a visitor's action.
+    pub(crate) fn delete_as(
+        &self,
+        id: &SculptureId,
+        (account, action): (Option<&str>, &str),
+        now: BoothTime,
+    ) -> Result<(), Refusal> {
         self.update(|tx| {
             let sculpture: Sculpture = tx.get(&[id.0.to_value()])?.ok_or(NO_SCULPTURE)?;
             self.bury(tx, &sculpture, now)?;
-            Ok(note(tx, now, Some(account), "delete", subject_of(&sculpture))?)
+            Ok(note(tx, now, account, action, subject_of(&sculpture))?)
         })?;
         self.remove_buried_files()
     }

@@ -58,6 +58,20 @@ impl Booth {
         if is_right && is_open { Ok(sculpture) } else { Err(NO_SCULPTURE) }
     }
 
+    /// Deletes the sculpture of a visitor's link, as the visitor wants it.
+    ///
+    /// # Errors
+    /// As of [`Booth::find_by_link`] and [`Booth::delete`].
+    pub fn delete_by_link(
+        &self,
+        id: &SculptureId,
+        token: &LinkToken,
+        now: BoothTime,
+    ) -> Result<(), Refusal> {
+        self.find_by_link(id, token, now)?;
+        self.delete_as(id, (None, "delete by visitor"), now)
+    }
+
     /// Takes a sculpture's links back. None is valid then, until a new one is made.
     ///
     /// # Errors

@@ -21,16 +21,19 @@ use axum::response::{IntoResponse, Redirect, Response};
 use axum::routing::{get, post};
 
 pub(crate) use login::LoginGate;
+pub(crate) use sculptures::utc;
+pub(crate) use svg::draw_badge;
 
 use crate::app::App;
+use crate::viewer;
 
 /// What browsers are told of every page: nothing is taken from elsewhere, nothing runs but the script, nobody frames it,
 /// nobody keeps it, and nobody is told where one came from.
 const HEADERS: [(HeaderName, &str); 5] = [
     (
         header::CONTENT_SECURITY_POLICY,
-        "default-src 'none'; img-src 'self'; style-src 'self'; script-src 'self'; form-action 'self'; \
-         base-uri 'none'; frame-ancestors 'none'",
+        "default-src 'none'; img-src 'self'; style-src 'self'; script-src 'self'; connect-src 'self'; \
+         form-action 'self'; base-uri 'none'; frame-ancestors 'none'",
     ),
     (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
     (header::REFERRER_POLICY, "no-referrer"),
@@ -49,6 +52,7 @@ pub(crate) fn router(app: &Arc<App>) -> Router<Arc<App>> {
         .route("/staff/sculptures/{id}/picture.png", get(sculptures::send_picture))
         .route("/staff/sculptures/{id}/model.stl", get(sculptures::send_stl))
         .route("/staff/sculptures/{id}/model.3mf", get(sculptures::send_3mf))
+        .route("/staff/sculptures/{id}/model.glb", get(sculptures::send_glb))
         .route("/staff/sculptures/{id}/mail", post(mails::ask_mail))
         .route("/staff/sculptures/{id}/print", post(prints::ask_print))
         .route("/staff/sculptures/{id}/slip", get(slip::show_slip))
@@ -73,6 +77,7 @@ pub(crate) fn router(app: &Arc<App>) -> Router<Arc<App>> {
             get(|| async { asset("text/javascript", include_str!("page.js")) }),
         )
         .route_layer(from_fn(guard))
+        .merge(viewer::router())
 }
 
 async fn guard(request: Request, next: Next) -> Response {

@@ -19,6 +19,9 @@ pub(crate) struct PrintTexts {
     pub(crate) number: &'static str,
     pub(crate) print_slip: &'static str,
     pub(crate) scan: &'static str,
+    pub(crate) revoke_link: &'static str,
+    pub(crate) renew_link: &'static str,
+    pub(crate) link_revoked: &'static str,
     states: [&'static str; 6],
     steps: [&'static str; 6],
 }
@@ -54,6 +57,9 @@ const ENGLISH: PrintTexts = PrintTexts {
     number: "Number",
     print_slip: "Print this slip",
     scan: "Your sculpture, to see and to keep: scan this",
+    revoke_link: "Take the visitor's link back",
+    renew_link: "Make a new link",
+    link_revoked: "The visitor's link was taken back.",
     states: ["ordered", "printing", "done", "failed", "cancelled", "ready to print"],
     steps: ["Slice", "Printing has begun", "It is done", "It failed", "Cancel", "Order again"],
 };
@@ -72,6 +78,9 @@ const GREEK: PrintTexts = PrintTexts {
     number: "Αριθμός",
     print_slip: "Εκτύπωση της απόδειξης",
     scan: "Το γλυπτό σας, για να το δείτε και να το κρατήσετε: σαρώστε",
+    revoke_link: "Ακύρωση του συνδέσμου",
+    renew_link: "Νέος σύνδεσμος",
+    link_revoked: "Ο σύνδεσμος του επισκέπτη ακυρώθηκε.",
     states: [
         "παραγγέλθηκε",
         "εκτυπώνεται",

@@ -18,12 +18,13 @@ use super::mails::mails_of;
 use super::page::{Fields, StaffAnswer, action_button, page};
 use super::print_texts::PrintTexts;
 use super::prints::prints_of;
+use super::slip::link_actions;
 use super::svg::{draw_badge, draw_colour, draw_pictogram};
 use super::texts::Texts;
 use crate::app::App;
 use crate::clock::booth_time;
-use crate::exporter::make_stl;
-use crate::threemf::write_3mf;
+use crate::model::ModelFormat;
+use crate::viewer::draw_viewer;
 
 /// Sculptures of a list.
 const LISTED: usize = 60;
@@ -142,9 +143,13 @@ pub(crate) async fn show(
     let is_admin = login.check_admin().is_ok();
     let body = html! {
         div class="card" { (sculpture_facts(texts, &found)) }
+        (draw_viewer(&format!("{at}/model.glb"), texts.language))
         p class="actions" {
-            a class="button" href={ (at) "/model.stl" } { (texts.download) " STL" } " "
-            a class="button" href={ (at) "/model.3mf" } { (texts.download) " 3MF" } " "
+            @for format in ModelFormat::ALL {
+                a class="button" href={ (at) "/model." (format.ending()) } {
+                    (texts.download) " " (format.name())
+                } " "
+            }
             a class="button" href={ (at) "/slip" } { (PrintTexts::of(texts.language).slip) }
         }
         (mails_of(texts, &login, &found, &mails, app.wakers.mails.is_some()))
@@ -155,6 +160,7 @@ pub(crate) async fn show(
             } @else {
                 (action_button(&login, &format!("{at}/bring-back"), texts.bring_back, ""))
             }
+            @if app.public_address.is_some() { (link_actions(texts, &login, &found)) }
         }
         @if is_admin {
             details {
@@ -190,30 +196,29 @@ pub(crate) async fn send_picture(
 
 /// `GET /staff/sculptures/{id}/model.stl`.
 pub(crate) async fn send_stl(app: State<Arc<App>>, headers: HeaderMap, id: Path<String>) -> Answer {
-    send_model(app, headers, id, "stl", Ok).await
+    send_model(app, headers, id, ModelFormat::Stl).await
 }
 
 /// `GET /staff/sculptures/{id}/model.3mf`.
 pub(crate) async fn send_3mf(app: State<Arc<App>>, headers: HeaderMap, id: Path<String>) -> Answer {
-    send_model(app, headers, id, "3mf", |stl| write_3mf(&stl)).await
+    send_model(app, headers, id, ModelFormat::Mf).await
+}
+
+/// `GET /staff/sculptures/{id}/model.glb`.
+pub(crate) async fn send_glb(app: State<Arc<App>>, headers: HeaderMap, id: Path<String>) -> Answer {
+    send_model(app, headers, id, ModelFormat::Glb).await
 }
 
 async fn send_model(
     State(app): State<Arc<App>>,
     headers: HeaderMap,
     Path(id): Path<String>,
-    format: &str,
-    convert: fn(Vec<u8>) -> Result<Vec<u8>, String>,
+    format: ModelFormat,
 ) -> Answer {
     let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
     let found = find_sculpture(&app, &id).await.map_err(fail)?;
-    let name = format!("attachment; filename=\"paros-{}.{format}\"", SculptureId(found.id));
-    let kind = format!("model/{format}");
-    let model = app.run_decode(move |app| {
-        make_stl(&app.booth.read_kept(&found)?).and_then(convert).map_err(Refusal::Undecodable)
-    });
-    let model = model.await.map_err(fail)?;
-    let head = [(header::CONTENT_TYPE, kind), (header::CONTENT_DISPOSITION, name)];
+    let head = format.headers(&format!("paros-{}", SculptureId(found.id)));
+    let model = app.run_model(move |app| format.make(&app.booth, &found)).await.map_err(fail)?;
     Ok((head, Body::from(model)).into_response())
 }
 
@@ -235,6 +240,8 @@ pub(crate) async fn change(
         match action.as_str() {
             "withdraw" => booth.withdraw(&id, by, now),
             "bring-back" => booth.bring_back(&id, by, now),
+            "revoke-link" => booth.revoke_link(&id, by, now),
+            "renew-link" => booth.renew_link(&id, by, now).map(drop),
             "delete" => login.check_admin().and_then(|()| booth.delete(&id, by, now)),
             _ => Err(Refusal::NotFound("no such action")),
         }

@@ -12,7 +12,7 @@ use paros_booth_rules::{LoggedIn, PrintJob, Refusal};
 use paros_core::badge::BadgeNumber;
 use paros_core::outbox::messages::SculptureId;
 
-use super::page::{StaffAnswer, page};
+use super::page::{StaffAnswer, action_button, page};
 use super::print_texts::PrintTexts;
 use super::prints::order_facts;
 use super::sculptures::utc;
@@ -20,6 +20,7 @@ use super::svg::draw_badge;
 use super::texts::Texts;
 use crate::app::App;
 use crate::clock::booth_time;
+use crate::public::draw_qr;
 
 type Answer = Result<Response, StaffAnswer>;
 
@@ -57,7 +58,7 @@ pub(crate) async fn show_order_slip(
 }
 
 /// The slip, in the language of the visit.
-fn slip(_app: &App, sculpture: &Sculpture, order: Option<&PrintOrder>) -> Markup {
+fn slip(app: &App, sculpture: &Sculpture, order: Option<&PrintOrder>) -> Markup {
     let texts = Texts::of_visit(sculpture);
     let of_prints = PrintTexts::of(texts.language);
     html! {
@@ -71,9 +72,36 @@ fn slip(_app: &App, sculpture: &Sculpture, order: Option<&PrintOrder>) -> Markup
             }
             p { (texts.headset) " " (sculpture.headset) ", " (utc(sculpture.received_at)) }
             @if let Some(order) = order { (order_facts(texts, order)) }
+            @if let Some(link) = link_of(app, sculpture) {
+                p { (of_prints.scan) }
+                (draw_qr(&link, of_prints.scan))
+            }
         }
         p class="actions no-print" {
             button type="button" id="print-slip" { (of_prints.print_slip) }
         }
+    }
+}
+
+/// The visitor's link, where visitors have pages and it wasn't taken back.
+fn link_of(app: &App, sculpture: &Sculpture) -> Option<String> {
+    let id = SculptureId(sculpture.id);
+    let address = app.public_address.as_ref()?;
+    let is_shown = sculpture.withdrawn_at.is_none();
+    let token = app.booth.link_token(&id, booth_time()).ok().filter(|_| is_shown)?;
+    Some(address.link(&id, &token))
+}
+
+/// Buttons that take a visitor's link back, or make another.
+pub(crate) fn link_actions(texts: &Texts, login: &LoggedIn, sculpture: &Sculpture) -> Markup {
+    let of_prints = PrintTexts::of(texts.language);
+    let at = format!("/staff/sculptures/{}", SculptureId(sculpture.id));
+    html! {
+        @if sculpture.is_link_revoked {
+            span class="note" { (of_prints.link_revoked) }
+        } @else {
+            (action_button(login, &format!("{at}/revoke-link"), of_prints.revoke_link, "danger"))
+        }
+        (action_button(login, &format!("{at}/renew-link"), of_prints.renew_link, ""))
     }
 }

@@ -2,6 +2,7 @@
 
 mod attacks;
 mod backup;
+mod chromium;
 mod enrolment;
 mod kills;
 mod mail;
@@ -12,3 +13,5 @@ mod running;
 mod smtp_sink;
 mod staff;
 mod uploads;
+mod viewer;
+mod visitors;

@@ -25,6 +25,11 @@ seconds=$(awk "BEGIN { h = 120 * $2; printf \"%d\", h * h }")
 printf '; total filament used [g] = 29.41\n; estimated printing time (normal mode) = %ss\n' $seconds >print.gcode
 "#;
 
+/// The program in place of the slicer, in a folder.
+pub(crate) fn slicer_by(folder: &BoothFolder) -> PathBuf {
+    stand_in(folder, QUADRATIC)
+}
+
 /// Sends a sculpture. Returns where its page is.
 pub(crate) fn with_sculpture(client: &Client, folder: &BoothFolder, number: u32) -> String {
     let headset = Headset::enrol(client, folder.fleet_token(), 1);
@@ -46,7 +51,7 @@ fn browser(booth: &BoothProcess) -> Browser<'_> {
 }
 
 /// The address of the first order's form for a step.
-fn action_of(browser: &Browser<'_>, step: &str) -> Option<String> {
+pub(crate) fn action_of(browser: &Browser<'_>, step: &str) -> Option<String> {
     let queue = browser.get("/staff/prints");
     let actions = queue.text().split("action=\"").skip(1).filter_map(|rest| rest.split('"').next());
     actions
@@ -55,7 +60,7 @@ fn action_of(browser: &Browser<'_>, step: &str) -> Option<String> {
         .map(str::to_owned)
 }
 
-fn take_step(browser: &Browser<'_>, step: &str) -> u16 {
+pub(crate) fn take_step(browser: &Browser<'_>, step: &str) -> u16 {
     let action = action_of(browser, step).unwrap_or_else(|| panic!("no form to {step}"));
     send_form(browser, "/staff/prints", &action, "").status
 }

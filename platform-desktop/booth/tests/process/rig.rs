@@ -166,7 +166,7 @@ impl Answer {
 }
 
 impl Client {
-    fn new(address: SocketAddr, ca: CertificateDer<'static>) -> Self {
+    pub(crate) fn new(address: SocketAddr, ca: CertificateDer<'static>) -> Self {
         let mut roots = RootCertStore::empty();
         roots.add(ca).expect("a certificate");
         let mut config = ClientConfig::builder_with_provider(default_provider().into())

@@ -1,0 +1,354 @@
+//! The visitor's pages. Each stands behind its link; without a valid one all answers are the same.
+
+use std::collections::HashMap;
+use std::net::IpAddr;
+use std::sync::Arc;
+use std::time::Instant;
+
+use axum::Router;
+use axum::body::Body;
+use axum::extract::{DefaultBodyLimit, Form, FromRequestParts, Path, Request, State};
+use axum::http::request::Parts;
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use axum::middleware::{Next, from_fn, from_fn_with_state};
+use axum::response::{Html, IntoResponse, Response};
+use axum::routing::get;
+use maud::{DOCTYPE, Markup, html};
+use paros_booth_rules::records::Sculpture;
+use paros_booth_rules::{BoothTime, LinkToken, Refusal};
+use paros_core::badge::{BadgeNumber, Language};
+use paros_core::outbox::messages::{SculptureId, UploadFacts};
+use tracing::warn;
+
+use super::address::path_of;
+use super::texts::PublicTexts;
+use crate::app::App;
+use crate::clock::booth_time;
+use crate::model::ModelFormat;
+use crate::rate::RateLimiter;
+use crate::routes::{Peer, bound_and_count};
+use crate::staff::{draw_badge, utc};
+use crate::viewer::{self, draw_viewer};
+
+/// Bytes of a form: a word.
+const MAX_FORM_BYTES: usize = 4 << 10;
+
+/// What browsers are told of every page: nothing is taken from elsewhere, nobody keeps it, and nobody is told where
+/// one came from, as the address is the key.
+const HEADERS: [(HeaderName, &str); 6] = [
+    (
+        header::CONTENT_SECURITY_POLICY,
+        "default-src 'none'; img-src 'self'; style-src 'self'; script-src 'self'; connect-src 'self'; \
+         form-action 'self'; base-uri 'none'; frame-ancestors 'none'",
+    ),
+    (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+    (header::REFERRER_POLICY, "no-referrer"),
+    (header::CACHE_CONTROL, "no-store"),
+    (header::X_FRAME_OPTIONS, "DENY"),
+    (HeaderName::from_static("x-robots-tag"), "noindex, nofollow"),
+];
+
+/// Who guesses, and who downloads.
+pub(crate) struct PublicGate {
+    proxy: Option<IpAddr>,
+    /// Wrong links of an address: whoever typed one wrongly has some more.
+    wrong: RateLimiter<IpAddr>,
+    /// Models of a sculpture: each takes a second of a processor.
+    models: RateLimiter<[u8; 16]>,
+}
+
+impl PublicGate {
+    /// With the proxy whose word is believed on who asks.
+    pub(crate) fn new(proxy: Option<IpAddr>) -> Self {
+        PublicGate {
+            proxy,
+            wrong: RateLimiter::new(20, 1.0 / 15.0),
+            models: RateLimiter::new(12, 1.0 / 20.0),
+        }
+    }
+
+    /// Who asks. Of addresses of six the network counts, as one household has all of its addresses.
+    fn who(&self, peer: IpAddr, headers: &HeaderMap) -> IpAddr {
+        let forwarded = headers.get("x-forwarded-for").and_then(|value| value.to_str().ok());
+        let last = forwarded.and_then(|list| list.rsplit(',').next()?.trim().parse().ok());
+        let who = if self.proxy == Some(peer) { last.unwrap_or(peer) } else { peer };
+        match who {
+            IpAddr::V6(address) if address.to_ipv4_mapped().is_none() => {
+                IpAddr::V6((address.to_bits() >> 64 << 64).into())
+            }
+            who => who,
+        }
+    }
+}
+
+/// The sculpture of a valid link, and in which language its page is.
+pub(crate) struct Visit {
+    sculpture: Sculpture,
+    token: LinkToken,
+    texts: &'static PublicTexts,
+}
+
+/// Why a visitor sees nothing.
+pub(crate) struct PublicAnswer(&'static PublicTexts, Refusal);
+
+type Answer = Result<Response, PublicAnswer>;
+
+/// All routes of the visitors' listener.
+pub(crate) fn router(app: &Arc<App>) -> Router {
+    let of_visit = Router::new()
+        .route("/s/{id}/{token}", get(show))
+        .route("/s/{id}/{token}/picture.png", get(send_picture))
+        .route(
+            "/s/{id}/{token}/model.stl",
+            get(|app, visit| send_model(app, visit, ModelFormat::Stl)),
+        )
+        .route(
+            "/s/{id}/{token}/model.3mf",
+            get(|app, visit| send_model(app, visit, ModelFormat::Mf)),
+        )
+        .route(
+            "/s/{id}/{token}/model.glb",
+            get(|app, visit| send_model(app, visit, ModelFormat::Glb)),
+        )
+        .route("/s/{id}/{token}/delete", get(ask_delete).post(delete))
+        .route("/public.css", get(send_style))
+        .fallback(|headers: HeaderMap| async move {
+            PublicAnswer(texts_of_browser(&headers), Refusal::NotFound("")).into_response()
+        })
+        .layer(from_fn(guard));
+    Router::new()
+        .merge(of_visit)
+        .merge(viewer::router())
+        .layer(DefaultBodyLimit::max(MAX_FORM_BYTES))
+        .layer(from_fn_with_state(app.clone(), bound_and_count))
+        .with_state(app.clone())
+}
+
+async fn guard(request: Request, next: Next) -> Response {
+    let mut answer = next.run(request).await;
+    for (name, value) in HEADERS {
+        answer.headers_mut().insert(name, HeaderValue::from_static(value));
+    }
+    answer
+}
+
+impl FromRequestParts<Arc<App>> for Visit {
+    type Rejection = PublicAnswer;
+
+    async fn from_request_parts(parts: &mut Parts, app: &Arc<App>) -> Result<Self, PublicAnswer> {
+        let texts = texts_of_browser(&parts.headers);
+        let fail = |refusal| PublicAnswer(texts, refusal);
+        let peer = parts.extensions.get::<Peer>().map(|peer| peer.0);
+        let who = app.public.who(peer.unwrap_or(IpAddr::from([0, 0, 0, 0])), &parts.headers);
+        if !app.public.wrong.has_left(&who, Instant::now()) {
+            return Err(fail(Refusal::Busy { what: "wrong links", retry_after: 60 }));
+        }
+        let link = Path::<HashMap<String, String>>::from_request_parts(parts, app).await.ok();
+        let hex = |name| SculptureId::parse_hex(link.as_ref()?.get(name)?);
+        let found = match (hex("id"), hex("token")) {
+            (Some(id), Some(token)) => {
+                // A token has the form of an id.
+                let token = LinkToken(token.0);
+                let found = app.run(move |app| app.booth.find_by_link(&id, &token, booth_time()));
+                found.await.map(|sculpture| (sculpture, token))
+            }
+            _ => Err(Refusal::NotFound("")),
+        };
+        let (sculpture, token) = found.map_err(|refusal| {
+            if matches!(refusal, Refusal::NotFound(_)) {
+                app.public.wrong.take(who, Instant::now());
+            }
+            fail(refusal)
+        })?;
+        let texts = match parts.uri.query() {
+            Some("language=el") => PublicTexts::of(Language::Greek),
+            Some("language=en") => PublicTexts::of(Language::English),
+            _ => texts_of_visit(&sculpture),
+        };
+        Ok(Visit { sculpture, token, texts })
+    }
+}
+
+impl Visit {
+    fn id(&self) -> SculptureId {
+        SculptureId(self.sculpture.id)
+    }
+
+    fn path(&self) -> String {
+        path_of(&self.id(), &self.token)
+    }
+}
+
+/// `GET /s/{id}/{token}`.
+async fn show(visit: Visit) -> Response {
+    let Visit { texts, ref sculpture, .. } = visit;
+    let at = visit.path();
+    let last_day = utc(BoothTime(u64::from(sculpture.keep_day) * 86_400_000));
+    page(
+        texts,
+        Some(&at),
+        &html! {
+            img src={ (at) "/picture.png" } alt=(texts.picture) width="384" height="384";
+            @if let Some(number) = sculpture.badge.and_then(BadgeNumber::new) {
+                (draw_badge(&number.badge(), texts.language))
+            }
+            (draw_viewer(&format!("{at}/model.glb"), texts.language))
+            p class="actions" {
+                @for format in ModelFormat::ALL {
+                    a class="button" href={ (at) "/model." (format.ending()) } {
+                        (texts.download) " " (format.name())
+                    } " "
+                }
+            }
+            p { (texts.kept_until) " " (last_day.split(' ').next().unwrap_or_default()) "." }
+            p { a href={ (at) "/delete?language=" (texts.code) } { (texts.delete) } }
+        },
+    )
+}
+
+/// `GET /s/{id}/{token}/picture.png`.
+async fn send_picture(State(app): State<Arc<App>>, visit: Visit) -> Answer {
+    let texts = visit.texts;
+    let png = app.run(move |app| app.booth.read_picture(&visit.sculpture)).await;
+    match png.map_err(|refusal| PublicAnswer(texts, refusal))? {
+        Some(png) => Ok(([(header::CONTENT_TYPE, "image/png")], Body::from(png)).into_response()),
+        None => Ok(StatusCode::NOT_FOUND.into_response()),
+    }
+}
+
+/// `GET /s/{id}/{token}/model.*`.
+async fn send_model(State(app): State<Arc<App>>, visit: Visit, format: ModelFormat) -> Answer {
+    let Visit { sculpture, texts, .. } = visit;
+    if !app.public.models.take(sculpture.id, Instant::now()) {
+        let refusal = Refusal::Overloaded { retry_after: 20 };
+        return Err(PublicAnswer(texts, refusal));
+    }
+    let head = format.headers("sculpture");
+    let model = app.run_model(move |app| format.make(&app.booth, &sculpture)).await;
+    let model = model.map_err(|refusal| PublicAnswer(texts, refusal))?;
+    Ok((head, Body::from(model)).into_response())
+}
+
+/// `GET /s/{id}/{token}/delete`: asks whether it is meant.
+async fn ask_delete(visit: Visit) -> Response {
+    let (texts, at) = (visit.texts, visit.path());
+    page(
+        texts,
+        None,
+        &html! {
+            p { (texts.delete_really) }
+            form method="post" action={ (at) "/delete?language=" (texts.code) } {
+                input type="hidden" name="confirm" value="delete";
+                button class="danger" { (texts.delete_for_good) }
+            }
+            p { a class="button" href={ (at) "?language=" (texts.code) } { (texts.back) } }
+        },
+    )
+}
+
+/// `POST /s/{id}/{token}/delete`.
+async fn delete(
+    State(app): State<Arc<App>>,
+    visit: Visit,
+    Form(fields): Form<HashMap<String, String>>,
+) -> Answer {
+    let texts = visit.texts;
+    let fail = |refusal| PublicAnswer(texts, refusal);
+    if fields.get("confirm").map(String::as_str) != Some("delete") {
+        return Err(fail(Refusal::BadRequest("expected that it is confirmed".into())));
+    }
+    let (id, token) = (visit.id(), visit.token);
+    let done = app.run(move |app| app.booth.delete_by_link(&id, &token, booth_time()));
+    done.await.map_err(fail)?;
+    Ok(page(texts, None, &html! { p { (texts.deleted) } }))
+}
+
+async fn send_style() -> Response {
+    ([(header::CONTENT_TYPE, "text/css")], include_str!("../staff/style.css")).into_response()
+}
+
+/// A page; with the way to the other language where it has an address.
+fn page(texts: &PublicTexts, at: Option<&str>, body: &Markup) -> Response {
+    let markup = html! {
+        (DOCTYPE)
+        html lang=(texts.code) {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="referrer" content="no-referrer";
+                title { (texts.title) }
+                link rel="stylesheet" href="/public.css";
+            }
+            body {
+                main class="visitor" {
+                    @if let Some(at) = at {
+                        p { a href={ (at) "?language=" (texts.other_code) } lang=(texts.other_code) { (texts.other_language) } }
+                    }
+                    h1 { (texts.title) }
+                    (body)
+                }
+            }
+        }
+    };
+    Html(markup.into_string()).into_response()
+}
+
+impl IntoResponse for PublicAnswer {
+    fn into_response(self) -> Response {
+        let PublicAnswer(texts, refusal) = self;
+        let why = match &refusal {
+            Refusal::NotFound(_) => texts.not_here,
+            Refusal::Busy { .. } => texts.too_often,
+            Refusal::BadRequest(_) => texts.delete_really,
+            _ => texts.busy,
+        };
+        if refusal.is_failure() {
+            // What store and disk say names no link.
+            warn!(%refusal, "a visitor's page failed");
+        }
+        let mut answer = page(texts, None, &html! { p class="note" role="alert" { (why) } });
+        let status = StatusCode::from_u16(refusal.status());
+        *answer.status_mut() = status.unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
+        if let Some(seconds) = refusal.retry_after() {
+            answer.headers_mut().insert(header::RETRY_AFTER, seconds.into());
+        }
+        answer
+    }
+}
+
+fn texts_of_visit(sculpture: &Sculpture) -> &'static PublicTexts {
+    let facts = UploadFacts::from_bytes(&sculpture.facts);
+    let is_greek = facts.is_ok_and(|facts| &facts.language == b"el");
+    PublicTexts::of(if is_greek { Language::Greek } else { Language::English })
+}
+
+/// Without a sculpture there is the browser's language.
+fn texts_of_browser(headers: &HeaderMap) -> &'static PublicTexts {
+    let wanted = headers.get(header::ACCEPT_LANGUAGE).and_then(|value| value.to_str().ok());
+    let is_greek = wanted.is_some_and(|wanted| wanted.starts_with("el"));
+    PublicTexts::of(if is_greek { Language::Greek } else { Language::English })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::net::IpAddr;
+
+    use axum::http::HeaderMap;
+
+    use super::PublicGate;
+
+    #[test]
+    fn who_asks_is_the_peer_or_what_the_proxy_says() {
+        let address = |text: &str| -> IpAddr { text.parse().unwrap() };
+        let gate = PublicGate::new(Some(address("10.0.0.1")));
+        let mut headers = HeaderMap::new();
+        assert_eq!(gate.who(address("10.0.0.1"), &headers), address("10.0.0.1"));
+        // What stands before the proxy's own word is anybody's.
+        headers.insert("x-forwarded-for", "1.1.1.1, 2.2.2.2".parse().unwrap());
+        assert_eq!(gate.who(address("10.0.0.1"), &headers), address("2.2.2.2"));
+        assert_eq!(gate.who(address("10.0.0.2"), &headers), address("10.0.0.2"));
+        let six = |text: &str| gate.who(address(text), &HeaderMap::new());
+        assert_eq!(six("2001:db8:1:2:3:4:5:6"), six("2001:db8:1:2:ffff::1"));
+        assert_ne!(six("2001:db8:1:2::1"), six("2001:db8:1:3::1"));
+    }
+}

@@ -1,0 +1,77 @@
+//! The viewer in which a sculpture is turned: three.js, which the booth serves itself.
+
+use std::sync::LazyLock;
+
+use axum::Router;
+use axum::http::{HeaderName, header};
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use maud::{Markup, html};
+use paros_core::badge::Language;
+
+/// What browsers are told of these files: they are the same for everybody.
+const HEADERS: [(HeaderName, &str); 3] = [
+    (header::CONTENT_TYPE, "text/javascript"),
+    (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+    (header::CACHE_CONTROL, "public, max-age=86400"),
+];
+
+/// Browsers know files by their addresses alone.
+static CONTROLS: LazyLock<String> = LazyLock::new(|| {
+    include_str!("OrbitControls.js").replace("from 'three';", "from './three.module.min.js';")
+});
+
+/// The routes of its files.
+pub(crate) fn router<S: Clone + Send + Sync + 'static>() -> Router<S> {
+    Router::new()
+        .route("/viewer/viewer.js", get(|| async { script(include_str!("viewer.js")) }))
+        .route("/viewer/OrbitControls.js", get(|| async { script(&CONTROLS) }))
+        .route(
+            "/viewer/three.module.min.js",
+            get(|| async { script(include_str!("three.module.min.js")) }),
+        )
+        .route(
+            "/viewer/three.core.min.js",
+            get(|| async { script(include_str!("three.core.min.js")) }),
+        )
+}
+
+/// Where a model at an address is turned, once somebody asks for it.
+pub(crate) fn draw_viewer(model: &str, language: Language) -> Markup {
+    let (turn, how, fault) = match language {
+        Language::English => (
+            "Turn it in 3D",
+            "Drag to turn, pinch or roll the wheel to come closer; arrow keys, plus and minus do the same.",
+            "This browser can't draw it.",
+        ),
+        Language::Greek => (
+            "Περιστροφή σε 3D",
+            "Σύρετε για περιστροφή, τσιμπήστε ή κυλήστε τη ροδέλα για μεγέθυνση· το ίδιο κάνουν τα βέλη, το συν και το πλην.",
+            "Αυτό το πρόγραμμα δεν μπορεί να το δείξει.",
+        ),
+    };
+    html! {
+        div class="viewer" data-model=(model) data-fault=(fault) {
+            button type="button" { (turn) }
+            canvas hidden tabindex="0" role="img" aria-label=(how) {}
+            p hidden { (how) }
+        }
+        script type="module" src="/viewer/viewer.js" {}
+    }
+}
+
+fn script(text: &'static str) -> Response {
+    (HEADERS, text).into_response()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::CONTROLS;
+
+    #[test]
+    fn no_file_asks_for_a_name_that_browsers_do_not_know() {
+        assert!(CONTROLS.contains("} from './three.module.min.js';"));
+        let code = CONTROLS.lines().filter(|line| !line.trim_start().starts_with('*'));
+        assert!(!code.collect::<Vec<_>>().concat().contains("from 'three"));
+    }
+}
