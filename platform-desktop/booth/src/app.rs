@@ -13,6 +13,7 @@ use crate::gate::Gate;
 use crate::keys::BoothKeys;
 use crate::metrics::Metrics;
 use crate::places::Places;
+use crate::printing::Printer;
 use crate::public::{PublicAddress, PublicGate};
 use crate::rate::RateLimiter;
 use crate::sqlite_store::SqliteStore;
@@ -65,6 +66,8 @@ pub(crate) struct App {
     pub metrics: Metrics,
     /// Tell threads of work.
     pub wakers: Wakers,
+    /// Printers on the network.
+    pub printers: Vec<Printer>,
     /// Where visitors' pages are, if they have some.
     pub public_address: Option<PublicAddress>,
     pub(crate) public: PublicGate,
@@ -122,7 +125,7 @@ impl App {
     pub(crate) fn new(
         booth: Booth,
         files: Arc<DiskFiles>,
-        wakers: Wakers,
+        (wakers, printers): (Wakers, Vec<Printer>),
         logins: LoginGate,
         public_address: Option<PublicAddress>,
     ) -> Self {
@@ -131,6 +134,7 @@ impl App {
             files,
             metrics: Metrics::default(),
             wakers,
+            printers,
             public: PublicGate::new(public_address.as_ref().and_then(|address| address.proxy)),
             public_address,
             logins,

@@ -21,7 +21,7 @@ use crate::folder_lock::FolderLock;
 use crate::leaf::{LeafKeeper, local_names, primary_address};
 use crate::mailer::Mailer;
 use crate::options::ServeOptions;
-use crate::printing::{Slicer, slice_next};
+use crate::printing::{Printer, Slicer, slice_next, start_printers};
 use crate::public::{self, PublicAddress};
 use crate::random::random_bytes;
 use crate::routes;
@@ -54,15 +54,16 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     let exports = Worker::start(move || export_next(&of_exports));
     let of_mails = open.booth.clone();
     let mails = mailer.map(|mailer| Worker::start(move || mailer.send_next(&of_mails)));
-    let slices = start_slices(&open.booth, options)?;
+    let (slices, printers) = start_slices(&open.booth, options)?;
     let wakers = Wakers {
         exports: exports.waker(),
         mails: mails.as_ref().map(Worker::waker),
-        slices: slices.as_ref().map(|slices| slices.worker.waker()),
+        slices: slices.worker.as_ref().map(Worker::waker),
     };
     let first_code = draw_first_code(&open.booth)?;
     let logins = LoginGate::new(first_code.clone());
-    let app = Arc::new(App::new(open.booth, open.files, wakers, logins, public.clone()));
+    let app =
+        Arc::new(App::new(open.booth, open.files, (wakers, printers), logins, public.clone()));
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()
         .max_blocking_threads(WORK_THREADS)
@@ -101,27 +102,37 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     served
 }
 
-/// The thread that slices; it ends in the middle of a slice.
+/// The threads that slice; they end in the middle of a slice.
 struct Slices {
-    worker: Worker,
-    end: Arc<AtomicBool>,
+    worker: Option<Worker>,
+    of_printers: Vec<Worker>,
+    end: Option<Arc<AtomicBool>>,
 }
 
 impl Drop for Slices {
     fn drop(&mut self) {
-        self.end.store(true, Ordering::Relaxed);
+        if let Some(end) = &self.end {
+            end.store(true, Ordering::Relaxed);
+        }
+        self.of_printers.clear();
     }
 }
 
-/// Starts the thread that slices, where there is a slicer.
-fn start_slices(booth: &Booth, options: &ServeOptions) -> Result<Option<Slices>, Error> {
+/// Starts the threads that slice, where there is a slicer.
+fn start_slices(booth: &Booth, options: &ServeOptions) -> Result<(Slices, Vec<Printer>), Error> {
     let folder = options.folder.folder.join("slices");
-    let Some(slicer) = Slicer::find(&options.slicer, folder)?.map(Arc::new) else {
-        info!("no slicer: prints have no estimate");
-        return Ok(None);
+    let slicer = Slicer::find(&options.slicer, folder)?.map(Arc::new);
+    let (printers, of_printers) = match &options.slicer.printers {
+        Some(file) => start_printers(file, booth, slicer.as_ref())?,
+        None => Default::default(),
     };
-    let (booth, end) = (booth.clone(), slicer.end());
-    Ok(Some(Slices { worker: Worker::start(move || slice_next(&booth, &slicer)), end }))
+    let end = slicer.as_ref().map(|slicer| slicer.end());
+    if slicer.is_none() {
+        info!("no slicer: prints have no estimate");
+    }
+    let of_slices = booth.clone();
+    let worker = slicer.map(|slicer| Worker::start(move || slice_next(&of_slices, &slicer)));
+    Ok((Slices { worker, of_printers, end }, printers))
 }
 
 /// Tells on standard output where the booth is, once it can be reached.

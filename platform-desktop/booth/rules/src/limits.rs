@@ -80,3 +80,10 @@ pub const MAX_NOTE_CHARS: usize = 300;
 
 /// Slices by which a size is found for a time: each takes up to a minute of a processor.
 pub const MAX_SIZE_SLICES: u32 = 6;
+
+/// How long a print that was sent waits for its printer to answer: whoever sent it stands before it, and has seen that
+/// its bed is empty.
+pub const SENDING_LIFE: Duration = Duration::from_secs(600);
+
+/// How long a printer may be at something else after it got a print: it takes a file in, and heats.
+pub const LIFE_AT_PRINTER: Duration = Duration::from_secs(60);

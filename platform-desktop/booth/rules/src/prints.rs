@@ -16,7 +16,7 @@ use crate::store::{Order, Query, StoreError};
 use crate::time::BoothTime;
 use crate::value::Field as _;
 
-const NO_ORDER: Refusal = Refusal::NotFound("no such order of a print");
+pub(crate) const NO_ORDER: Refusal = Refusal::NotFound("no such order of a print");
 
 /// Said of a print whose sculpture isn't shown any more.
 const WITHDRAWN: &str = "the sculpture was withdrawn";
@@ -232,7 +232,11 @@ impl Booth {
                     order.height_tenths_mm = 0;
                 }
                 order.estimate = estimate_at_first(can_slice);
-                (order.minutes, order.tenths_gram, order.printer) = (None, None, None);
+                (order.minutes, order.tenths_gram) = (None, None);
+            }
+            // What is taken back is still to be stopped at its printer; of all else that sees to itself, or people do.
+            if !(step == PrintStep::Cancel && order.job.is_some()) {
+                (order.printer, order.job) = (None, None);
             }
             take_step(tx, &mut order, step, "", now)?;
             Ok(note(tx, now, Some(account), name_of(step), subject_of(&sculpture))?)

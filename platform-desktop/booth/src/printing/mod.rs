@@ -1,10 +1,15 @@
-//! Prints: the slicer that tells their time and material.
+//! Prints: the slicer that tells their time and material, and printers on the network.
 
 mod gcode;
+mod printer_file;
+mod printer_link;
+mod printer_thread;
 mod slicer;
 mod slices;
 
 pub use slicer::SlicerOptions;
 
+pub(crate) use printer_link::Activity;
+pub(crate) use printer_thread::{Printer, PrinterView, start_printers};
 pub(crate) use slicer::Slicer;
 pub(crate) use slices::slice_next;

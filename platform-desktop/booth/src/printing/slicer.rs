@@ -43,6 +43,9 @@ pub struct SlicerOptions {
     /// A file of PrusaSlicer's settings, as its "Export Config" writes it. Otherwise its own defaults and PLA.
     #[arg(long, value_name = "FILE")]
     pub slicer_profile: Option<PathBuf>,
+    /// A file that names printers on the network, which prints are sent to from the page.
+    #[arg(long, value_name = "FILE")]
+    pub printers: Option<PathBuf>,
 }
 
 /// PrusaSlicer.
@@ -298,7 +301,7 @@ mod tests {
         let program = folder.join("slicer");
         std::fs::write(&program, format!("#!/bin/sh\n{script}\n")).unwrap();
         std::fs::set_permissions(&program, PermissionsExt::from_mode(0o755)).unwrap();
-        let options = SlicerOptions { slicer: Some(program), slicer_profile: None };
+        let options = SlicerOptions { slicer: Some(program), slicer_profile: None, printers: None };
         let mut slicer =
             Slicer::find(&options, folder.join("slices")).unwrap().expect("it is there");
         slicer.bounds = Bounds { time: Duration::from_secs(3), memory: 1 << 30, file: 1 << 20 };
@@ -390,11 +393,13 @@ mod tests {
     #[test]
     fn one_that_was_named_and_is_not_there_is_told() {
         for name in ["/nowhere/slicer", "no-such-slicer-anywhere"] {
-            let options = SlicerOptions { slicer: Some(name.into()), slicer_profile: None };
+            let options =
+                SlicerOptions { slicer: Some(name.into()), slicer_profile: None, printers: None };
             let told = Slicer::find(&options, "slices".into()).err().expect("it is missing");
             assert!(told.to_string().contains(name), "{told}");
         }
-        let none = SlicerOptions { slicer: Some("none".into()), slicer_profile: None };
+        let none =
+            SlicerOptions { slicer: Some("none".into()), slicer_profile: None, printers: None };
         assert!(Slicer::find(&none, "slices".into()).unwrap().is_none());
     }
 }

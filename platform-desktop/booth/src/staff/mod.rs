@@ -60,6 +60,7 @@ pub(crate) fn router(app: &Arc<App>) -> Router<Arc<App>> {
         .route("/staff/prints", get(prints::show_queue))
         .route("/staff/prints/{order}/slip", get(slip::show_order_slip))
         .route("/staff/prints/{order}/{step}", post(prints::step_print))
+        .route("/staff/prints/{order}/send/{printer}", post(prints::send_print))
         .route("/staff/headsets", get(headsets::show_headsets))
         .route("/staff/headsets/{number}/{command}", post(headsets::ask_command))
         .route("/staff/attempts/{number}/{action}", post(headsets::decide_attempt))

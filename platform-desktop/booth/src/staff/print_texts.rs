@@ -4,6 +4,8 @@ use paros_booth_rules::PrintStep;
 use paros_booth_rules::records::PrintState;
 use paros_core::badge::Language;
 
+use crate::printing::Activity;
+
 /// What the staff page says of prints.
 pub(crate) struct PrintTexts {
     pub(crate) prints: &'static str,
@@ -22,6 +24,10 @@ pub(crate) struct PrintTexts {
     pub(crate) revoke_link: &'static str,
     pub(crate) renew_link: &'static str,
     pub(crate) link_revoked: &'static str,
+    pub(crate) bed_is_empty: &'static str,
+    pub(crate) send_to: &'static str,
+    pub(crate) printer_silent: &'static str,
+    activities: [&'static str; 6],
     states: [&'static str; 6],
     steps: [&'static str; 6],
 }
@@ -36,6 +42,10 @@ impl PrintTexts {
 
     pub(crate) const fn state(&self, state: PrintState) -> &'static str {
         self.states[state as usize]
+    }
+
+    pub(crate) const fn activity(&self, activity: Activity) -> &'static str {
+        self.activities[activity as usize]
     }
 
     pub(crate) const fn step(&self, step: PrintStep) -> &'static str {
@@ -60,6 +70,10 @@ const ENGLISH: PrintTexts = PrintTexts {
     revoke_link: "Take the visitor's link back",
     renew_link: "Make a new link",
     link_revoked: "The visitor's link was taken back.",
+    bed_is_empty: "Is the bed of the printer empty? Then",
+    send_to: "send it to",
+    printer_silent: "doesn't answer",
+    activities: ["free", "prints", "has finished", "was stopped", "is broken", "is busy"],
     states: ["ordered", "printing", "done", "failed", "cancelled", "ready to print"],
     steps: ["Slice", "Printing has begun", "It is done", "It failed", "Cancel", "Order again"],
 };
@@ -81,6 +95,10 @@ const GREEK: PrintTexts = PrintTexts {
     revoke_link: "Ακύρωση του συνδέσμου",
     renew_link: "Νέος σύνδεσμος",
     link_revoked: "Ο σύνδεσμος του επισκέπτη ακυρώθηκε.",
+    bed_is_empty: "Είναι άδεια η πλάκα του εκτυπωτή; Τότε",
+    send_to: "αποστολή στον",
+    printer_silent: "δεν απαντά",
+    activities: ["ελεύθερος", "εκτυπώνει", "τελείωσε", "σταμάτησε", "έχει βλάβη", "απασχολημένος"],
     states: [
         "παραγγέλθηκε",
         "εκτυπώνεται",

@@ -9,7 +9,7 @@ use maud::{Markup, html};
 use paros_booth_rules::limits::{
     MAX_FILAMENT_CHARS, MAX_NOTE_CHARS, PRINT_MINUTES, PRINT_TENTHS_MM,
 };
-use paros_booth_rules::records::{EstimateState, PrintOrder, Sculpture};
+use paros_booth_rules::records::{EstimateState, PrintOrder, PrintState, Sculpture};
 use paros_booth_rules::{LoggedIn, PrintJob, PrintSize, PrintStep, PrintWish, Refusal};
 use paros_core::badge::BadgeNumber;
 use paros_core::outbox::messages::{SculptureId, UploadFacts};
@@ -21,6 +21,7 @@ use super::svg::draw_badge;
 use super::texts::Texts;
 use crate::app::App;
 use crate::clock::booth_time;
+use crate::printing::{Printer, PrinterView};
 use crate::random::random_bytes;
 
 /// The steps that staff take by hand, and how a form's address has them.
@@ -43,7 +44,9 @@ pub(crate) async fn show_queue(
     let texts = Texts::of_request(&headers);
     let jobs = app.run(|app| app.booth.list_print_queue()).await;
     let jobs = jobs.map_err(|refusal| StaffAnswer(texts, refusal))?;
+    let printers: Vec<PrinterView> = app.printers.iter().map(Printer::view).collect();
     let body = html! {
+        (printers_of(texts, &printers))
         @if jobs.is_empty() { p { (texts.nothing) } }
         ul class="cards" {
             @for PrintJob { order, sculpture } in &jobs {
@@ -53,6 +56,7 @@ pub(crate) async fn show_queue(
                     }
                     (order_facts(texts, order))
                     (order_actions(texts, &login, order))
+                    (send_actions(texts, &login, order, &printers))
                 }
             }
         }
@@ -101,6 +105,28 @@ pub(crate) async fn step_print(
         app.run(move |app| app.booth.step_print(order, step, &login.account, booth_time())).await;
     done.map_err(fail)?;
     wake_slicer(&app);
+    // One may have to be stopped.
+    app.printers.iter().for_each(Printer::wake);
+    Ok(Redirect::to("/staff/prints").into_response())
+}
+
+/// `POST /staff/prints/{order}/send/{printer}`, by the printer's place in the list.
+pub(crate) async fn send_print(
+    State(app): State<Arc<App>>,
+    Extension(login): Extension<LoggedIn>,
+    headers: HeaderMap,
+    Path((order, printer)): Path<(u64, usize)>,
+    Form(fields): Form<Fields>,
+) -> Answer {
+    let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
+    fields.check(&login).map_err(fail)?;
+    let done = app.run(move |app| {
+        let printer = app.printers.get(printer).ok_or(Refusal::NotFound("no such printer"))?;
+        app.booth.send_print(order, printer.name(), &login.account, booth_time())?;
+        printer.wake();
+        Ok(())
+    });
+    done.await.map_err(fail)?;
     Ok(Redirect::to("/staff/prints").into_response())
 }
 
@@ -172,6 +198,7 @@ pub(crate) fn order_facts(texts: &Texts, order: &PrintOrder) -> Markup {
     html! {
         p {
             strong { (of_prints.state(order.state)) } " " (utc(order.changed_at))
+            @if let Some(printer) = &order.printer { ", " (printer) }
             @if !order.why.is_empty() { span class="note" { " (" (order.why) ")" } }
         }
         p {
@@ -204,6 +231,51 @@ fn order_actions(texts: &Texts, login: &LoggedIn, order: &PrintOrder) -> Markup 
             @for (step, name) in can {
                 @let class = if step == PrintStep::Cancel { "danger" } else { "" };
                 (action_button(login, &format!("{at}/{name}"), of_prints.step(step), class))
+            }
+        }
+    }
+}
+
+/// Buttons that send a print to a printer.
+fn send_actions(
+    texts: &Texts,
+    login: &LoggedIn,
+    order: &PrintOrder,
+    printers: &[PrinterView],
+) -> Markup {
+    let of_prints = PrintTexts::of(texts.language);
+    let is_ready = order.state == PrintState::Sliced && order.printer.is_none();
+    html! {
+        @if is_ready && !printers.is_empty() {
+            p { (of_prints.bed_is_empty) }
+            div class="actions" {
+                @for (k, printer) in printers.iter().enumerate() {
+                    @let at = format!("/staff/prints/{}/send/{k}", order.order);
+                    (action_button(login, &at, &format!("{} {}", of_prints.send_to, printer.name), ""))
+                }
+            }
+        }
+    }
+}
+
+/// Printers and how they are.
+fn printers_of(texts: &Texts, printers: &[PrinterView]) -> Markup {
+    let of_prints = PrintTexts::of(texts.language);
+    html! {
+        @if !printers.is_empty() {
+            ul {
+                @for PrinterView { name, status } in printers {
+                    li {
+                        (name) ": "
+                        @match status {
+                            None => { (of_prints.printer_silent) },
+                            Some(status) => {
+                                (of_prints.activity(status.activity))
+                                @if let Some(percent) = status.percent { " " (percent) " %" }
+                            },
+                        }
+                    }
+                }
             }
         }
     }

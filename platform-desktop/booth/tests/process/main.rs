@@ -7,6 +7,8 @@ mod enrolment;
 mod kills;
 mod mail;
 mod parcels;
+mod printer_stand_in;
+mod printers;
 mod prints;
 mod rig;
 mod running;

@@ -1,0 +1,202 @@
+//! A thread for each printer on the network: it sends what is to be sent, asks how it is, and stops what was taken back.
+//! A printer that is off costs its own thread a few seconds now and then, and nobody else anything.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use paros_booth_rules::records::PrintOrder;
+use paros_booth_rules::{Booth, PrintJob, PrinterTask, PrinterWord, Refusal};
+use tracing::{info, warn};
+
+use super::printer_file::{PrinterEntry, read_printers};
+use super::printer_link::{Activity, PrinterFault, PrinterLink, PrinterStatus};
+use super::slicer::{SliceFault, Slicer};
+use super::slices::height_of;
+use crate::clock::booth_time;
+use crate::error::Error;
+use crate::exporter::make_stl;
+use crate::worker::{Waker, Worker};
+
+/// How often a printer is looked at that prints, or is to.
+const LOOK_OFTEN: Duration = Duration::from_secs(5);
+
+/// How often one is looked at otherwise.
+const LOOK_AGAIN: Duration = Duration::from_secs(30);
+
+/// What the page shows of a printer.
+#[derive(Clone)]
+pub(crate) struct PrinterView {
+    /// Its name.
+    pub(crate) name: String,
+    /// How it was when it was last asked; `None` where it doesn't answer.
+    pub(crate) status: Option<PrinterStatus>,
+}
+
+/// A printer, as pages know it.
+pub(crate) struct Printer {
+    name: String,
+    waker: Waker,
+    last: Arc<Mutex<Option<PrinterStatus>>>,
+}
+
+/// A printer, as its thread knows it.
+struct PrinterThread {
+    name: String,
+    link: PrinterLink,
+    profile: Option<PathBuf>,
+    slicer: Arc<Slicer>,
+    booth: Booth,
+    last: Arc<Mutex<Option<PrinterStatus>>>,
+}
+
+impl Printer {
+    /// How it was when it was last asked.
+    pub(crate) fn view(&self) -> PrinterView {
+        let status = self.last.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        PrinterView { name: self.name.clone(), status }
+    }
+
+    /// Its name.
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Tells its thread that there is work.
+    pub(crate) fn wake(&self) {
+        self.waker.wake();
+    }
+}
+
+/// Starts a thread for each printer of a file.
+///
+/// # Errors
+/// What is wrong with the file.
+pub(crate) fn start_printers(
+    file: &std::path::Path,
+    booth: &Booth,
+    slicer: Option<&Arc<Slicer>>,
+) -> Result<(Vec<Printer>, Vec<Worker>), Error> {
+    let entries = read_printers(file)?;
+    let Some(slicer) = slicer else {
+        return Err(Error::Input(format!("--printers {}: expected a slicer", file.display())));
+    };
+    let (mut printers, mut workers) = (Vec::new(), Vec::new());
+    for entry in entries {
+        let link = PrinterLink::new(&entry)?;
+        let PrinterEntry { name, profile, .. } = entry;
+        let last = Arc::new(Mutex::new(None));
+        let thread = PrinterThread {
+            name: name.clone(),
+            link,
+            profile,
+            slicer: slicer.clone(),
+            booth: booth.clone(),
+            last: last.clone(),
+        };
+        let worker = Worker::start(move || thread.look());
+        printers.push(Printer { name, waker: worker.waker(), last });
+        workers.push(worker);
+    }
+    Ok((printers, workers))
+}
+
+impl PrinterThread {
+    /// Does what is to be done. Returns for how long there is nothing.
+    fn look(&self) -> Duration {
+        let task = match self.booth.next_printer_task(&self.name, booth_time()) {
+            Ok(task) => task,
+            Err(error) => {
+                warn!(%error, "a printer's prints could not be looked at");
+                return LOOK_AGAIN;
+            }
+        };
+        let status = self.link.status();
+        self.show(status.as_ref().ok());
+        let wait = if task.is_some() { LOOK_OFTEN } else { LOOK_AGAIN };
+        // One that doesn't answer is asked again: what it has, it has.
+        let Ok(status) = status else { return wait };
+        let done = match task {
+            Some(PrinterTask::Send(job)) => self.send(&job, &status),
+            Some(PrinterTask::Watch(order)) => self.watch(&order, &status),
+            Some(PrinterTask::Stop(order)) => self.stop(&order, &status),
+            None => Ok(()),
+        };
+        if let Err(error) = done {
+            warn!(printer = self.name, %error, "a print could not be seen to");
+        }
+        wait
+    }
+
+    fn show(&self, status: Option<&PrinterStatus>) {
+        *self.last.lock().unwrap_or_else(PoisonError::into_inner) = status.cloned();
+    }
+
+    fn send(&self, job: &PrintJob, status: &PrinterStatus) -> Result<(), Refusal> {
+        // Whoever sent it says that the bed is empty: what it printed last doesn't matter.
+        if matches!(status.activity, Activity::Printing | Activity::Busy | Activity::Broken) {
+            return Ok(());
+        }
+        let order = job.order.order;
+        let refuse = |why: &str| {
+            self.booth.begin_print(order, "", booth_time())?;
+            self.booth.refuse_print(order, why, booth_time())
+        };
+        let stl = match make_stl(&self.booth.read_kept(&job.sculpture)?) {
+            Ok(stl) => stl,
+            Err(why) => return refuse(&why),
+        };
+        let Some(model_mm) = height_of(&stl) else { return refuse("it has no height") };
+        let scale = f64::from(job.order.height_tenths_mm) / 10.0 / model_mm;
+        let sliced = match self.slicer.slice(&stl, scale, self.profile.as_deref()) {
+            Ok(sliced) => sliced,
+            Err(SliceFault::Over) => return Ok(()),
+            Err(SliceFault::TooLarge) => return refuse("it is larger than the printer"),
+            Err(SliceFault::Failed(why)) => return refuse(&why),
+        };
+        drop(stl);
+        let name = format!("paros-{order:016x}.gcode");
+        // What the booth says it has begun it never begins again, should the power fail now.
+        if !self.booth.begin_print(order, &name, booth_time())? {
+            return Ok(());
+        }
+        let sent = self.link.send(&name, &sliced.gcode);
+        info!(printer = self.name, order, ?sent, "print sent");
+        match sent {
+            // Whether it has got it, it says when it is asked.
+            Ok(()) | Err(PrinterFault::Silent) => Ok(()),
+            Err(PrinterFault::Refused(why)) => self.booth.refuse_print(order, &why, booth_time()),
+        }
+    }
+
+    fn watch(&self, order: &PrintOrder, status: &PrinterStatus) -> Result<(), Refusal> {
+        let word = word_of(order, status);
+        self.booth.note_printer_word(order.order, word, booth_time())
+    }
+
+    fn stop(&self, order: &PrintOrder, status: &PrinterStatus) -> Result<(), Refusal> {
+        if word_of(order, status) == PrinterWord::Prints {
+            let stopped = self.link.stop(status);
+            info!(printer = self.name, order = order.order, ?stopped, "print stopped");
+            if stopped.is_err() {
+                return Ok(());
+            }
+        }
+        self.booth.release_printer(order.order)
+    }
+}
+
+/// What a printer's status says of the booth's print, which it knows by its name.
+fn word_of(order: &PrintOrder, status: &PrinterStatus) -> PrinterWord {
+    // Where no file is told, as by some while they finish, nothing is known.
+    if status.file.is_none() || status.file != order.job {
+        return PrinterWord::Other;
+    }
+    match status.activity {
+        Activity::Printing | Activity::Busy => PrinterWord::Prints,
+        Activity::Finished => PrinterWord::Finished,
+        Activity::Stopped => PrinterWord::Stopped,
+        Activity::Broken => PrinterWord::Broke,
+        Activity::Idle => PrinterWord::Other,
+    }
+}
