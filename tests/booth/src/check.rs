@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use paros_booth_rules::records::BadgeClaim;
 use paros_core::badge::BadgeNumber;
 use paros_core::outbox::EntryState;
 use paros_core::outbox::messages::{SculptureId, UploadFacts};
@@ -68,6 +69,8 @@ fn check_booth(exhibition: &Exhibition) -> Kept {
         if is_leased && sculpture.headset != exhibition.thief {
             let other = badges.insert(badge, id);
             assert!(other.is_none(), "{badge:?} names {id} and {other:?}");
+            // Nor does a thief get a badge in dispute that its headset was handed.
+            assert_eq!(sculpture.claim, BadgeClaim::Sole, "{id}: an honest headset's");
         }
     }
     kept

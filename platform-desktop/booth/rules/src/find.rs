@@ -5,7 +5,7 @@ use paros_core::outbox::messages::SculptureId;
 
 use crate::booth::{Booth, Tx};
 use crate::limits::MAX_LISTED;
-use crate::records::{Announcement, Device, Sculpture};
+use crate::records::{Announcement, BadgeClaim, Device, Sculpture};
 use crate::refusal::Refusal;
 use crate::store::{Order, Query, StoreError};
 use crate::time::BoothTime;
@@ -23,7 +23,7 @@ pub enum FoundByBadge {
 /// What has a badge.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct BadgeMatches {
-    /// What is kept: first what isn't disputed, then the newest. Of a leased badge one, where no headset errs; of a
+    /// What is kept: first what isn't disputed or in doubt, then the newest. Of a leased badge one, where no headset errs; of a
     /// provisional one any number.
     pub kept: Vec<Sculpture>,
     /// What was announced and hasn't come.
@@ -148,7 +148,11 @@ fn find_matches(
         .ordered("received_at", Order::Descending);
     let mut kept: Vec<Sculpture> = tx.find(&shown)?;
     kept.retain(|sculpture| sculpture.keep_day >= now.day());
-    kept.sort_by_key(|sculpture| sculpture.claim == crate::records::BadgeClaim::Disputed);
+    kept.sort_by_key(|sculpture| match sculpture.claim {
+        BadgeClaim::Sole | BadgeClaim::Shared => 0,
+        BadgeClaim::Disputed => 1,
+        BadgeClaim::Unleased => 2,
+    });
     let announced = Query::all::<Announcement>().equal("badge", &number.get());
     Ok(BadgeMatches { kept, missing: tx.find(&announced)? })
 }

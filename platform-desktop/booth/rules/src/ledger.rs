@@ -6,7 +6,8 @@
 use paros_core::badge::{BadgeLedger, BadgeNumber, LeaseAnswer, LeaseReport, MAX_LEDGER_BYTES};
 
 use crate::booth::{BoothPlan, Tx};
-use crate::records::{LedgerSave, Sculpture};
+use crate::grants::note_grants;
+use crate::records::{BadgeClaim, LedgerSave, Sculpture};
 use crate::refusal::Refusal;
 use crate::store::{Query, StoreError};
 use crate::time::BoothTime;
@@ -23,6 +24,9 @@ pub(crate) fn answer_report(
     tell_of_sculptures(tx, &mut ledger)?;
     let answer = ledger.answer_report(report, now.seconds());
     save(tx, &ledger)?;
+    if let Ok(answer) = &answer {
+        note_grants(tx, answer)?;
+    }
     Ok(answer.ok())
 }
 
@@ -56,7 +60,9 @@ pub(crate) fn begin_generation(
 fn tell_of_sculptures(tx: &mut Tx<'_>, ledger: &mut BadgeLedger) -> Result<(), StoreError> {
     let untold = Query::all::<Sculpture>().equal("is_in_ledger", &false);
     for mut sculpture in tx.find::<Sculpture>(&untold)? {
-        if let Some(number) = sculpture.badge.and_then(BadgeNumber::new) {
+        // A headset that lies spends no number but its own.
+        let is_its = sculpture.claim != BadgeClaim::Unleased;
+        if let Some(number) = sculpture.badge.and_then(BadgeNumber::new).filter(|_| is_its) {
             ledger.keep_until(number, sculpture.keep_day);
         }
         sculpture.is_in_ledger = true;

@@ -5,7 +5,8 @@
 //! What it promises:
 //! - What it signed for is kept until it is deleted by a person's wish or by age, and then it says so.
 //! - No sculpture is kept twice, whatever is lost, doubled or late.
-//! - No leased badge names two sculptures: the second one is *disputed*, and says so.
+//! - No leased badge names two sculptures: the second one is *disputed*, and says so. Nor does a headset claim one that
+//!   it was never handed: such a sculpture is kept with its badge *in doubt*.
 //! - What a headset announced is kept, or was deleted, or is listed as missing.
 //! - A headset that lies harms only itself: all that is its own is under its number.
 #![forbid(unsafe_code)]
@@ -18,6 +19,7 @@ mod deletions;
 mod devices;
 mod enrol;
 mod find;
+mod grants;
 mod heartbeat;
 mod ledger;
 mod lifecycle;

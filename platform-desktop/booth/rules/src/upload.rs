@@ -7,6 +7,7 @@ use paros_core::outbox::messages::{
 };
 
 use crate::booth::{Booth, Tx, hash_of};
+use crate::grants::is_granted;
 use crate::limits::{MAX_CHUNK_BYTES, MAX_OPEN_PARCELS};
 use crate::parcel_files::{KeptName, KeptPart, ParcelName};
 use crate::records::{Announcement, BadgeClaim, Device, ExportState, Sculpture, Tombstone};
@@ -134,7 +135,7 @@ impl Booth {
             if let Some(receipt) = self.find_receipt(tx, name)? {
                 return Ok(receipt);
             }
-            let claim = find_claim(tx, facts.badge, now)?;
+            let claim = find_claim(tx, headset, facts.badge, now)?;
             tx.put(&Sculpture {
                 id: id.0,
                 headset,
@@ -237,6 +238,7 @@ fn check_parcel(
 /// What a badge says of a sculpture that has just come.
 fn find_claim(
     tx: &mut Tx<'_>,
+    headset: u32,
     badge: Option<BadgeNumber>,
     now: BoothTime,
 ) -> Result<BadgeClaim, Refusal> {
@@ -244,8 +246,14 @@ fn find_claim(
     if badge.is_provisional() {
         return Ok(BadgeClaim::Shared);
     }
+    if !is_granted(tx, headset, badge)? {
+        return Ok(BadgeClaim::Unleased);
+    }
     let others = Query::all::<Sculpture>().equal("badge", &badge.get());
     let others: Vec<Sculpture> = tx.find(&others)?;
-    let is_taken = others.iter().any(|other| other.keep_day >= now.day());
+    // What another headset claims that was never handed the badge stands in nobody's way.
+    let is_taken = others
+        .iter()
+        .any(|other| other.keep_day >= now.day() && other.claim != BadgeClaim::Unleased);
     Ok(if is_taken { BadgeClaim::Disputed } else { BadgeClaim::Sole })
 }

@@ -68,6 +68,7 @@ fn sculptures_go_by_age_and_their_number_is_free_again() {
     let rig = Rig::new();
     let device = rig.enrol(1);
     let number = leased(100_000).unwrap();
+    rig.grant(&device, number);
     let early = Parcel::new(device.headset, 1, Some(number));
     let late = Parcel::new(device.headset, 2, leased(200_000));
     rig.upload(&device, &early, START).unwrap();

@@ -5,7 +5,7 @@ mod common;
 use common::*;
 use paros_booth_rules::limits::{MAX_CHUNK_BYTES, MAX_OPEN_PARCELS};
 use paros_booth_rules::records::{BadgeClaim, ExportState};
-use paros_booth_rules::{Chunk, ParcelFiles as _, ParcelName, ParcelProgress};
+use paros_booth_rules::{Chunk, FoundByBadge, ParcelFiles as _, ParcelName, ParcelProgress};
 use paros_core::badge::BadgeNumber;
 use paros_core::limits::MAX_PARCEL_BYTES;
 use paros_core::outbox::messages::*;
@@ -192,21 +192,78 @@ fn a_parcel_that_was_spoilt_here_comes_again() {
 #[test]
 fn a_leased_badge_names_one_sculpture_and_a_provisional_one_any() {
     let rig = Rig::new();
-    let (first, second) = (rig.enrol(1), rig.enrol(2));
+    let first = rig.enrol(1);
     let claim = |device: &_, parcel: &Parcel, now| {
         rig.upload(device, parcel, now).expect("it is kept all the same");
         rig.booth.find_sculpture(&parcel.id, now).expect("it is kept").claim
     };
-    let sole = Parcel::new(first.headset, 1, leased(9));
+    let number = rig.lease(&first, 11)[0];
+    let sole = Parcel::new(first.headset, 1, number);
     assert_eq!(claim(&first, &sole, START), BadgeClaim::Sole);
-    let twice = Parcel::new(second.headset, 2, leased(9));
-    assert_eq!(claim(&second, &twice, START), BadgeClaim::Disputed);
+    let twice = Parcel::new(first.headset, 2, number);
+    assert_eq!(claim(&first, &twice, START), BadgeClaim::Disputed);
     let provisional = Some(BadgeNumber::provisional(5));
     for id in [3, 4] {
         let parcel = Parcel::new(first.headset, id, provisional);
         assert_eq!(claim(&first, &parcel, START), BadgeClaim::Shared);
     }
     // Past its last day a sculpture stands in nobody's way, swept or not.
-    let later = Parcel::new(second.headset, 5, leased(9));
-    assert_eq!(claim(&second, &later, days(31)), BadgeClaim::Sole);
+    let later = Parcel::new(first.headset, 5, number);
+    assert_eq!(claim(&first, &later, days(31)), BadgeClaim::Sole);
+}
+
+/// A headset that is enrolled and lies: it says a badge first that another one was handed.
+#[test]
+fn a_badge_that_a_headset_was_never_handed_is_in_doubt_and_in_nobodys_way() {
+    let rig = Rig::new();
+    let (honest, liar) = (rig.enrol(1), rig.enrol(2));
+    let number = rig.lease(&honest, 11)[3];
+    let theirs = rig.lease(&liar, 12)[3];
+    assert_ne!(number, theirs);
+    let claim = |device: &_, parcel: &Parcel, now| {
+        rig.upload(device, parcel, now).expect("it is kept all the same");
+        rig.booth.find_sculpture(&parcel.id, now).expect("it is kept").claim
+    };
+    let stolen = Parcel::new(liar.headset, 1, number);
+    assert_eq!(claim(&liar, &stolen, START), BadgeClaim::Unleased);
+    let owned = Parcel::new(honest.headset, 2, number);
+    assert_eq!(claim(&honest, &owned, seconds(1)), BadgeClaim::Sole);
+    let nobodys = leased(6_000);
+    assert_eq!(claim(&liar, &Parcel::new(liar.headset, 3, nobodys), START), BadgeClaim::Unleased);
+    assert_eq!(claim(&liar, &Parcel::new(liar.headset, 4, theirs), START), BadgeClaim::Sole);
+    // Who says the badge finds the visitor's sculpture first.
+    let badge = number.expect("a number").badge();
+    let FoundByBadge::Exact(found) = rig.booth.find_by_badge(&badge, seconds(2)).unwrap() else {
+        panic!("a right badge")
+    };
+    let ids: Vec<u8> = found.kept.iter().map(|kept| kept.id[0]).collect();
+    assert_eq!(ids, [2, 1]);
+    // The ledger hears nothing of what was never handed out: a liar spends no numbers.
+    let free = rig.ledger().totals().free;
+    rig.lease(&honest, 11);
+    assert_eq!(rig.ledger().totals().free, free);
+    assert!(nobodys.is_some_and(|number| rig.ledger().is_free(number)));
+}
+
+/// Wiped, a headset leaves its tail to another one; what it had shown before stays its own.
+#[test]
+fn a_tail_that_goes_to_another_headset_is_that_ones() {
+    let rig = Rig::new();
+    let (first, second) = (rig.enrol(1), rig.enrol(2));
+    let before = rig.lease(&first, 11);
+    rig.booth.revoke_device(first.headset, "bob", seconds(5)).unwrap();
+    // Revoked, all that it held is spent; a block that begins anew is somebody else's as a whole.
+    let after = rig.lease_at(&second, 12, days(500));
+    assert!(after.iter().all(|number| number.is_some()));
+    let mut again = Vec::new();
+    for epoch in 0..3 {
+        again = rig.lease_at(&second, 100 + epoch, days(501 + epoch));
+    }
+    let claim = |device: &_, id: u8, number, now| {
+        let parcel = Parcel::new(second.headset, id, number);
+        rig.upload(device, &parcel, now).expect("it is kept all the same");
+        rig.booth.find_sculpture(&parcel.id, now).expect("it is kept").claim
+    };
+    assert_eq!(claim(&second, 1, again[0], days(504)), BadgeClaim::Sole);
+    assert_eq!(claim(&second, 2, before[0], days(504)), BadgeClaim::Unleased);
 }

@@ -6,3 +6,10 @@ ALTER TABLE print_orders ADD COLUMN printer TEXT;
 ALTER TABLE print_orders ADD COLUMN job TEXT;
 ALTER TABLE print_orders ADD COLUMN changed_at INTEGER NOT NULL DEFAULT 0;
 ALTER TABLE print_orders ADD COLUMN why TEXT NOT NULL DEFAULT '';
+
+CREATE TABLE block_grants (
+    block INTEGER NOT NULL,
+    first_place INTEGER NOT NULL,
+    headset INTEGER NOT NULL,
+    PRIMARY KEY (block, first_place)
+) STRICT;

@@ -58,7 +58,7 @@ pub(crate) struct Texts {
     commands: [&'static str; 5],
     command_states: [&'static str; 5],
     exports: [&'static str; 4],
-    claims: [&'static str; 3],
+    claims: [&'static str; 4],
     mail_states: [&'static str; 3],
 }
 
@@ -152,7 +152,12 @@ const ENGLISH: Texts = Texts {
     commands: ["Which one is it?", "A minute more", "End", "Recentre", "Reset"],
     command_states: ["waiting", "sent", "done", "expired", "refused"],
     exports: ["mesh not compared yet", "mesh is the headset's", "mesh differs", "no mesh"],
-    claims: ["", "others may have this badge", "badge is disputed"],
+    claims: [
+        "",
+        "others may have this badge",
+        "badge is disputed",
+        "badge in doubt: another headset's",
+    ],
     mail_states: ["mail waiting", "mail sent", "mail failed"],
 };
 
@@ -208,6 +213,11 @@ const GREEK: Texts = Texts {
     commands: ["Ποια είναι;", "Ένα λεπτό ακόμη", "Τέλος", "Κεντράρισμα", "Επανεκκίνηση"],
     command_states: ["περιμένει", "στάλθηκε", "έγινε", "έληξε", "δεν γίνεται"],
     exports: ["το πλέγμα δεν συγκρίθηκε", "ίδιο πλέγμα", "άλλο πλέγμα", "χωρίς πλέγμα"],
-    claims: ["", "ίσως και άλλοι έχουν αυτό το σήμα", "αμφισβητούμενο σήμα"],
+    claims: [
+        "",
+        "ίσως και άλλοι έχουν αυτό το σήμα",
+        "αμφισβητούμενο σήμα",
+        "αμφίβολο σήμα: άλλης συσκευής",
+    ],
     mail_states: ["το μήνυμα περιμένει", "το μήνυμα στάλθηκε", "το μήνυμα απέτυχε"],
 };

@@ -1,6 +1,7 @@
 //! What the booth keeps: a struct a table.
 
 mod devices;
+mod grants;
 mod people;
 mod prints;
 mod sculptures;
@@ -8,6 +9,7 @@ mod sculptures;
 pub use devices::{
     Announcement, AttemptState, Command, CommandState, Device, EnrolAttempt, EnrolToken, LedgerSave,
 };
+pub use grants::BlockGrant;
 pub use people::{Account, AuditEntry, MailOrder, MailState, StaffRole, StaffSession};
 pub use prints::{EstimateState, PrintOrder, PrintState};
 pub use sculptures::{BadgeClaim, ExportState, Sculpture, Tombstone};
@@ -15,7 +17,7 @@ pub use sculptures::{BadgeClaim, ExportState, Sculpture, Tombstone};
 use crate::table::{Record, Table};
 
 /// All tables that a store has.
-pub const TABLES: [&Table; 13] = [
+pub const TABLES: [&Table; 14] = [
     Device::TABLE,
     EnrolToken::TABLE,
     EnrolAttempt::TABLE,
@@ -29,4 +31,5 @@ pub const TABLES: [&Table; 13] = [
     MailOrder::TABLE,
     PrintOrder::TABLE,
     AuditEntry::TABLE,
+    BlockGrant::TABLE,
 ];

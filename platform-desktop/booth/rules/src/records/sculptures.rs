@@ -13,6 +13,8 @@ stored_enum! {
         Shared = 1,
         /// Another sculpture with the same leased badge was here before: a headset errs or lies.
         Disputed = 2,
+        /// It is a leased badge that its headset was never handed: the headset errs or lies.
+        Unleased = 3,
     }
 }
 

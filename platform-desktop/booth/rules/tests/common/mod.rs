@@ -3,13 +3,13 @@
 
 use std::sync::Arc;
 
-use paros_booth_rules::records::{Device, LedgerSave};
-use paros_booth_rules::view;
+use paros_booth_rules::records::{BlockGrant, Device, LedgerSave};
 use paros_booth_rules::{
     Booth, BoothPlan, BoothTime, Chunk, Field as _, MemoryFiles, MemoryStore, ParcelProgress,
     Refusal, SiteKeys, hash_of,
 };
-use paros_core::badge::{BadgeLedger, BadgeNumber};
+use paros_booth_rules::{update, view};
+use paros_core::badge::{BadgeLedger, BadgeNumber, LeaseReport};
 use paros_core::outbox::messages::*;
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
@@ -82,6 +82,34 @@ impl Rig {
         now: BoothTime,
     ) -> Result<SignedReceipt, Refusal> {
         self.upload_in(device, parcel, 1000, now)
+    }
+
+    /// Has a headset ask for numbers, in a lease of this epoch. Returns all that it holds.
+    pub(crate) fn lease(&self, device: &Device, epoch: u64) -> Vec<Option<BadgeNumber>> {
+        self.lease_at(device, epoch, START)
+    }
+
+    pub(crate) fn lease_at(
+        &self,
+        device: &Device,
+        epoch: u64,
+        now: BoothTime,
+    ) -> Vec<Option<BadgeNumber>> {
+        let report = LeaseReport { headset: device.headset, epoch, report: 1, taken: 0 };
+        let beat = Heartbeat { lease: Some(report), ..heartbeat(device.headset) };
+        let answer = self.beat(device, &beat, now).lease.expect("an answer");
+        let numbers = answer.blocks.iter().flat_map(|tail| {
+            let first = (u32::from(tail.block()) + 1) * 64 - tail.count();
+            (first..first + tail.count()).map(BadgeNumber::new)
+        });
+        numbers.collect()
+    }
+
+    /// As if a headset had been handed the block of a number once, which nobody holds now.
+    pub(crate) fn grant(&self, device: &Device, number: BadgeNumber) {
+        let block = number.get() / 64;
+        let grant = BlockGrant { block, first_place: 0, headset: device.headset };
+        update(self.store.as_ref(), |tx| tx.put(&grant)).expect("a store");
     }
 
     /// The ledger of badges, as it is kept.
