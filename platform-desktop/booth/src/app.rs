@@ -16,6 +16,7 @@ use crate::places::Places;
 use crate::printing::Printer;
 use crate::public::{PublicAddress, PublicGate};
 use crate::rate::RateLimiter;
+use crate::settings::SiteFacts;
 use crate::sqlite_store::SqliteStore;
 use crate::staff::LoginGate;
 use crate::worker::Waker;
@@ -71,6 +72,8 @@ pub(crate) struct App {
     /// Where visitors' pages are, if they have some.
     pub public_address: Option<PublicAddress>,
     pub(crate) public: PublicGate,
+    /// What pages tell of the booth itself.
+    pub(crate) facts: SiteFacts,
     pub(crate) logins: LoginGate,
     pub(crate) of_device: RateLimiter<u32>,
     pub(crate) of_stranger: RateLimiter<IpAddr>,
@@ -128,6 +131,7 @@ impl App {
         (wakers, printers): (Wakers, Vec<Printer>),
         logins: LoginGate,
         public_address: Option<PublicAddress>,
+        facts: SiteFacts,
     ) -> Self {
         App {
             booth,
@@ -137,6 +141,7 @@ impl App {
             printers,
             public: PublicGate::new(public_address.as_ref().and_then(|address| address.proxy)),
             public_address,
+            facts,
             logins,
             // A mesh of 5 MB comes in 20 pieces.
             of_device: RateLimiter::new(200, 50.0),

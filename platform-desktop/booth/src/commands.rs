@@ -2,18 +2,16 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
-use std::time::Duration;
 
 use paros_booth_rules::BoothPlan;
 use paros_core::badge::{Language, Pictogram};
-use paros_core::outbox::messages::EnrolmentToken;
 
 use crate::app::OpenBooth;
 use crate::backup::back_up;
 use crate::clock::booth_time;
 use crate::error::Error;
+use crate::fleet_file::{FleetToken, make_fleet_file};
 use crate::options::BoothCommand;
-use crate::random::random_bytes;
 use crate::restore::restore;
 
 /// Who does what is done from the command line.
@@ -26,7 +24,9 @@ const CONSOLE: &str = "console";
 pub(crate) fn run(command: &BoothCommand) -> Result<String, Error> {
     match command {
         BoothCommand::FleetFile { folder, address, uses, days } => {
-            make_fleet_file(&folder.folder, address, *uses, *days)
+            let OpenBooth { booth, keys, .. } = open(&folder.folder)?;
+            let token = FleetToken { address, uses: *uses, days: *days, note: "fleet file" };
+            Ok(make_fleet_file(&booth, &keys.ca_pem, &token, CONSOLE, booth_time())?)
         }
         BoothCommand::Backup { folder, file } => back_up(&folder.folder, file),
         BoothCommand::Restore { folder, file, deletions } => {
@@ -48,28 +48,6 @@ pub(crate) fn run(command: &BoothCommand) -> Result<String, Error> {
 fn open(folder: &Path) -> Result<OpenBooth, Error> {
     // Nothing is kept here that a plan or a quota is about.
     OpenBooth::open(folder, BoothPlan::default(), u64::MAX)
-}
-
-fn make_fleet_file(folder: &Path, address: &str, uses: u32, days: u16) -> Result<String, Error> {
-    let is_plain = address.chars().all(|letter| !letter.is_control() && letter != '"');
-    if !address.starts_with("https://") || !is_plain {
-        return Err(Error::Input(format!("{address}: expected https:// and an address")));
-    }
-    let OpenBooth { booth, keys, .. } = open(folder)?;
-    let token = random_bytes().map_err(|error| Error::failure("random bits", error))?;
-    let token = EnrolmentToken(token);
-    let now = booth_time();
-    let expires_at = now.after(Duration::from_secs(86_400) * u32::from(days));
-    booth.add_enrol_token(&token, (uses, expires_at), "fleet file", Some(CONSOLE), now)?;
-    Ok(format!(
-        "# Lets {uses} headsets enrol within {days} days. Whoever has it can enrol one: keep it to yourself.\n\
-         address = \"{address}\"\nsite = \"{}\"\nreceipt_key = \"{}\"\n\
-         enrolment_token = \"{}\"\nca = \"\"\"\n{}\"\"\"\n",
-        keys.site.site,
-        keys.site.receipt_key(),
-        token.reveal(),
-        keys.ca_pem
-    ))
 }
 
 fn list_attempts(folder: &Path) -> Result<String, Error> {

@@ -4,6 +4,7 @@
 
 mod app;
 mod backup;
+mod badge_export;
 mod body;
 mod clock;
 mod commands;
@@ -11,6 +12,7 @@ mod deletion_log;
 mod disk_files;
 mod error;
 mod exporter;
+mod fleet_file;
 mod folder_lock;
 mod gate;
 mod glb;
@@ -34,6 +36,7 @@ mod restore;
 mod routes;
 mod run;
 mod server;
+mod settings;
 mod sqlite_store;
 mod staff;
 mod threemf;

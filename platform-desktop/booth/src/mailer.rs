@@ -257,10 +257,15 @@ fn write_text(job: &MailJob, content: &MailContent) -> (&'static str, String) {
                     format!("Its files are too large for a mail. Here you find them:\n{link}")
                 }
             };
+            let kept = if job.keeps_address {
+                "As you agreed, your address is kept as long as the sculpture."
+            } else {
+                "Your address was kept for this mail alone, and is deleted now."
+            };
             let text = format!(
                 "Hello,\n\nthis is the sculpture that you carved with Paros. Its badge: {words}\n\n\
                  {where_it_is}\n\n\
-                 Your address was kept for this mail alone, and is deleted now.\n"
+                 {kept}\n"
             );
             ("Your sculpture", text)
         }
@@ -273,10 +278,15 @@ fn write_text(job: &MailJob, content: &MailContent) -> (&'static str, String) {
                     format!("Τα αρχεία του είναι πολύ μεγάλα για μήνυμα. Θα τα βρείτε εδώ:\n{link}")
                 }
             };
+            let kept = if job.keeps_address {
+                "Όπως συμφωνήσατε, η διεύθυνσή σας κρατιέται όσο και το γλυπτό."
+            } else {
+                "Η διεύθυνσή σας κρατήθηκε μόνο για αυτό το μήνυμα, και τώρα διαγράφεται."
+            };
             let text = format!(
                 "Γεια σας,\n\nαυτό είναι το γλυπτό που σκαλίσατε με το Paros. Το σήμα του: {words}\n\n\
                  {where_it_is}\n\n\
-                 Η διεύθυνσή σας κρατήθηκε μόνο για αυτό το μήνυμα, και τώρα διαγράφεται.\n"
+                 {kept}\n"
             );
             ("Το γλυπτό σας", text)
         }
@@ -310,7 +320,8 @@ mod tests {
             link_generation: 0,
             is_link_revoked: false,
         };
-        MailJob { order: 1, address: "ana@example.org".into(), language, sculpture }
+        let address = "ana@example.org".into();
+        MailJob { order: 1, address, language, sculpture, keeps_address: false }
     }
 
     #[test]

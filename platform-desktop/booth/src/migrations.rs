@@ -6,9 +6,10 @@ use rusqlite::{Connection, TransactionBehavior};
 use crate::sqlite_store::store_error;
 
 /// From version k to k + 1.
-const STEPS: [&str; 3] = [
+const STEPS: [&str; 4] = [
     include_str!("schema/001.sql"),
     include_str!("schema/002.sql"),
+    include_str!("schema/003.sql"),
     include_str!("schema/004.sql"),
 ];
 

@@ -26,6 +26,7 @@ use crate::public::{self, PublicAddress};
 use crate::random::random_bytes;
 use crate::routes;
 use crate::server::serve;
+use crate::settings::{SiteFacts, list_settings};
 use crate::staff::LoginGate;
 use crate::worker::Worker;
 
@@ -62,8 +63,9 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     };
     let first_code = draw_first_code(&open.booth)?;
     let logins = LoginGate::new(first_code.clone());
-    let app =
-        Arc::new(App::new(open.booth, open.files, (wakers, printers), logins, public.clone()));
+    let facts = SiteFacts { ca_pem: open.keys.ca_pem.clone(), settings: list_settings(options) };
+    let (wakers, public_of_app) = ((wakers, printers), public.clone());
+    let app = Arc::new(App::new(open.booth, open.files, wakers, logins, public_of_app, facts));
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()
         .max_blocking_threads(WORK_THREADS)

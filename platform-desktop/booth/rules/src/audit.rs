@@ -1,6 +1,7 @@
 //! The audit: who did what, when. Addresses are never in it.
 
 use crate::booth::{Booth, Tx};
+use crate::limits::SWEEP_BATCH;
 use crate::records::AuditEntry;
 use crate::refusal::Refusal;
 use crate::store::{Order, Query, StoreError};
@@ -21,9 +22,42 @@ impl Booth {
     /// # Errors
     /// Those of the store.
     pub fn list_audit(&self, limit: usize) -> Result<Vec<AuditEntry>, Refusal> {
-        let query = Query::all::<AuditEntry>().ordered("at", Order::Descending).first(limit);
-        self.view(|tx| tx.find(&query))
+        self.list_audit_before(BoothTime(u64::MAX), limit)
     }
+
+    /// The newest entries of before a time, the last one first.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn list_audit_before(
+        &self,
+        before: BoothTime,
+        limit: usize,
+    ) -> Result<Vec<AuditEntry>, Refusal> {
+        let query = Query::all::<AuditEntry>().below("at", &before);
+        self.view(|tx| tx.find(&query.ordered("at", Order::Descending).first(limit)))
+    }
+}
+
+/// Takes the badge out of what was done with a sculpture: it is another's soon.
+pub(crate) fn forget_badge(tx: &mut Tx<'_>, sculpture: &[u8; 16]) -> Result<(), StoreError> {
+    let of_sculpture = Query::all::<AuditEntry>().equal("sculpture", &Some(*sculpture));
+    for mut entry in tx.find::<AuditEntry>(&of_sculpture)? {
+        if entry.badge.take().is_some() {
+            tx.put(&entry)?;
+        }
+    }
+    Ok(())
+}
+
+/// Removes the oldest entries that are from before a time, and returns how many.
+pub(crate) fn drop_old_entries(tx: &mut Tx<'_>, before: BoothTime) -> Result<usize, StoreError> {
+    let old = Query::all::<AuditEntry>().below("at", &before).first(SWEEP_BATCH);
+    let old: Vec<AuditEntry> = tx.find(&old)?;
+    for entry in &old {
+        tx.remove::<AuditEntry>(&[entry.at.to_value(), entry.number.to_value()])?;
+    }
+    Ok(old.len())
 }
 
 /// Notes that something was done; by nobody where the booth did it by itself.

@@ -69,6 +69,12 @@ impl Booth {
         &self.keys
     }
 
+    /// How long things are kept.
+    #[must_use]
+    pub const fn plan(&self) -> BoothPlan {
+        self.plan
+    }
+
     pub(crate) fn update<T>(
         &self,
         work: impl FnMut(&mut Tx<'_>) -> Result<T, crate::Refusal>,

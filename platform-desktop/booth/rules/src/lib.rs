@@ -11,6 +11,7 @@
 //! - A headset that lies harms only itself: all that is its own is under its number.
 #![forbid(unsafe_code)]
 
+mod accounts;
 mod audit;
 mod booth;
 mod check_store;
@@ -30,10 +31,11 @@ mod memory_store;
 mod parcel_files;
 mod printers;
 mod prints;
+mod privacy;
 pub mod records;
 mod refusal;
-mod size_search;
 mod restore;
+mod size_search;
 mod staff;
 mod store;
 mod table;
@@ -55,9 +57,10 @@ pub use memory_store::MemoryStore;
 pub use parcel_files::{KeptName, KeptPart, MemoryFiles, ParcelFiles, ParcelName};
 pub use printers::{PrinterTask, PrinterWord};
 pub use prints::{PrintJob, PrintSize, PrintStep, PrintWish, SliceOutcome};
+pub use privacy::{BadgeRecords, SculptureRecords};
 pub use refusal::Refusal;
-pub use size_search::{SizeSearch, Sliced};
 pub use restore::RestoreReport;
+pub use size_search::{SizeSearch, Sliced};
 pub use staff::{LoggedIn, SessionBits};
 pub use store::{Access, Condition, Order, Query, Store, StoreError, Transaction, update, view};
 pub use table::{Column, Record, Row, Table};

@@ -5,11 +5,11 @@ use std::time::Duration;
 
 use paros_core::outbox::messages::{ContentHash, SculptureId};
 
-use crate::audit::{Subject, note};
+use crate::audit::{Subject, drop_old_entries, forget_badge, note};
 use crate::booth::{Booth, Tx};
 use crate::deletions::Deletion;
 use crate::find::NO_SCULPTURE;
-use crate::limits::{OPEN_PARCEL_LIFE, SWEEP_BATCH};
+use crate::limits::{AUDIT_DAYS, OPEN_PARCEL_LIFE, SWEEP_BATCH};
 use crate::mail::withdraw_mails;
 use crate::parcel_files::{KeptName, KeptPart};
 use crate::prints::{remove_prints, withdraw_prints};
@@ -96,7 +96,7 @@ impl Booth {
         self.update(|tx| {
             let sculpture: Sculpture = tx.get(&[id.0.to_value()])?.ok_or(NO_SCULPTURE)?;
             self.bury(tx, &sculpture, now)?;
-            Ok(note(tx, now, account, action, subject_of(&sculpture))?)
+            Ok(note(tx, now, account, action, subject_of_buried(&sculpture))?)
         })?;
         self.remove_buried_files()
     }
@@ -129,6 +129,7 @@ impl Booth {
                 let key = [announcement.headset.to_value(), announcement.sculpture.to_value()];
                 tx.remove::<Announcement>(&key)?;
             }
+            drop_old_entries(tx, days_before(now, AUDIT_DAYS))?;
             Ok((ended.len(), old.len()))
         })?;
         Ok(report)
@@ -187,9 +188,20 @@ impl Booth {
     /// # Errors
     /// What the disk says.
     pub fn read_picture(&self, sculpture: &Sculpture) -> Result<Option<Vec<u8>>, Refusal> {
-        let name = kept_name(&sculpture.id, &sculpture.hash, KeptPart::Picture);
-        match self.files.read_kept(&name) {
-            Ok(png) => Ok(Some(png)),
+        self.read_part(sculpture, KeptPart::Picture)
+    }
+
+    /// The packed trace of a sculpture, if it has one.
+    ///
+    /// # Errors
+    /// What the disk says.
+    pub fn read_trace(&self, sculpture: &Sculpture) -> Result<Option<Vec<u8>>, Refusal> {
+        self.read_part(sculpture, KeptPart::Trace)
+    }
+
+    fn read_part(&self, of: &Sculpture, part: KeptPart) -> Result<Option<Vec<u8>>, Refusal> {
+        match self.files.read_kept(&kept_name(&of.id, &of.hash, part)) {
+            Ok(bytes) => Ok(Some(bytes)),
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
             Err(error) => Err(error.into()),
         }
@@ -234,6 +246,7 @@ impl Booth {
             tx.remove::<MailOrder>(&[order.order.to_value()])?;
         }
         remove_prints(tx, &sculpture.id)?;
+        forget_badge(tx, &sculpture.id)?;
         tx.put(&self.make_tombstone(&Deletion {
             id: SculptureId(sculpture.id),
             headset: sculpture.headset,
@@ -269,7 +282,7 @@ impl Booth {
                     let old: Vec<Sculpture> = tx.find(&query)?;
                     for sculpture in &old {
                         self.bury(tx, sculpture, now)?;
-                        note(tx, now, None, "delete by age", subject_of(sculpture))?;
+                        note(tx, now, None, "delete by age", subject_of_buried(sculpture))?;
                     }
                     Ok(old.len())
                 })?;
@@ -351,4 +364,9 @@ pub(crate) fn subject_of(sculpture: &Sculpture) -> Subject {
         sculpture: Some(sculpture.id),
         badge: sculpture.badge,
     }
+}
+
+/// Of a sculpture that was deleted: its badge is another's soon.
+pub(crate) fn subject_of_buried(sculpture: &Sculpture) -> Subject {
+    Subject { badge: None, ..subject_of(sculpture) }
 }

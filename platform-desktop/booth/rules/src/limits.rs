@@ -54,6 +54,12 @@ pub const MAX_RETRY_WAIT: Duration = Duration::from_secs(3600);
 /// Tries of a mail: some three days, as a booth may be without the Internet for a weekend.
 pub const MAX_MAIL_TRIES: u32 = 80;
 
+/// Days for which the audit is kept: a season, and the one after it.
+pub const AUDIT_DAYS: u16 = 400;
+
+/// Sculptures of an export of all that is known under a badge: a leased one has one, and each is some 16 MB.
+pub const MAX_EXPORTED: usize = 32;
+
 /// Records that a sweep deals with in one transaction, so that requests find a gap between two.
 pub const SWEEP_BATCH: usize = 64;
 

@@ -1,5 +1,6 @@
 //! Sculptures that visitors want by e-mail: an order each, tried until a server took it. An address is kept no longer
-//! than until then, or until the order has failed; it is in no log and no audit.
+//! than until then, or until the order has failed, unless the visitor agreed that it stays with the sculpture; it is in no
+//! log, no audit and no backup.
 
 use std::time::Duration;
 
@@ -28,6 +29,8 @@ pub struct MailJob {
     pub language: Language,
     /// What to send.
     pub sculpture: Sculpture,
+    /// Whether the address stays.
+    pub keeps_address: bool,
 }
 
 /// What came of a try. What is said of it names no address.
@@ -42,7 +45,8 @@ pub enum MailOutcome {
 }
 
 impl Booth {
-    /// Notes that somebody wants a sculpture by e-mail, in the language of its visit. `order` is random bits.
+    /// Notes that somebody wants a sculpture by e-mail, in the language of its visit, and whether the visitor agreed that
+    /// the address is kept as long as the sculpture. `order` is random bits.
     ///
     /// # Errors
     /// [`Refusal::BadRequest`] where the address is none, [`Refusal::NotFound`] where the sculpture isn't shown,
@@ -50,7 +54,7 @@ impl Booth {
     pub fn ask_mail(
         &self,
         id: &SculptureId,
-        address: &str,
+        (address, keeps_address): (&str, bool),
         order: u64,
         account: &str,
         now: BoothTime,
@@ -84,6 +88,7 @@ impl Booth {
                 tries: 0,
                 next_try_at: now,
                 why: String::new(),
+                keeps_address,
             })?;
             Ok(note(tx, now, Some(account), "mail", subject_of(&sculpture))?)
         })
@@ -119,7 +124,8 @@ impl Booth {
             if let (Some(sculpture), Some(address)) = (sculpture, order.address) {
                 let is_greek = order.language == Language::Greek as u8;
                 let language = if is_greek { Language::Greek } else { Language::English };
-                return Ok(Some(MailJob { order: order.order, address, language, sculpture }));
+                let MailOrder { order, keeps_address, .. } = order;
+                return Ok(Some(MailJob { order, address, language, sculpture, keeps_address }));
             }
             self.note_mail(order.order, &MailOutcome::Refused(WITHDRAWN.into()), now)?;
         }
@@ -164,8 +170,10 @@ pub(crate) fn withdraw_mails(tx: &mut Tx<'_>, sculpture: &[u8; 16]) -> Result<()
     for mut order in tx.find::<MailOrder>(&orders_of(sculpture))? {
         if order.state == MailState::Queued {
             end_order(&mut order, MailState::Failed, WITHDRAWN);
-            tx.put(&order)?;
         }
+        // Who takes the sculpture back agrees to nothing any more.
+        order.address = None;
+        tx.put(&order)?;
     }
     Ok(())
 }
@@ -185,10 +193,11 @@ fn orders_of(sculpture: &[u8; 16]) -> Query {
     Query::all::<MailOrder>().equal("sculpture", sculpture)
 }
 
-/// An order that is over has no address.
+/// An order that is over has no address, but one that was taken by a visitor who agreed.
 fn end_order(order: &mut MailOrder, state: MailState, why: &str) {
     order.state = state;
-    order.address = None;
+    let is_kept = order.keeps_address && state == MailState::Accepted;
+    order.address = order.address.take().filter(|_| is_kept);
     order.why = why.to_owned();
 }
 

@@ -105,7 +105,8 @@ impl Booth {
                 return Err(Refusal::Conflict("the name is taken"));
             }
             tx.put(&account)?;
-            Ok(note(tx, now, Some(by), "add account", Subject::default())?)
+            let action = format!("add account {name}");
+            Ok(note(tx, now, Some(by), &action, Subject::default())?)
         })
     }
 
@@ -135,7 +136,7 @@ impl Booth {
                 tx.remove::<StaffSession>(&[session.token_hash.to_value()])?;
             }
             let action = if is_disabled { "disable account" } else { "enable account" };
-            Ok(note(tx, now, Some(by), action, Subject::default())?)
+            Ok(note(tx, now, Some(by), &format!("{action} {name}"), Subject::default())?)
         })
     }
 
@@ -228,7 +229,7 @@ fn make_account(name: &str, password_hash: &str, role: StaffRole) -> Result<Acco
     Ok(Account { name, password_hash, role, is_disabled: false })
 }
 
-fn sessions_of(tx: &mut Tx<'_>, name: &str) -> Result<Vec<StaffSession>, StoreError> {
+pub(crate) fn sessions_of(tx: &mut Tx<'_>, name: &str) -> Result<Vec<StaffSession>, StoreError> {
     tx.find(&Query::all::<StaffSession>().equal("account", &name.to_owned()))
 }
 

@@ -48,6 +48,7 @@ fn what_is_deleted_leaves_a_tombstone_until_the_horizon() {
         tries: 0,
         next_try_at: START,
         why: String::new(),
+        keeps_address: false,
     };
     update(rig.store.as_ref(), |tx| tx.put(&order)).unwrap();
     rig.booth.delete(&parcel.id, "ana", START).unwrap();

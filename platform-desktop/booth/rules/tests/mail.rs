@@ -31,7 +31,7 @@ fn a_mail_is_tried_until_a_server_takes_it_and_then_its_address_is_gone() {
     let (rig, id) = with_sculpture();
     let booth = &rig.booth;
     assert_eq!(booth.next_mail(START).unwrap(), None);
-    booth.ask_mail(&id, &format!(" {ANA} "), 7, "bob", START).unwrap();
+    booth.ask_mail(&id, (&format!(" {ANA} "), false), 7, "bob", START).unwrap();
     let mut now = START;
     let mut wait = MIN_RETRY_WAIT;
     for tries in 1..12 {
@@ -65,11 +65,11 @@ fn a_mail_is_tried_until_a_server_takes_it_and_then_its_address_is_gone() {
 fn a_mail_that_fails_for_good_has_no_address_either() {
     let (rig, id) = with_sculpture();
     let booth = &rig.booth;
-    booth.ask_mail(&id, ANA, 1, "bob", START).unwrap();
+    booth.ask_mail(&id, (ANA, false), 1, "bob", START).unwrap();
     booth.note_mail(1, &MailOutcome::Refused("550".into()), START).unwrap();
     let order = rig.mail(&id);
     assert_eq!((order.state, order.address, order.why.as_str()), (MailState::Failed, None, "550"));
-    booth.ask_mail(&id, ANA, 2, "bob", seconds(1)).unwrap();
+    booth.ask_mail(&id, (ANA, false), 2, "bob", seconds(1)).unwrap();
     for _ in 0..MAX_MAIL_TRIES {
         assert_eq!(rig.mail(&id).state, MailState::Queued);
         booth.note_mail(2, &MailOutcome::Later("no answer".into()), seconds(1)).unwrap();
@@ -81,17 +81,17 @@ fn a_mail_that_fails_for_good_has_no_address_either() {
 fn what_is_withdrawn_or_deleted_is_not_sent_and_its_address_is_forgotten() {
     let (rig, id) = with_sculpture();
     let booth = &rig.booth;
-    booth.ask_mail(&id, ANA, 1, "bob", START).unwrap();
+    booth.ask_mail(&id, (ANA, false), 1, "bob", START).unwrap();
     booth.withdraw(&id, "bob", START).unwrap();
     assert_eq!((rig.mail(&id).state, rig.mail(&id).address), (MailState::Failed, None));
-    assert_eq!(status(booth.ask_mail(&id, ANA, 2, "bob", START)), 404);
+    assert_eq!(status(booth.ask_mail(&id, (ANA, false), 2, "bob", START)), 404);
     booth.bring_back(&id, "bob", START).unwrap();
     assert_eq!(booth.next_mail(days(1)).unwrap(), None, "it is asked for anew");
-    booth.ask_mail(&id, ANA, 3, "bob", seconds(1)).unwrap();
+    booth.ask_mail(&id, (ANA, false), 3, "bob", seconds(1)).unwrap();
     // Past its last day, before the sweep.
     assert_eq!(booth.next_mail(days(400)).unwrap(), None);
     assert_eq!((rig.mail(&id).state, rig.mail(&id).address), (MailState::Failed, None));
-    booth.ask_mail(&id, ANA, 4, "bob", seconds(2)).unwrap();
+    booth.ask_mail(&id, (ANA, false), 4, "bob", seconds(2)).unwrap();
     booth.delete(&id, "bob", seconds(3)).unwrap();
     assert_eq!(booth.list_mails(&id).unwrap(), []);
     assert_eq!(booth.next_mail(seconds(4)).unwrap(), None);
@@ -101,16 +101,19 @@ fn what_is_withdrawn_or_deleted_is_not_sent_and_its_address_is_forgotten() {
 fn a_sculpture_has_so_many_mails() {
     let (rig, id) = with_sculpture();
     for order in 0..MAX_MAILS_OF_ONE {
-        rig.booth.ask_mail(&id, ANA, order, "bob", START).unwrap();
+        rig.booth.ask_mail(&id, (ANA, false), order, "bob", START).unwrap();
     }
-    assert_eq!(status(rig.booth.ask_mail(&id, ANA, 99, "bob", START)), 409);
-    assert_eq!(status(rig.booth.ask_mail(&SculptureId([9; 16]), ANA, 98, "bob", START)), 404);
+    assert_eq!(status(rig.booth.ask_mail(&id, (ANA, false), 99, "bob", START)), 409);
+    assert_eq!(
+        status(rig.booth.ask_mail(&SculptureId([9; 16]), (ANA, false), 98, "bob", START)),
+        404
+    );
 }
 
 #[test]
 fn an_address_is_one_address_and_nothing_else() {
     let (rig, id) = with_sculpture();
-    let ask = |address: &str| rig.booth.ask_mail(&id, address, 1, "bob", START);
+    let ask = |address: &str| rig.booth.ask_mail(&id, (address, false), 1, "bob", START);
     let long = format!("{}@example.org", "a".repeat(65));
     for address in [
         "",
@@ -142,4 +145,20 @@ fn an_address_is_one_address_and_nothing_else() {
     // It is a name like others, and harmless.
     ask("o'brien'--@example.org").unwrap();
     assert_eq!(rig.mail(&id).address.as_deref(), Some("o'brien'--@example.org"));
+}
+
+#[test]
+fn an_address_stays_where_the_visitor_agreed_until_the_sculpture_goes() {
+    let (rig, id) = with_sculpture();
+    rig.booth.ask_mail(&id, (ANA, true), 1, "bob", START).unwrap();
+    assert!(rig.booth.next_mail(START).unwrap().expect("it is due").keeps_address);
+    rig.booth.note_mail(1, &MailOutcome::Accepted, START).unwrap();
+    assert_eq!(rig.mail(&id).address.as_deref(), Some(ANA));
+    // What was refused is an address of nobody.
+    rig.booth.ask_mail(&id, (ANA, true), 2, "bob", seconds(1)).unwrap();
+    rig.booth.note_mail(2, &MailOutcome::Refused("550".into()), START).unwrap();
+    assert_eq!(rig.mail(&id).address, None);
+    rig.booth.withdraw(&id, "bob", seconds(2)).unwrap();
+    let mails = rig.booth.list_mails(&id).unwrap();
+    assert!(mails.len() == 2 && mails.iter().all(|mail| mail.address.is_none()), "{mails:?}");
 }

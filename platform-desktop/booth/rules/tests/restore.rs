@@ -92,7 +92,7 @@ fn logins_tokens_and_waiting_mails_are_over() {
     rig.booth.add_first_admin("ana", "hash", START).unwrap();
     let bits = SessionBits { cookie: [1; 32], form_token: [2; 16] };
     rig.booth.log_in("ana", &bits, START).unwrap();
-    rig.booth.ask_mail(&parcel.id, "eleni@example.org", 5, "ana", START).unwrap();
+    rig.booth.ask_mail(&parcel.id, ("eleni@example.org", false), 5, "ana", START).unwrap();
     let again = restored(rig.store.copy(), rig.files.clone());
     let report = again.booth.make_restored(&[], START, seconds(1)).unwrap();
     assert_eq!((report.mails, report.tokens), (1, 1));

@@ -72,3 +72,25 @@ fn who_is_shut_out_is_out_at_once_and_an_admin_is_left() {
     booth.log_out(&bits(1).cookie).unwrap();
     assert_eq!(status(booth.find_login(&bits(1).cookie, START)), 401);
 }
+
+#[test]
+fn a_new_password_ends_all_logins_of_its_account() {
+    let Rig { booth, .. } = Rig::new();
+    booth.add_first_admin("ana", "hash", START).unwrap();
+    booth.add_account("bob", "hash of bob", StaffRole::Attendant, "ana", START).unwrap();
+    booth.log_in("bob", &bits(1), START).unwrap();
+    booth.log_in("bob", &bits(3), START).unwrap();
+    booth.log_in("ana", &bits(5), START).unwrap();
+    booth.set_password("bob", "another", START).unwrap();
+    assert_eq!(booth.password_hash("bob").unwrap().as_deref(), Some("another"));
+    for byte in [1, 3] {
+        assert_eq!(status(booth.find_login(&bits(byte).cookie, START)), 401);
+    }
+    booth.find_login(&bits(5).cookie, START).expect("another's");
+    booth.set_account_disabled("bob", true, "ana", START).unwrap();
+    assert_eq!(status(booth.set_password("bob", "x", START)), 404);
+    assert_eq!(status(booth.set_password("eve", "x", START)), 404);
+    let audit = booth.list_audit(9).unwrap();
+    assert!(audit.iter().any(|entry| entry.action == "change password"));
+    assert!(audit.iter().any(|entry| entry.action == "disable account bob"));
+}

@@ -28,7 +28,7 @@ use crate::routes::Peer;
 const COOKIE: &str = "__Host-paros";
 
 /// The shortest password.
-const MIN_PASSWORD_CHARS: usize = 10;
+pub(super) const MIN_PASSWORD_CHARS: usize = 10;
 
 /// Passwords that are hashed at once: each takes 19 MiB.
 const MAX_HASHES: usize = 2;
@@ -53,7 +53,7 @@ impl LoginGate {
         }
     }
 
-    fn take_turn(&self, account: &str, peer: IpAddr) -> Result<(), Refusal> {
+    pub(super) fn take_turn(&self, account: &str, peer: IpAddr) -> Result<(), Refusal> {
         let now = Instant::now();
         let account = account.chars().take(64).collect();
         if self.of_address.take(peer, now) && self.of_account.take(account, now) {
@@ -172,7 +172,7 @@ pub(crate) async fn log_out(
     Ok(with_cookie(Redirect::to("/staff/login").into_response(), &gone))
 }
 
-async fn begin_session(app: &Arc<App>, name: String) -> Result<Response, Refusal> {
+pub(super) async fn begin_session(app: &Arc<App>, name: String) -> Result<Response, Refusal> {
     let bits = SessionBits { cookie: random_bytes()?, form_token: random_bytes()? };
     app.run(move |app| app.booth.log_in(&name, &bits, booth_time())).await?;
     let value: String = bits.cookie.iter().map(|byte| format!("{byte:02x}")).collect();
@@ -206,7 +206,7 @@ fn login_page(texts: &Texts, status: StatusCode, fault: Option<&str>) -> Respons
     answer
 }
 
-async fn hash_password(app: &Arc<App>, password: String) -> Result<String, Refusal> {
+pub(super) async fn hash_password(app: &Arc<App>, password: String) -> Result<String, Refusal> {
     if password.chars().count() < MIN_PASSWORD_CHARS {
         let why = format!("expected a password of {MIN_PASSWORD_CHARS} characters or more");
         return Err(Refusal::BadRequest(why));
@@ -221,7 +221,7 @@ async fn hash_password(app: &Arc<App>, password: String) -> Result<String, Refus
 }
 
 /// Whether a password is that of a hash. Without one it takes as long.
-async fn verify_password(
+pub(super) async fn verify_password(
     app: &Arc<App>,
     password: String,
     hash: Option<String>,

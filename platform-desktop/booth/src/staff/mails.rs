@@ -10,6 +10,7 @@ use paros_booth_rules::records::{MailOrder, MailState, Sculpture};
 use paros_booth_rules::{LoggedIn, Refusal};
 use paros_core::outbox::messages::{AgeGroup, SculptureId, UploadFacts};
 
+use super::admin_texts::AdminTexts;
 use super::page::{Fields, StaffAnswer, form_token};
 use super::sculptures::utc;
 use super::texts::Texts;
@@ -36,7 +37,9 @@ pub(crate) async fn ask_mail(
     let order = order >> 1;
     let asked = app.run(move |app| {
         let address = fields.get("address");
-        app.booth.ask_mail(&id, &address, order, &login.account, booth_time())
+        let keeps_address = !fields.get("keep").is_empty();
+        let asked = (address.as_str(), keeps_address);
+        app.booth.ask_mail(&id, asked, order, &login.account, booth_time())
     });
     asked.await.map_err(fail)?;
     waker.wake();
@@ -63,6 +66,7 @@ pub(crate) fn mails_of(
                     input name="address" type="email" autocomplete="off" required maxlength="254";
                 }
                 p { (texts.address_is_deleted) }
+                label class="check" { input name="keep" type="checkbox" value="yes"; " " (AdminTexts::of(texts).keep_address) }
                 button { (texts.send_mail) }
             }
         }

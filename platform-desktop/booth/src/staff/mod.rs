@@ -1,11 +1,15 @@
 //! The staff page: made by the booth, with a little script and no foreign host.
 
+mod account;
+mod admin;
+mod admin_texts;
 mod headsets;
 mod login;
 mod mails;
 mod page;
 mod print_texts;
 mod prints;
+mod privacy;
 mod sculptures;
 mod slip;
 mod svg;
@@ -43,7 +47,21 @@ const HEADERS: [(HeaderName, &str); 5] = [
 
 /// The routes of the staff page.
 pub(crate) fn router(app: &Arc<App>) -> Router<Arc<App>> {
+    let for_admins = Router::new()
+        .route("/staff/admin", get(admin::show_admin))
+        .route("/staff/admin/accounts", post(admin::add_account))
+        .route("/staff/admin/accounts/{name}/{action}", post(admin::change_account))
+        .route("/staff/admin/tokens", post(admin::add_token))
+        .route("/staff/admin/tokens/{hash}/revoke", post(admin::revoke_token))
+        .route("/staff/audit", get(admin::show_audit))
+        .route("/staff/badges/{number}", get(privacy::show_known))
+        .route("/staff/badges/{number}/export.zip", get(privacy::send_export))
+        .route("/staff/badges/{number}/delete", post(privacy::delete_known))
+        .route_layer(from_fn(admin::require_admin));
     let for_staff = Router::new()
+        .merge(for_admins)
+        .route("/staff/account", get(account::show_account))
+        .route("/staff/account/password", post(account::change_password))
         .route("/staff", get(sculptures::show_newest))
         .route("/staff/withdrawn", get(sculptures::show_withdrawn))
         .route("/staff/missing", get(sculptures::show_missing))
@@ -68,6 +86,7 @@ pub(crate) fn router(app: &Arc<App>) -> Router<Arc<App>> {
     Router::new()
         .merge(for_staff)
         .route("/", get(|| async { Redirect::to("/staff") }))
+        .route("/privacy", get(privacy::show_privacy))
         .route("/staff/login", get(login::show_login).post(login::log_in))
         .route("/staff/first", get(login::show_first).post(login::add_first))
         .route("/staff/logout", post(login::log_out))

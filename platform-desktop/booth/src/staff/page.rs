@@ -9,6 +9,7 @@ use paros_booth_rules::{LoggedIn, Refusal};
 use serde::Deserialize;
 use tracing::warn;
 
+use super::admin_texts::AdminTexts;
 use super::print_texts::PrintTexts;
 use super::texts::Texts;
 
@@ -88,10 +89,14 @@ pub(crate) fn page(
                             a href="/staff/withdrawn" { (texts.withdrawn) } " "
                             a href="/staff/missing" { (texts.missing) } " "
                             a href="/staff/prints" { (PrintTexts::of(texts.language).prints) } " "
-                            a href="/staff/headsets" { (texts.headsets) }
+                            a href="/staff/headsets" { (texts.headsets) } " "
+                            @if login.check_admin().is_ok() {
+                                a href="/staff/admin" { (AdminTexts::of(texts).admin) } " "
+                            }
+                            a href="/staff/account" { (login.account) }
                         }
                         form method="post" action="/staff/logout" {
-                            button { (texts.log_out) " (" (login.account) ")" }
+                            button { (texts.log_out) }
                         }
                     }
                     a href={ "/staff/language/" (texts.other_code) } lang=(texts.other_code) { (texts.other_language) }
@@ -100,6 +105,7 @@ pub(crate) fn page(
                     h1 { (heading) }
                     (body)
                 }
+                footer { a href="/privacy" { (AdminTexts::of(texts).privacy_title) } }
             }
         }
     };

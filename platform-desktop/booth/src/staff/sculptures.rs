@@ -14,6 +14,7 @@ use paros_booth_rules::{
 use paros_core::badge::{Badge, BadgeColour, BadgeNumber, Pictogram};
 use paros_core::outbox::messages::SculptureId;
 
+use super::admin_texts::AdminTexts;
 use super::mails::mails_of;
 use super::page::{Fields, StaffAnswer, action_button, page};
 use super::print_texts::PrintTexts;
@@ -163,6 +164,9 @@ pub(crate) async fn show(
             @if app.public_address.is_some() { (link_actions(texts, &login, &found)) }
         }
         @if is_admin {
+            @if let Some(number) = found.badge {
+                p { a href={ "/staff/badges/" (number) } { (AdminTexts::of(texts).known) } }
+            }
             details {
                 summary { (texts.delete) }
                 (action_button(&login, &format!("{at}/delete"), texts.delete_for_good, "danger"))

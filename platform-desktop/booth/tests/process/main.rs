@@ -1,5 +1,6 @@
 //! The real program, over real TLS, on a real disk.
 
+mod admin;
 mod attacks;
 mod backup;
 mod chromium;
@@ -10,6 +11,7 @@ mod parcels;
 mod printer_stand_in;
 mod printers;
 mod prints;
+mod privacy;
 mod rig;
 mod running;
 mod smtp_sink;

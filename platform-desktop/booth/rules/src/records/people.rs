@@ -49,7 +49,7 @@ stored_enum! {
     pub enum MailState {
         /// It is to be sent.
         Queued = 0,
-        /// The server took it; the address is gone.
+        /// The server took it; the address is gone, unless the visitor agreed that it stays.
         Accepted = 1,
         /// It was refused for good, or too often; the address is gone.
         Failed = 2,
@@ -63,7 +63,7 @@ record! {
         pub order: u64,
         /// What to send.
         pub sculpture: [u8; 16],
-        /// Where to. Kept no longer than until the mail is accepted.
+        /// Where to. Kept no longer than until the mail is accepted, unless the visitor agreed.
         pub address: Option<String>,
         /// In which language, by the number of `Language`.
         pub language: u8,
@@ -77,12 +77,14 @@ record! {
         pub next_try_at: BoothTime,
         /// What came of the last try, if it wasn't taken.
         pub why: String,
+        /// Whether the visitor agreed that the address is kept as long as the sculpture.
+        pub keeps_address: bool,
     }
 }
 
 record! {
     /// Something that was done. It names no address.
-    pub struct AuditEntry in "audit", key 2, indexed [] {
+    pub struct AuditEntry in "audit", key 2, indexed ["sculpture", "at"] {
         /// When.
         pub at: BoothTime,
         /// Random bits, which tell it from others of that time.

@@ -1,0 +1,190 @@
+//! What pages of accounts, admins and privacy say, in two languages.
+
+use paros_booth_rules::BoothPlan;
+use paros_booth_rules::records::StaffRole;
+use paros_core::badge::Language;
+
+use super::texts::Texts;
+
+/// What these pages say.
+pub(crate) struct AdminTexts {
+    language: Language,
+    pub(crate) admin: &'static str,
+    pub(crate) account: &'static str,
+    pub(crate) accounts: &'static str,
+    pub(crate) role: &'static str,
+    pub(crate) state: &'static str,
+    pub(crate) disabled: &'static str,
+    pub(crate) disable: &'static str,
+    pub(crate) enable: &'static str,
+    pub(crate) new_account: &'static str,
+    pub(crate) first_password: &'static str,
+    pub(crate) old_password: &'static str,
+    pub(crate) new_password: &'static str,
+    pub(crate) change_password: &'static str,
+    pub(crate) logins_end: &'static str,
+    pub(crate) fleet_tokens: &'static str,
+    pub(crate) new_token: &'static str,
+    pub(crate) note: &'static str,
+    pub(crate) uses: &'static str,
+    pub(crate) uses_left: &'static str,
+    pub(crate) days: &'static str,
+    pub(crate) expires: &'static str,
+    pub(crate) revoke: &'static str,
+    pub(crate) revoked: &'static str,
+    pub(crate) over: &'static str,
+    pub(crate) booth_address: &'static str,
+    pub(crate) keep_file_secret: &'static str,
+    pub(crate) settings: &'static str,
+    pub(crate) audit: &'static str,
+    pub(crate) older: &'static str,
+    pub(crate) when: &'static str,
+    pub(crate) who: &'static str,
+    pub(crate) what: &'static str,
+    pub(crate) sculpture: &'static str,
+    pub(crate) the_booth: &'static str,
+    pub(crate) known: &'static str,
+    pub(crate) export_all: &'static str,
+    pub(crate) delete_all: &'static str,
+    pub(crate) others_too: &'static str,
+    pub(crate) deleted_on: &'static str,
+    pub(crate) kept_until: &'static str,
+    pub(crate) has_trace: &'static str,
+    pub(crate) print: &'static str,
+    pub(crate) keep_address: &'static str,
+    pub(crate) privacy_title: &'static str,
+    roles: [&'static str; 2],
+}
+
+impl AdminTexts {
+    /// Those of a page's language.
+    pub(crate) const fn of(texts: &Texts) -> &'static AdminTexts {
+        match texts.language {
+            Language::English => &ENGLISH,
+            Language::Greek => &GREEK,
+        }
+    }
+
+    pub(crate) const fn role_name(&self, role: StaffRole) -> &'static str {
+        self.roles[role as usize]
+    }
+
+    /// What is kept for how long, in paragraphs.
+    pub(crate) fn privacy(&self, plan: &BoothPlan) -> Vec<String> {
+        let BoothPlan { retention_days, trace_days, withdrawn_days, horizon_days } = plan;
+        match self.language {
+            Language::English => vec![
+                format!("What you sculpted is kept for {retention_days} days after the day on which it came, under the badge that you were shown. Your name isn't asked for. With it goes how long you sculpted, in which language, and whether you are under age, if you said so."),
+                format!("Where the exhibition records your hands' motion, that is kept for {trace_days} days. By itself a headset sends none."),
+                "An e-mail address is kept until the mail was sent, or has failed, unless you agree that it stays as long as the sculpture. It is in no log and no backup.".into(),
+                format!("You may withdraw your sculpture: it is hidden at once, can be brought back for {withdrawn_days} days, and is deleted then. Or have it deleted at once, with all that is known under your badge. Tell the staff your badge; they also give you a copy of all of it."),
+                format!("Of a deleted sculpture only its number stays, for {horizon_days} days, so that a headset that still has it deletes it too. Then your badge may be given to somebody else."),
+            ],
+            Language::Greek => vec![
+                format!("Ό,τι σκαλίσατε κρατιέται {retention_days} ημέρες μετά την ημέρα που έφτασε, με το σήμα που είδατε. Δεν ζητάμε το όνομά σας. Μαζί του κρατιέται πόση ώρα σκαλίζατε, σε ποια γλώσσα, και αν είστε ανήλικος, εφόσον το είπατε."),
+                format!("Όπου η έκθεση καταγράφει την κίνηση των χεριών σας, αυτή κρατιέται {trace_days} ημέρες. Από μόνη της μια συσκευή δεν τη στέλνει."),
+                "Μια διεύθυνση e-mail κρατιέται ώσπου να σταλεί το μήνυμα ή να αποτύχει, εκτός αν συμφωνείτε να μείνει όσο και το γλυπτό. Δεν υπάρχει σε κανένα ημερολόγιο και σε κανένα αντίγραφο ασφαλείας.".into(),
+                format!("Μπορείτε να αποσύρετε το γλυπτό σας: κρύβεται αμέσως, μπορεί να επανέλθει για {withdrawn_days} ημέρες, και μετά διαγράφεται. Ή να διαγραφεί αμέσως, με όλα όσα είναι γνωστά με το σήμα σας. Πείτε το σήμα σας στο προσωπικό· σας δίνει και αντίγραφο όλων."),
+                format!("Από ένα διαγραμμένο γλυπτό μένει μόνο ο αριθμός του, για {horizon_days} ημέρες, ώστε να το διαγράψει και όποια συσκευή το έχει ακόμη. Μετά το σήμα σας μπορεί να δοθεί σε άλλον."),
+            ],
+        }
+    }
+}
+
+const ENGLISH: AdminTexts = AdminTexts {
+    language: Language::English,
+    admin: "Admin",
+    account: "Your account",
+    accounts: "Accounts",
+    role: "Role",
+    state: "State",
+    disabled: "shut out",
+    disable: "Shut out",
+    enable: "Let in again",
+    new_account: "New account",
+    first_password: "First password, to be changed by its owner",
+    old_password: "Password of now",
+    new_password: "New password",
+    change_password: "Change password",
+    logins_end: "All other logins of this account end.",
+    fleet_tokens: "Files for fleets of headsets",
+    new_token: "Make a file",
+    note: "Note",
+    uses: "Headsets that it lets in",
+    uses_left: "Headsets left",
+    days: "Days until it expires",
+    expires: "Expires",
+    revoke: "Take back",
+    revoked: "taken back",
+    over: "used up or expired",
+    booth_address: "The booth's address, as headsets reach it",
+    keep_file_secret: "The file is shown once. Whoever has it can let a headset in.",
+    settings: "Settings",
+    audit: "Who did what",
+    older: "Older",
+    when: "When",
+    who: "Who",
+    what: "What",
+    sculpture: "Sculpture",
+    the_booth: "the booth",
+    known: "All that is known under this badge",
+    export_all: "Export all",
+    delete_all: "Delete all",
+    others_too: "Others may have this badge: what is below may be several visitors'.",
+    deleted_on: "Deleted on",
+    kept_until: "Kept until",
+    has_trace: "With the motion of the hands",
+    print: "Print",
+    keep_address: "The visitor agrees that the address is kept as long as the sculpture",
+    privacy_title: "What is kept of you, and for how long",
+    roles: ["attendant", "admin"],
+};
+
+const GREEK: AdminTexts = AdminTexts {
+    language: Language::Greek,
+    admin: "Διαχείριση",
+    account: "Ο λογαριασμός σας",
+    accounts: "Λογαριασμοί",
+    role: "Ρόλος",
+    state: "Κατάσταση",
+    disabled: "αποκλεισμένος",
+    disable: "Αποκλεισμός",
+    enable: "Επαναφορά",
+    new_account: "Νέος λογαριασμός",
+    first_password: "Πρώτος κωδικός, να τον αλλάξει ο κάτοχος",
+    old_password: "Τωρινός κωδικός",
+    new_password: "Νέος κωδικός",
+    change_password: "Αλλαγή κωδικού",
+    logins_end: "Όλες οι άλλες συνδέσεις του λογαριασμού τελειώνουν.",
+    fleet_tokens: "Αρχεία για ομάδες συσκευών",
+    new_token: "Δημιουργία αρχείου",
+    note: "Σημείωση",
+    uses: "Πόσες συσκευές δέχεται",
+    uses_left: "Απομένουν συσκευές",
+    days: "Ημέρες ως τη λήξη",
+    expires: "Λήγει",
+    revoke: "Ανάκληση",
+    revoked: "ανακλήθηκε",
+    over: "εξαντλήθηκε ή έληξε",
+    booth_address: "Η διεύθυνση του περιπτέρου για τις συσκευές",
+    keep_file_secret: "Το αρχείο δείχνεται μία φορά. Όποιος το έχει μπορεί να εγγράψει συσκευή.",
+    settings: "Ρυθμίσεις",
+    audit: "Ποιος έκανε τι",
+    older: "Παλαιότερα",
+    when: "Πότε",
+    who: "Ποιος",
+    what: "Τι",
+    sculpture: "Γλυπτό",
+    the_booth: "το περίπτερο",
+    known: "Όλα όσα είναι γνωστά με αυτό το σήμα",
+    export_all: "Εξαγωγή όλων",
+    delete_all: "Διαγραφή όλων",
+    others_too: "Ίσως και άλλοι έχουν αυτό το σήμα: τα παρακάτω μπορεί να είναι πολλών επισκεπτών.",
+    deleted_on: "Διαγράφηκε",
+    kept_until: "Κρατιέται ως",
+    has_trace: "Με την κίνηση των χεριών",
+    print: "Εκτύπωση",
+    keep_address: "Ο επισκέπτης συμφωνεί να κρατηθεί η διεύθυνση όσο και το γλυπτό",
+    privacy_title: "Τι κρατιέται από εσάς, και για πόσο",
+    roles: ["βοηθός", "διαχειριστής"],
+};

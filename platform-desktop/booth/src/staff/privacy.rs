@@ -1,0 +1,135 @@
+//! What is known of a visitor: told to everybody in general, and to admins by badge, with its export and deletion.
+
+use std::sync::Arc;
+
+use axum::body::Body;
+use axum::extract::{Extension, Form, Path, State};
+use axum::http::{HeaderMap, header};
+use axum::response::{IntoResponse, Redirect, Response};
+use maud::{Markup, html};
+use paros_booth_rules::records::{BadgeClaim, MailOrder};
+use paros_booth_rules::{BadgeRecords, LoggedIn, Refusal, SculptureRecords};
+use paros_core::badge::BadgeNumber;
+use paros_core::outbox::messages::SculptureId;
+
+use super::admin_texts::AdminTexts;
+use super::page::{Fields, StaffAnswer, action_button, page};
+use super::sculptures::utc;
+use super::svg::draw_badge;
+use super::texts::Texts;
+use crate::app::App;
+use crate::badge_export::write_export;
+use crate::clock::booth_time;
+
+type Answer = Result<Response, StaffAnswer>;
+
+/// `GET /privacy`: what is kept for how long. For everybody.
+pub(crate) async fn show_privacy(State(app): State<Arc<App>>, headers: HeaderMap) -> Response {
+    let texts = Texts::of_request(&headers);
+    let words = AdminTexts::of(texts);
+    let body = html! {
+        @for line in words.privacy(&app.booth.plan()) { p { (line) } }
+    };
+    page(texts, None, words.privacy_title, &body)
+}
+
+/// `GET /staff/badges/{number}`: all that is known under a badge.
+pub(crate) async fn show_known(
+    State(app): State<Arc<App>>,
+    Extension(login): Extension<LoggedIn>,
+    headers: HeaderMap,
+    Path(number): Path<u32>,
+) -> Answer {
+    let texts = Texts::of_request(&headers);
+    let words = AdminTexts::of(texts);
+    let fail = |refusal| StaffAnswer(texts, refusal);
+    let badge = find_badge(number).map_err(fail)?;
+    let known = app.run(move |app| app.booth.list_known(badge)).await.map_err(fail)?;
+    let at = format!("/staff/badges/{number}");
+    let is_shared = known.sculptures.iter().any(|known| known.sculpture.claim != BadgeClaim::Sole);
+    let body = html! {
+        (draw_badge(&badge.badge(), texts.language))
+        @if known == BadgeRecords::default() { p { (texts.nothing) } }
+        @for known in &known.sculptures { (records_of(texts, words, known)) }
+        @for announced in &known.announced {
+            p { (texts.headset) " " (announced.headset) ", " (utc(announced.heard_at)) ": " (texts.not_here_yet) }
+        }
+        @for deleted in &known.deleted { p { (words.deleted_on) " " (utc(deleted.deleted_at)) } }
+        @if !known.sculptures.is_empty() {
+            p { a class="button" href={ (at) "/export.zip" } { (words.export_all) } }
+            @if is_shared { p class="note" { (words.others_too) } }
+            details {
+                summary { (words.delete_all) }
+                (action_button(&login, &format!("{at}/delete"), texts.delete_for_good, "danger"))
+            }
+        }
+    };
+    Ok(page(texts, Some(&login), words.known, &body))
+}
+
+/// `GET /staff/badges/{number}/export.zip`.
+pub(crate) async fn send_export(
+    State(app): State<Arc<App>>,
+    headers: HeaderMap,
+    Path(number): Path<u32>,
+) -> Answer {
+    let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
+    let badge = find_badge(number).map_err(fail)?;
+    let made = app.run_decode(move |app| write_export(&app.booth, badge)).await;
+    let head = [
+        (header::CONTENT_TYPE, "application/zip".to_owned()),
+        (header::CONTENT_DISPOSITION, format!("attachment; filename=\"paros-badge-{number}.zip\"")),
+    ];
+    Ok((head, Body::from(made.map_err(fail)?)).into_response())
+}
+
+/// `POST /staff/badges/{number}/delete`.
+pub(crate) async fn delete_known(
+    State(app): State<Arc<App>>,
+    Extension(login): Extension<LoggedIn>,
+    headers: HeaderMap,
+    Path(number): Path<u32>,
+    Form(fields): Form<Fields>,
+) -> Answer {
+    let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
+    fields.check(&login).map_err(fail)?;
+    let badge = find_badge(number).map_err(fail)?;
+    let done = app.run(move |app| app.booth.delete_known(badge, &login.account, booth_time()));
+    done.await.map_err(fail)?;
+    Ok(Redirect::to(&format!("/staff/badges/{number}")).into_response())
+}
+
+fn find_badge(number: u32) -> Result<BadgeNumber, Refusal> {
+    BadgeNumber::new(number).ok_or(Refusal::NotFound("no such badge"))
+}
+
+fn records_of(texts: &Texts, words: &AdminTexts, known: &SculptureRecords) -> Markup {
+    let SculptureRecords { sculpture, mails, prints, audit } = known;
+    let id = SculptureId(sculpture.id);
+    html! {
+        section class="card" {
+            h2 { a href={ "/staff/sculptures/" (id) } { (words.sculpture) " " (id.to_string()[..8]) } }
+            p {
+                (texts.headset) " " (sculpture.headset) br;
+                (texts.received) " " (utc(sculpture.received_at)) br;
+                (words.kept_until) " " (utc(paros_booth_rules::BoothTime(86_400_000 * (u64::from(sculpture.keep_day) + 1)))) br;
+                @if sculpture.has_trace { (words.has_trace) br; }
+                @if let Some(at) = sculpture.withdrawn_at { (texts.withdrawn) " " (utc(at)) br; }
+            }
+            ul {
+                @for mail in mails { li { (mail_line(texts, mail)) } }
+                @for print in prints { li { (words.print) " " (utc(print.asked_at)) ": " (print.note) } }
+                @for entry in audit {
+                    li { (utc(entry.at)) ": " (entry.action) " (" (entry.account.as_deref().unwrap_or(words.the_booth)) ")" }
+                }
+            }
+        }
+    }
+}
+
+fn mail_line(texts: &Texts, mail: &MailOrder) -> Markup {
+    html! {
+        (utc(mail.asked_at)) ": " (texts.mail_state(mail.state))
+        @if let Some(address) = &mail.address { ", " (address) }
+    }
+}
