@@ -75,7 +75,7 @@ where
     egui_buffers: EguiBuffers,
     script: Option<Script>,
     /// None where there is to be no sound.
-    speaker: Option<Speaker>,
+    pub(super) speaker: Option<Speaker>,
     path: RenderPath,
     modifiers: ModifiersState,
     fingers: Fingers,

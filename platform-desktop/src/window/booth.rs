@@ -11,6 +11,7 @@ use paros_shell::outbox::enrolment::Enrolment;
 use paros_shell::settings::BoothSettings;
 use paros_shell::statics::Resident;
 use paros_shell::studio::{Notice, SendPlan, Studio};
+use paros_sound::Speaker;
 use paros_visit::{DeviceStatus, VisitOptions, answer_without_visits};
 
 use super::app::App;
@@ -68,6 +69,9 @@ where
         match &mut self.visits {
             Some(visits) => {
                 visits.host.follow_courier(courier, self.studio.world().visit(), device);
+                if visits.host.take_ring() {
+                    self.speaker.iter_mut().for_each(Speaker::ring);
+                }
             }
             None => answer_without_visits(courier, device),
         }

@@ -9,6 +9,7 @@ use paros_shell::outbox::courier::Courier;
 use paros_shell::outbox::enrolment::Enrolment;
 use paros_shell::statics::Resident;
 use paros_shell::studio::{SendPlan, Studio};
+use paros_sound::Speaker;
 use paros_visit::{DeviceStatus, answer_without_visits};
 
 use super::HeadsetShell;
@@ -70,7 +71,12 @@ where
             is_awake,
         };
         match &mut self.host {
-            Some(host) => host.follow_courier(courier, self.studio.world().visit(), device),
+            Some(host) => {
+                host.follow_courier(courier, self.studio.world().visit(), device);
+                if host.take_ring() {
+                    self.speaker.iter_mut().for_each(Speaker::ring);
+                }
+            }
             None => answer_without_visits(courier, device),
         }
         for note in courier.take_notes() {

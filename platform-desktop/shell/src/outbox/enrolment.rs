@@ -155,23 +155,37 @@ impl Enrolment {
     /// # Errors
     /// What the file can't be read by, or what is wrong with it: which file, where and what was expected.
     pub fn read(path: &Path) -> Result<Option<Self>, EnrolError> {
-        let Some(fields) = Fields::read(path)? else { return Ok(None) };
+        let fields = Fields::read(path)?;
+        fields.map(|fields| Self::of_fields(&fields)).transpose()
+    }
+
+    /// Takes the bytes of such a file; `path` is what errors name.
+    ///
+    /// # Errors
+    /// Those of [`Enrolment::read`].
+    pub fn parse(bytes: &[u8], path: &Path) -> Result<Self, EnrolError> {
+        Self::of_fields(&Fields::parse(bytes.to_vec(), path)?)
+    }
+
+    fn of_fields(fields: &Fields<'_>) -> Result<Self, EnrolError> {
         let headset = fields.text("headset")?.parse().ok().filter(|&number: &u32| number > 0);
         let headset = headset.ok_or_else(|| fields.expect("headset", "a number from 1"))?;
         let ca = parse_hex(fields.text("ca")?).filter(|ca| !ca.is_empty());
         let token = fields.hex("token", "64 hexadecimal digits", |text| {
             DeviceToken::parse_hex(text).map(|token| Secret(token.0))
         });
-        Ok(Some(Enrolment {
+        Ok(Enrolment {
             address: fields.address()?,
             ca: ca.ok_or_else(|| fields.expect("ca", "a certificate in hexadecimal digits"))?,
             token: token?,
             receipt_key: fields.receipt_key()?,
             owner: OutboxOwner { site: fields.site()?, headset },
-        }))
+        })
     }
 
-    fn to_toml(&self) -> String {
+    /// What such a file has.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
         let Enrolment { address, ca, token, receipt_key, owner } = self;
         let ca: String = ca.iter().map(|byte| format!("{byte:02x}")).collect();
         format!(
@@ -203,6 +217,10 @@ fn ask(link: &mut impl EnrolLink, path: &str, body: &[u8]) -> Result<Vec<u8>, En
     }
 }
 
+fn at(path: &Path, why: &dyn fmt::Display) -> EnrolError {
+    EnrolError::File(format!("{}: {why}", path.display()))
+}
+
 /// The fields of a file: texts, and numbers as they stand there.
 struct Fields<'a> {
     path: &'a Path,
@@ -212,16 +230,19 @@ struct Fields<'a> {
 impl<'a> Fields<'a> {
     /// Reads a file of TOML; `None` where there is none.
     fn read(path: &'a Path) -> Result<Option<Self>, EnrolError> {
-        let at = |why: &dyn fmt::Display| EnrolError::File(format!("{}: {why}", path.display()));
         let bytes = match durable::read_regular_file_up_to(path, MAX_FILE_BYTES) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-            read => read.map_err(|error| at(&error))?,
+            read => read.map_err(|error| at(path, &error))?,
         };
-        let text = String::from_utf8(bytes).map_err(|_| at(&"expected text in UTF-8"))?;
+        Fields::parse(bytes, path).map(Some)
+    }
+
+    fn parse(bytes: Vec<u8>, path: &'a Path) -> Result<Self, EnrolError> {
+        let text = String::from_utf8(bytes).map_err(|_| at(path, &"expected text in UTF-8"))?;
         let table = DeTable::parse(&text).map_err(|error| {
             let before = error.span().and_then(|span| text.get(..span.start));
             let line = before.map_or(1, |before| before.matches('\n').count() + 1);
-            at(&format_args!("line {line}: expected TOML: {}", error.message()))
+            at(path, &format_args!("line {line}: expected TOML: {}", error.message()))
         })?;
         let value = |value: &DeValue<'_>| match value {
             DeValue::String(text) => Some(text.clone().into_owned()),
@@ -231,7 +252,7 @@ impl<'a> Fields<'a> {
         let values = table.get_ref().iter().filter_map(|(key, found)| {
             Some((key.get_ref().clone().into_owned(), value(found.get_ref())?))
         });
-        Ok(Some(Fields { path, values: values.collect() }))
+        Ok(Fields { path, values: values.collect() })
     }
 
     fn expect(&self, key: &str, expected: &str) -> EnrolError {

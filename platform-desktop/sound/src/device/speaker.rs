@@ -10,7 +10,7 @@ use paros_core::{TickInput, World};
 
 use super::{DeviceError, SoundDevice, WriteFrames};
 use crate::mixer::{Mixer, SAMPLE_RATE};
-use crate::plan::SoundPlan;
+use crate::plan::{Shot, ShotKind, SoundPlan};
 use crate::planner::SoundPlanner;
 
 /// Frames that are written at once: 5 ms, within which a plan waits.
@@ -26,11 +26,15 @@ const IDLE_FRAMES: u32 = SAMPLE_RATE;
 /// Until a device that failed is tried again.
 const RETRY_PAUSE: Duration = Duration::from_secs(3);
 
+/// What is heard of a device that is looked for.
+const RING: Shot = Shot { kind: ShotKind::Clock { strokes: 3 }, strength: 1.0, pan: 0.0 };
+
 /// Plays ticks. Without a library or a device it is silent, and says so once.
 #[derive(Debug)]
 pub struct Speaker {
     planner: SoundPlanner,
     plans: SyncSender<SoundPlan>,
+    rings: bool,
 }
 
 impl Speaker {
@@ -49,7 +53,12 @@ impl Speaker {
         let player = Player { plans: waiting, mixer: Mixer::new(percent), told: None, log };
         let thread = thread::Builder::new().name("sound".into());
         let spawned = thread.spawn(move || player.play_on(&device));
-        spawned.is_ok().then(|| Speaker { planner: SoundPlanner::default(), plans })
+        spawned.is_ok().then(|| Speaker { planner: SoundPlanner::default(), plans, rings: false })
+    }
+
+    /// Has the clock's bell ring with the next tick, whatever that is: somebody looks for the device.
+    pub const fn ring(&mut self) {
+        self.rings = true;
     }
 
     /// Has a tick heard, with the input that it had. Never waits.
@@ -60,7 +69,10 @@ impl Speaker {
     ) where
         Grid<N>: Size,
     {
-        let plan = self.planner.plan_tick(world, input);
+        let mut plan = self.planner.plan_tick(world, input);
+        if core::mem::take(&mut self.rings) {
+            plan.push(RING);
+        }
         // Nobody takes it where there is no device.
         let _ = self.plans.try_send(plan);
     }

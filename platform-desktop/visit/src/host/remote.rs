@@ -46,12 +46,19 @@ pub(super) struct RemoteWatch {
     worn_ticks: u32,
     is_worn: bool,
     glow_ticks: u32,
+    rings: bool,
 }
 
 impl RemoteWatch {
     /// Of a visit that is found in this phase.
     pub(super) fn of_visit(phase: VisitPhase) -> Self {
-        let mut watch = RemoteWatch { session_id: 0, worn_ticks: 0, is_worn: false, glow_ticks: 0 };
+        let mut watch = RemoteWatch {
+            session_id: 0,
+            worn_ticks: 0,
+            is_worn: false,
+            glow_ticks: 0,
+            rings: false,
+        };
         if !matches!(phase, VisitPhase::Closed | VisitPhase::Attract) {
             watch.begin_visit();
         }
@@ -113,6 +120,11 @@ impl VisitHost {
         });
     }
 
+    /// Whether the device is to ring, so that it is found; told once.
+    pub const fn take_ring(&mut self) -> bool {
+        core::mem::replace(&mut self.remote.rings, false)
+    }
+
     /// Whether the device shows that it is the one that the staff looks for.
     #[must_use]
     pub const fn is_glowing(&self) -> bool {
@@ -142,7 +154,9 @@ impl VisitHost {
             return CommandOutcome::Refused;
         }
         match command.kind {
-            CommandKind::Identify => self.remote.glow_ticks = GLOW_TICKS,
+            CommandKind::Identify => {
+                (self.remote.glow_ticks, self.remote.rings) = (GLOW_TICKS, true);
+            }
             CommandKind::Recentre => self.recentres = true,
             CommandKind::Extend => self.perform(ButtonAction::Staff(StaffCommand::Extend)),
             CommandKind::End => self.queue.push(VisitCommand::Staff(StaffCommand::End)),
@@ -219,6 +233,7 @@ mod tests {
         assert_eq!(outcome(CommandKind::End, own), CommandOutcome::Refused, "nobody sculpts");
         assert_eq!(outcome(CommandKind::Identify, 0), CommandOutcome::Done);
         assert!(host.is_glowing());
+        assert!(host.take_ring() && !host.take_ring());
         (0..GLOW_TICKS).for_each(|_| {
             host.remote.note_tick(VisitPhase::Attract, Presence::Off, false);
         });

@@ -124,8 +124,11 @@ impl Board {
 
     /// Takes the outbox as it is.
     pub(super) fn show(&mut self, outbox: &Outbox, badges_left: u32) {
+        // What has no room in the outbox isn't at the booth either.
+        let is_outside = |(id, _): &&(SculptureId, Keeping)| outbox.find(*id).is_none();
+        let owed = outbox.depth() + self.under_way.iter().filter(is_outside).count();
         self.summary = CourierSummary {
-            owed: u32::try_from(outbox.depth()).unwrap_or(u32::MAX),
+            owed: u32::try_from(owed).unwrap_or(u32::MAX),
             level: outbox.level(),
             hears_booth: outbox.hears_booth(),
             badges_left,

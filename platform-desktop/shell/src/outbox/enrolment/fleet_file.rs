@@ -29,10 +29,21 @@ impl FleetFile {
     /// # Errors
     /// Which file, where and what was expected.
     pub fn read(path: &Path) -> Result<Self, EnrolError> {
-        let fields = Fields::read(path)?.ok_or_else(|| {
+        Self::of_fields(&Fields::read(path)?.ok_or_else(|| {
             let why = "expected a fleet's file, as `paros-booth fleet-file` prints it";
             EnrolError::File(format!("{}: there is no such file; {why}", path.display()))
-        })?;
+        })?)
+    }
+
+    /// Takes the bytes of one; `path` is what errors name.
+    ///
+    /// # Errors
+    /// Those of [`FleetFile::read`].
+    pub fn parse(bytes: &[u8], path: &Path) -> Result<Self, EnrolError> {
+        Self::of_fields(&Fields::parse(bytes.to_vec(), path)?)
+    }
+
+    fn of_fields(fields: &Fields<'_>) -> Result<Self, EnrolError> {
         let ca = CertificateDer::from_pem_slice(fields.text("ca")?.as_bytes());
         let ca = ca.map_err(|_| fields.expect("ca", "a certificate in PEM"))?;
         Ok(FleetFile {
