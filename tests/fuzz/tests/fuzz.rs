@@ -36,7 +36,8 @@ macro_rules! targets {
 }
 
 targets! {
-    obj stl ply gltf rmap trace input settings manifest save lease message journal parcel last_use step words
+    obj stl ply gltf rmap trace input settings manifest save lease message journal parcel enrolment last_use step
+    words
 }
 
 /// A target that fails on numbers above 200 behind a word.

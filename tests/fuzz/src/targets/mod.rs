@@ -1,5 +1,6 @@
 //! What is fuzzed, and what must hold of it.
 
+mod enrolments;
 mod files;
 mod leases;
 mod manifests;
@@ -14,7 +15,7 @@ mod words;
 use crate::engine::FuzzTarget;
 
 /// All targets.
-pub const ALL: [FuzzTarget; 17] = [
+pub const ALL: [FuzzTarget; 18] = [
     meshes::OBJ,
     meshes::STL,
     meshes::PLY,
@@ -29,6 +30,7 @@ pub const ALL: [FuzzTarget; 17] = [
     outbox::MESSAGE,
     outbox::JOURNAL,
     outbox::PARCEL,
+    enrolments::ENROLMENT,
     visits::LAST_USE,
     steps::STEP,
     words::WORDS,

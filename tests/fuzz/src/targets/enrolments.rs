@@ -1,0 +1,46 @@
+//! Files of an enrolment, a device's own and a fleet's: refused with the file and what was expected, or written again
+//! and read as the same.
+
+use std::path::Path;
+
+use paros_shell::outbox::enrolment::{EnrolError, Enrolment, FleetFile};
+
+use crate::engine::FuzzTarget;
+
+pub(super) const ENROLMENT: FuzzTarget = FuzzTarget {
+    name: "enrolment",
+    seeds: || {
+        let site = "address = \"https://10.0.0.7:8443\"\nsite = \"07070707070707070707070707070707\"\n\
+            receipt_key = \"0808080808080808080808080808080808080808080808080808080808080808\"\n";
+        let secret = "0909090909090909090909090909090909090909090909090909090909090909";
+        let own = format!("{site}headset = 3\ntoken = \"{secret}\"\nca = \"308200\"\n");
+        let ca = "-----BEGIN CERTIFICATE-----\nMAA=\n-----END CERTIFICATE-----\n";
+        let fleet = format!("{site}enrolment_token = \"{secret}\"\nca = \"\"\"\n{ca}\"\"\"\n");
+        vec![own.into_bytes(), fleet.into_bytes()]
+    },
+    words: &[b"https://", b"\"\"\"", b"-----BEGIN CERTIFICATE-----", b"headset = ", b"ca = "],
+    longest: 1024,
+    runs: 4000,
+    run: |bytes| {
+        let path = Path::new("enrolment.toml");
+        let own = Enrolment::parse(bytes, path).map(|enrolment| {
+            assert!(enrolment.owner.headset > 0 && !enrolment.ca.is_empty());
+            let again = Enrolment::parse(enrolment.to_toml().as_bytes(), path).expect("its own");
+            assert_eq!(again, enrolment);
+        });
+        let fleet = FleetFile::parse(bytes, path).map(drop);
+        format!("{}; {}", describe(own), describe(fleet))
+    },
+};
+
+fn describe(read: Result<(), EnrolError>) -> String {
+    match read {
+        Ok(()) => "an enrolment".into(),
+        Err(error) => {
+            let told = error.to_string();
+            assert!(error.is_input() && told.starts_with("enrolment.toml: "), "{told}");
+            // Which field it is, not what the parser of TOML says of it.
+            told.split(':').nth(1).unwrap_or_default().into()
+        }
+    }
+}
