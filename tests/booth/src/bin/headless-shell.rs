@@ -1,0 +1,196 @@
+//! A shell without a picture: visits one after the other, each of which cuts another stone, brought to a booth.
+//!
+//! `headless-shell FOLDER VISITS SEED`: the folder has an enrolment beside its sessions. Standard output tells
+//! `kept ID` once a visitor would read *kept here*, `signed ID` once it is *kept at the booth*, and `done` at the end,
+//! when the booth has signed for all.
+#![forbid(unsafe_code)]
+
+use std::path::Path;
+use std::process::ExitCode;
+use std::thread;
+use std::time::Duration;
+
+use glam::Vec3;
+use paros_core::TickInput;
+use paros_core::badge::Language;
+use paros_core::edit::Pose;
+use paros_core::outbox::messages::ParcelKind;
+use paros_core::session::{BenchItem, PointerCommand, SessionMode, SessionState, Tool};
+use paros_core::visit::{PanelAction, PlanSetting, Presence, VisitCommand, VisitInput, VisitPhase};
+use paros_core::volume::Grid;
+use paros_outbox_link::{BoothAddress, HttpsLink, LinkTimes};
+use paros_shell::outbox::courier::{Courier, CourierLink, Keeping, read_clock_ms};
+use paros_shell::outbox::enrolment::Enrolment;
+use paros_shell::settings::Settings;
+use paros_shell::statics::Resident;
+use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
+use paros_shell::studio::{SendPlan, Studio};
+use paros_shell::studio_paths::StudioPaths;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [folder, visits, seed] = &arguments[..] else {
+        eprintln!("expected FOLDER VISITS SEED");
+        return ExitCode::from(2);
+    };
+    match (visits.parse(), seed.parse()) {
+        (Ok(visits), Ok(seed)) => run(Path::new(folder), visits, seed),
+        _ => {
+            eprintln!("{visits} {seed}: expected numbers");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(folder: &Path, visits: u32, seed: u64) -> ExitCode {
+    let (mut volumes, mut world) = (Grid::<128>::lock_start_volumes(), Grid::<128>::lock_world());
+    let mut stl_buffers = Grid::<128>::lock_stl_buffers();
+    // Blocks of stone: figures take a second to be made, which no start here needs.
+    let blocks = volumes.load(|_, maps| {
+        maps.fill_block();
+        Ok::<(), std::convert::Infallible>(())
+    });
+    let Ok(()) = blocks;
+    let Ok(stl_exporter) = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM) else {
+        return ExitCode::FAILURE;
+    };
+    let paths = StudioPaths::inside_folder(folder);
+    let sessions = paths.sessions.clone();
+    let no_picture = |_: &_| Err("no picture".into());
+    let mut studio = Studio::new(&mut world, &mut volumes, stl_exporter, paths, no_picture);
+    let settings = Settings::default().booth;
+    match Courier::open_enrolled(&settings, &sessions, read_clock_ms, open_link) {
+        Ok(Some(courier)) => {
+            let languages = vec![Language::Greek];
+            let plan = SendPlan { kind: ParcelKind::Volume, sends_traces: false, languages };
+            studio.set_courier(courier, plan);
+        }
+        Ok(None) => {
+            eprintln!("{}: not enrolled", sessions.display());
+            return ExitCode::from(2);
+        }
+        Err(why) => {
+            eprintln!("{why}");
+            return ExitCode::FAILURE;
+        }
+    }
+    let mut shell = Shell { studio, told: Vec::new() };
+    shell.run_to_the_end();
+    for visit in 0..visits {
+        shell.hold_visit(seed.wrapping_mul(1009).wrapping_add(visit.into()));
+    }
+    let owed = |shell: &Shell<'_>| shell.studio.booth_state().is_none_or(|s| s.outbox.owed > 0);
+    while owed(&shell) {
+        shell.tell();
+        thread::sleep(Duration::from_millis(20));
+    }
+    shell.tell();
+    println!("done");
+    ExitCode::SUCCESS
+}
+
+fn open_link(enrolment: &Enrolment) -> Result<CourierLink, String> {
+    let address = BoothAddress {
+        url: enrolment.address.clone(),
+        ca: enrolment.ca.clone(),
+        token: enrolment.token.token(),
+    };
+    // Who kills a booth doesn't wait for a minute until its answer is missed.
+    let times = LinkTimes { put: Duration::from_secs(3), ..LinkTimes::default() };
+    Ok(Box::new(HttpsLink::open(&address, times)))
+}
+
+/// A visit's input with a command.
+fn told(command: VisitCommand) -> TickInput {
+    let visit = VisitInput { presence: Presence::Worn, is_used: true, command };
+    TickInput { visit, ..TickInput::default() }
+}
+
+struct Shell<'a> {
+    studio: Studio<'a, 128>,
+    /// What was told last.
+    told: Vec<String>,
+}
+
+impl Shell<'_> {
+    /// One visit, whose cut no other visit has.
+    fn hold_visit(&mut self, seed: u64) {
+        let press = |action| told(VisitCommand::Press(action));
+        for input in [
+            told(VisitCommand::Open),
+            told(VisitCommand::Set { setting: PlanSetting::HandsOff, value: 0 }),
+            told(VisitCommand::SetStart(SessionMode::FreeForm)),
+            told(VisitCommand::None),
+            press(PanelAction::Confirm),
+            press(PanelAction::Confirm),
+            press(PanelAction::Skip { all: true }),
+        ] {
+            self.studio.run_tick(&input);
+        }
+        let item = BenchItem::Tool(Tool::Rotary).number() as u8;
+        let pointer = PointerCommand::Take { hand: 1, item };
+        self.studio.run_tick(&TickInput { pointer, ..told(VisitCommand::None) });
+        for stroke in 0..4 {
+            self.cut(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(16 * stroke));
+        }
+        self.studio.run_tick(&press(PanelAction::Finish));
+        for _ in 0..5000 {
+            if self.studio.world().session_state() == SessionState::Finished {
+                break;
+            }
+            self.studio.run_tick(&told(VisitCommand::None));
+        }
+        self.run_to_the_end();
+    }
+
+    fn cut(&mut self, bits: u64) {
+        let across = |shift: u64| 16.0 + ((bits >> shift) & 0xff) as f32 * (96.0 / 255.0);
+        for tick in 0..40u16 {
+            let position = Vec3::new(across(48), across(56), 145.0 - f32::from(tick));
+            let mut input = told(VisitCommand::None);
+            input.hands[1] =
+                self.studio.world().hand_with_bit_at(1, &Pose { position, ..Pose::ZERO });
+            input.hands[1].trigger = if tick < 3 { 0 } else { 255 };
+            self.studio.run_tick(&input);
+        }
+    }
+
+    /// Until a finished sculpture's files are written and its parcel is kept.
+    fn run_to_the_end(&mut self) {
+        loop {
+            let state = self.studio.booth_state();
+            let visit = self.studio.world().visit();
+            let badge = state.and_then(|state| state.badge);
+            let shows = visit.phase() == VisitPhase::Export && visit.badge().is_none();
+            let command = match badge.filter(|_| shows) {
+                Some(badge) => VisitCommand::Badge { number: badge.get() },
+                None => VisitCommand::None,
+            };
+            if self.studio.world().session_state() == SessionState::Finished {
+                self.studio.run_tick(&told(command));
+            }
+            self.studio.poll_background_work();
+            self.tell();
+            let is_made = state.is_none_or(|state| state.keeping != Some(Keeping::Making));
+            if !self.studio.is_exporting() && is_made {
+                return;
+            }
+            thread::sleep(Duration::from_micros(200));
+        }
+    }
+
+    fn tell(&mut self) {
+        let Some(state) = self.studio.booth_state() else { return };
+        let Some(id) = state.id else { return };
+        let word = match state.keeping {
+            Some(Keeping::KeptHere) => "kept",
+            Some(Keeping::KeptAtBooth) => "signed",
+            _ => return,
+        };
+        let line = format!("{word} {id}");
+        if self.told.last() != Some(&line) {
+            println!("{line}");
+            self.told.push(line);
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! Booth and shell are killed at random, and what a visitor read stays true.
+
+use std::collections::BTreeSet;
+use std::io::{BufRead as _, BufReader};
+use std::thread;
+use std::time::Duration;
+
+use paros_models::random_visitor::RandomSource;
+
+use crate::rig::{Place, Told, find_booth};
+
+/// How often each is killed; `PAROS_KILLS` says otherwise.
+const KILLS: u32 = 6;
+
+/// Visits of a shell until it is killed: more than it comes to.
+const VISITS: u32 = 50;
+
+#[test]
+fn killed_at_any_moment_nothing_that_was_kept_is_lost_and_nothing_is_kept_twice() {
+    let Some(program) = find_booth() else { return };
+    let kills = std::env::var("PAROS_KILLS").ok().and_then(|kills| kills.parse().ok());
+    let kills: u32 = kills.unwrap_or(KILLS);
+    let place = Place::new("kills", program);
+    let mut booth = place.start_booth();
+    let listen = booth.address.trim_start_matches("https://").to_owned();
+    place.enrol_by_fleet_file(&booth.address);
+    let mut dice = RandomSource::new(u64::from(kills));
+    let mut told = Told::default();
+    for round in 0..kills {
+        let mut shell = place.start_shell(VISITS, u64::from(round));
+        let lines = BufReader::new(shell.stdout.take().expect("a pipe")).lines();
+        let reading = thread::spawn(move || lines.map_while(Result::ok).collect::<Vec<_>>());
+        let [first, second] = [dice.below(1500), dice.below(300)].map(Duration::from_millis);
+        let is_booth_first = dice.one_in(2);
+        thread::sleep(first);
+        if is_booth_first {
+            booth.kill();
+        } else {
+            shell.kill().expect("it runs");
+        }
+        thread::sleep(second);
+        if is_booth_first {
+            shell.kill().expect("it runs");
+        } else {
+            booth.kill();
+        }
+        shell.wait().expect("it ends");
+        booth = place.start_booth_at(&listen);
+        reading.join().expect("lines").iter().for_each(|line| told.add(line));
+    }
+    // One that nobody kills brings the rest.
+    let last = place.run_shell_to_the_end(1, u64::from(kills));
+    told.kept.extend(last.kept);
+    let parcels = place.parcels_at_booth();
+    let ids: BTreeSet<_> = parcels.iter().map(|parcel| parcel.facts().id.to_string()).collect();
+    let lost: Vec<_> = told.kept.iter().filter(|id| !ids.contains(*id)).collect();
+    assert!(lost.is_empty(), "kept and lost: {lost:?}");
+    // Each visit cuts another stone: a print that is there twice is a sculpture that is.
+    let prints: BTreeSet<_> = parcels.iter().map(|parcel| parcel.facts().stl_hash).collect();
+    assert_eq!(prints.len(), parcels.len(), "kept twice");
+    assert!(parcels.len() as u32 > kills / 8, "they were hardly ever alive: {}", parcels.len());
+    let (kept, came) = (told.kept.iter().collect::<BTreeSet<_>>().len(), parcels.len());
+    println!("{kills} kills of each, {kept} told kept, {came} at the booth");
+}
