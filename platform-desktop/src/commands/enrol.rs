@@ -52,7 +52,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let name = args.name.clone().unwrap_or_else(read_host_name);
     let name = DeviceName::new(&name)
         .ok_or_else(|| Error::Input("--name: expected a name without control characters".into()))?;
-    let device = NewDevice::draw(read_machine_hint(), name).map_err(to_error)?;
+    let device = NewDevice::draw(read_machine_hint(), name).map_err(|error| to_error(&error))?;
     // Tried before anything is asked: an enrolment that can't be kept is a headset too many at the booth.
     if let Some(folder) = file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         durable::make_folder(folder)?;
@@ -71,7 +71,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
 fn refuse_second_enrolment(file: &Path, again: bool) -> Result<(), Error> {
     // One that can't be read isn't overwritten unasked either.
     let found = if again { Ok(None) } else { Enrolment::read(file) };
-    let Some(found) = found.map_err(to_error)? else { return Ok(()) };
+    let Some(found) = found.map_err(|error| to_error(&error))? else { return Ok(()) };
     let (file, headset, address) = (file.display(), found.owner.headset, found.address);
     Err(Error::Input(format!(
         "{file}: this machine is headset {headset} of {address}; --again enrols it anew"
@@ -79,7 +79,7 @@ fn refuse_second_enrolment(file: &Path, again: bool) -> Result<(), Error> {
 }
 
 fn enrol_with_file(fleet: &Path, device: &NewDevice) -> Result<Enrolment, Error> {
-    let fleet = FleetFile::read(fleet).map_err(to_error)?;
+    let fleet = FleetFile::read(fleet).map_err(|error| to_error(&error))?;
     let mut link = EnrolHttps::open(&fleet.address, &fleet.ca);
     enrol_by_fleet(&mut link, &fleet, device)
         .map_err(|error| Error::Failure(format!("{}: {error}", fleet.address)))
@@ -111,10 +111,9 @@ fn enrol_by_hand(address: &str, device: &NewDevice) -> Result<Enrolment, Error> 
     }
 }
 
-fn to_error(error: EnrolError) -> Error {
-    let is_input = error.is_input();
+fn to_error(error: &EnrolError) -> Error {
     let text = error.to_string();
-    if is_input { Error::Input(text) } else { Error::Failure(text) }
+    if error.is_input() { Error::Input(text) } else { Error::Failure(text) }
 }
 
 fn read_host_name() -> String {

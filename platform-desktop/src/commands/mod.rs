@@ -6,6 +6,7 @@ mod booth;
 mod demo;
 mod drawing;
 mod enrol;
+mod exhibit;
 mod export;
 mod info;
 mod play;
@@ -40,6 +41,7 @@ enum CliCommand {
     Bench(bench::Args),
     Booth(booth::Args),
     Enrol(enrol::Args),
+    Exhibit(exhibit::Args),
     Info(info::Args),
     Play(play::Args),
     Export(export::Args),
@@ -66,6 +68,7 @@ impl Cli {
             Some(CliCommand::Bench(args)) => bench::run(args),
             Some(CliCommand::Booth(args)) => booth::run(args),
             Some(CliCommand::Enrol(args)) => enrol::run(args),
+            Some(CliCommand::Exhibit(args)) => exhibit::run(args),
             Some(CliCommand::Info(args)) => info::run(args),
             Some(CliCommand::Play(args)) => play::run(args),
             Some(CliCommand::Export(args)) => export::run(args),

@@ -43,7 +43,7 @@ fn click(visit: &mut ScriptedWindow, spot: PanelSpot, size: [f32; 2], button: Pa
 }
 
 /// Short times, so that a machine without a GPU plays them.
-const SETTINGS: &str = "visits = true
+pub(crate) const SETTINGS: &str = "visits = true
 hands_off_seconds = 1
 badge_least_seconds = 2
 thanks_seconds = 5
@@ -90,7 +90,7 @@ fn a_visitor_comes_and_leaves_with_a_badge() -> Result<(), MissingDependency> {
 }
 
 /// From the first movement of the mouse to the guided cut.
-fn choose_the_owl(visit: &mut ScriptedWindow, display: &XvfbDisplay) {
+pub(crate) fn choose_the_owl(visit: &mut ScriptedWindow, display: &XvfbDisplay) {
     visit.do_all(&["move 50 50", "wait 4"]);
     assert_eq!(visit.ask_state("visit"), "Welcome TakeTool");
     let english = visit.screenshot(display, "3-welcome");
@@ -131,6 +131,14 @@ fn see_living_previews(visit: &mut ScriptedWindow, display: &XvfbDisplay) {
 
 /// From the tool in hand to the badge, of which the visitor has seen enough.
 fn cut_and_finish(visit: &mut ScriptedWindow, display: &XvfbDisplay) {
+    cut_and_see_badge(visit, display);
+    visit.do_all(&["move 20 20", "wait 150"]);
+    let next = layout::badge_buttons(0)[0].rect;
+    click(visit, PanelSpot::Beside, [1000.0, 936.0], next);
+}
+
+/// From the tool in hand to the badge.
+pub(crate) fn cut_and_see_badge(visit: &mut ScriptedWindow, display: &XvfbDisplay) {
     visit.do_all(&["key 1", "wait 4", "move 45 45", "wait 20"]);
     visit.do_all(&["press left", "move 55 47", "wait 60", "release left", "wait 20"]);
     let done = visit.ask_state("visit");
@@ -147,9 +155,6 @@ fn cut_and_finish(visit: &mut ScriptedWindow, display: &XvfbDisplay) {
     visit.do_all(&["wait 100", "settle", "wait 6"]);
     assert_eq!(visit.ask_state("visit"), "Badge Smooth");
     visit.screenshot(display, "10-badge");
-    visit.do_all(&["move 20 20", "wait 150"]);
-    let next = layout::badge_buttons(0)[0].rect;
-    click(visit, PanelSpot::Beside, [1000.0, 936.0], next);
 }
 
 /// A window that was killed, or closed, shortly before goes on; one that was closed for longer than its visitor may be

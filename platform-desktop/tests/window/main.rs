@@ -5,6 +5,9 @@
 //! The screens are left in the test's folder, to be looked at.
 #![cfg(unix)]
 
+mod booth;
+#[path = "../support/booth.rs"]
+mod booth_process;
 mod desktop;
 mod disk;
 mod exhibition;

@@ -1,0 +1,187 @@
+//! `paros exhibit`: a booth and a studio with visits on one machine, enrolled at each other.
+
+mod mail_sink;
+
+use std::env;
+use std::ffi::OsString;
+use std::io::{self, BufRead as _, BufReader, Write as _};
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::thread;
+
+use paros_core::outbox::messages::DeviceName;
+use paros_headless::Error;
+use paros_outbox_link::EnrolHttps;
+use paros_shell::durable;
+use paros_shell::outbox::enrolment::{
+    Enrolment, FleetFile, NewDevice, enrol_by_fleet, enrolment_file,
+};
+use rustix::process::{Pid, Signal, kill_process};
+
+use mail_sink::MailSink;
+
+/// A whole exhibition on this machine: a booth, and a window with visits whose sculptures go there.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Where everything is kept: the booth's data, the studio's sessions, the sculptures, and with --demo the mails.
+    #[arg(long, value_name = "FOLDER", default_value = "paros-exhibit")]
+    folder: PathBuf,
+    /// The address that the booth listens at.
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "0.0.0.0:8443")]
+    listen: SocketAddr,
+    /// Take the booth's mails here instead of sending them: each becomes a file.
+    #[arg(long)]
+    demo: bool,
+    /// What else the window is told, after `--`; `paros window --help` tells more.
+    #[arg(last = true, value_name = "ARGUMENT")]
+    window: Vec<OsString>,
+}
+
+/// The folders of an exhibition.
+struct Places {
+    booth: PathBuf,
+    /// What `XDG_DATA_HOME` is to the studio.
+    data: PathBuf,
+    sculptures: PathBuf,
+    mails: PathBuf,
+}
+
+/// A booth's program that serves. It is told to end when it is dropped.
+struct RunningBooth {
+    process: Child,
+    /// Where this machine reaches it.
+    address: String,
+}
+
+pub(super) fn run(args: &Args) -> Result<String, Error> {
+    let program = find_booth()?;
+    let folder = &args.folder;
+    durable::make_folder(folder)?;
+    let folder = folder.canonicalize().map_err(Error::failure)?;
+    let places = Places {
+        booth: folder.join("booth"),
+        data: folder.join("studio"),
+        sculptures: folder.join("sculptures"),
+        mails: folder.join("mails"),
+    };
+    let sink = args.demo.then(|| MailSink::start(&places.mails)).transpose()?;
+    let booth = RunningBooth::start(&program, args, &places, sink.as_ref())?;
+    enrol(&program, &places, &booth.address)?;
+    let window = Command::new(env::current_exe().map_err(Error::failure)?)
+        .args(["window", "--visits", "--folder"])
+        .arg(&places.sculptures)
+        .args(&args.window)
+        .env("XDG_DATA_HOME", &places.data)
+        .status()
+        .map_err(Error::failure)?;
+    drop(booth);
+    end_of_window(window, &folder)
+}
+
+fn end_of_window(window: ExitStatus, folder: &Path) -> Result<String, Error> {
+    let why = "the window has told above why it ended";
+    match window.code() {
+        Some(0) => Ok(format!("{}: all of it\n", folder.display())),
+        Some(2) => Err(Error::Input(why.into())),
+        _ => Err(Error::Failure(why.into())),
+    }
+}
+
+/// The booth's program, which is beside this one.
+fn find_booth() -> Result<PathBuf, Error> {
+    let booth = env::current_exe().map_err(Error::failure)?.with_file_name("paros-booth");
+    match booth.exists() {
+        true => Ok(booth),
+        false => Err(Error::Failure(format!(
+            "{}: it isn't there; `cargo build --release -p paros-booth` builds it",
+            booth.display()
+        ))),
+    }
+}
+
+impl RunningBooth {
+    /// Starts it, and passes on what it prints: its address, its fingerprint, the first account's code.
+    fn start(
+        program: &Path,
+        args: &Args,
+        places: &Places,
+        sink: Option<&MailSink>,
+    ) -> Result<Self, Error> {
+        let mut command = Command::new(program);
+        command.arg("--listen").arg(args.listen.to_string()).arg("--folder").arg(&places.booth);
+        // By whatever name the page is asked, this machine's studio asks by this one.
+        command.args(["--name", "127.0.0.1"]);
+        if let Some(sink) = sink {
+            let server = sink.address().to_string();
+            command.args(["--smtp", &server, "--smtp-tls", "none"]);
+            command.args(["--mail-from", "booth@exhibition.example"]);
+        }
+        let started = command.stdout(Stdio::piped()).spawn();
+        let mut process =
+            started.map_err(|error| Error::Failure(format!("{}: {error}", program.display())))?;
+        let mut lines =
+            process.stdout.take().map(BufReader::new).into_iter().flat_map(|out| out.lines());
+        let mut booth = RunningBooth { process, address: String::new() };
+        let first = lines.next().and_then(Result::ok).unwrap_or_default();
+        let port = first.rsplit_once(':').and_then(|(_, port)| port.trim().parse::<u16>().ok());
+        let port = port.filter(|_| first.starts_with("https://"));
+        let Some(port) = port else {
+            return Err(Error::Failure("the booth has told above why it doesn't serve".into()));
+        };
+        let host = match args.listen.ip() {
+            ip if ip.is_unspecified() => "127.0.0.1".to_owned(),
+            ip if ip.is_ipv6() => format!("[{ip}]"),
+            ip => ip.to_string(),
+        };
+        booth.address = format!("https://{host}:{port}");
+        print_line(&format!("booth: {first}"));
+        thread::spawn(move || {
+            lines.map_while(Result::ok).for_each(|line| print_line(&format!("booth: {line}")));
+        });
+        Ok(booth)
+    }
+}
+
+fn print_line(line: &str) {
+    // Standard output may be closed.
+    let _ = writeln!(io::stdout(), "{line}");
+}
+
+impl Drop for RunningBooth {
+    fn drop(&mut self) {
+        let pid = i32::try_from(self.process.id()).ok().and_then(Pid::from_raw);
+        let told = pid.map(|pid| kill_process(pid, Signal::TERM));
+        if !matches!(told, Some(Ok(()))) {
+            // It loses nothing by that either.
+            let _ = self.process.kill();
+        }
+        let _ = self.process.wait();
+    }
+}
+
+/// Enrols the studio, unless a run before did. The booth's port may be another since.
+fn enrol(program: &Path, places: &Places, address: &str) -> Result<(), Error> {
+    let file = enrolment_file(&places.data.join("paros"));
+    if let Some(found) = Enrolment::read(&file).map_err(Error::input)? {
+        if found.address != address {
+            Enrolment { address: address.into(), ..found }.write(&file)?;
+        }
+        return Ok(());
+    }
+    let made = Command::new(program)
+        .args(["fleet-file", "--uses", "1", "--days", "1", "--address", address, "--folder"])
+        .arg(&places.booth)
+        .output()
+        .map_err(Error::failure)?;
+    if !made.status.success() {
+        let why = String::from_utf8_lossy(&made.stderr);
+        return Err(Error::Failure(format!("the studio isn't enrolled: {}", why.trim())));
+    }
+    let fleet = FleetFile::parse(&made.stdout, &places.booth).map_err(Error::failure)?;
+    let name = DeviceName::new("this machine").ok_or_else(|| Error::failure("a name"))?;
+    let device = NewDevice::draw(None, name).map_err(Error::failure)?;
+    let mut link = EnrolHttps::open(&fleet.address, &fleet.ca);
+    enrol_by_fleet(&mut link, &fleet, &device).map_err(Error::failure)?.write(&file)?;
+    Ok(())
+}

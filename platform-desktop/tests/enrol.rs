@@ -1,0 +1,123 @@
+//! `paros enrol`: what it refuses, and at a real booth what it brings; `paros exhibit`, which has a booth of its own.
+
+#[path = "support/booth.rs"]
+mod booth_process;
+mod support;
+
+use std::fs;
+use std::io::{BufRead as _, BufReader};
+use std::net::TcpStream;
+use std::os::unix::fs::PermissionsExt as _;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use booth_process::BoothProcess;
+use paros_shell::outbox::enrolment::Enrolment;
+use paros_shell::require::require_or_skip;
+use support::TestFolder;
+
+const FLEET: &str = "address = \"https://127.0.0.1:1\"\n\
+    site = \"07070707070707070707070707070707\"\n\
+    receipt_key = \"0808080808080808080808080808080808080808080808080808080808080808\"\n\
+    enrolment_token = \"0909090909090909090909090909090909090909090909090909090909090909\"\n\
+    ca = \"\"\"\n-----BEGIN CERTIFICATE-----\nMAA=\n-----END CERTIFICATE-----\n\"\"\"\n";
+
+#[test]
+fn what_is_no_fleet_s_file_and_no_address_is_told_with_its_place() {
+    let folder = TestFolder::new("enrol-refused");
+    let enrol = ["enrol", "--file", "e.toml", "--fleet-file", "fleet.toml"];
+    folder.refuses(&enrol, "fleet.toml: there is no such file; expected a fleet's file");
+    for (from, to, told) in [
+        ("https://", "http://", "fleet.toml: address: expected https:// and an address"),
+        ("site = \"07", "site = \"7", "fleet.toml: site: expected 32 hexadecimal digits"),
+        ("MAA=", "M", "fleet.toml: ca: expected a certificate in PEM"),
+        ("address = ", "address ", "fleet.toml: line 1: expected TOML"),
+    ] {
+        folder.write("fleet.toml", FLEET.replacen(from, to, 1));
+        folder.refuses(&enrol, told);
+    }
+    folder.refuses(&["enrol"], "https://ADDRESS:PORT");
+    folder.refuses(&["enrol", "--file", "e.toml", "booth:8443"], "booth:8443: expected https://");
+    folder.refuses(&["enrol", "--file", "e.toml", "https://b:1", "--name", "a\nb"], "--name");
+}
+
+#[test]
+fn a_booth_that_is_not_there_leaves_nothing_behind() {
+    let folder = TestFolder::new("enrol-gone");
+    folder.write("fleet.toml", FLEET);
+    for args in [&["--fleet-file", "fleet.toml"][..], &["https://127.0.0.1:1"]] {
+        let output = folder.paros(&[&["enrol", "--file", "e.toml"], args].concat());
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{errors}");
+        assert!(errors.contains("https://127.0.0.1:1: the booth isn't reached"), "{errors}");
+        assert_eq!(folder.names(), ["fleet.toml"]);
+    }
+}
+
+#[test]
+fn a_machine_enrols_by_a_fleet_s_file_and_by_hand() {
+    let folder = TestFolder::new("enrol-done");
+    let Some(booth) = BoothProcess::start(&folder.0.join("booth")) else { return };
+    folder.write("fleet.toml", booth.run(&["fleet-file", "--address", &booth.address]));
+    let enrol = ["enrol", "--file", "kept/e.toml", "--fleet-file", "fleet.toml"];
+    let said = folder.succeeds(&enrol);
+    assert_eq!(said, format!("headset 1 of {}; kept in kept/e.toml\n", booth.address));
+    let mode = fs::metadata(folder.0.join("kept/e.toml")).expect("a file").permissions().mode();
+    assert_eq!(mode & 0o777, 0o600);
+    assert!(String::from_utf8(folder.read("kept/e.toml")).unwrap().contains("headset = 1\n"));
+    folder.refuses(&enrol, "this machine is headset 1");
+    // By hand: the booth lists the pictograms that were printed.
+    let args = ["enrol", "--file", "h.toml", &booth.address, "--name", "desk"];
+    let mut waiting = folder.command(&args).stdout(Stdio::piped()).spawn().expect("it runs");
+    let mut lines = BufReader::new(waiting.stdout.take().expect("a pipe")).lines();
+    let shown = lines.next().expect("a line").expect("text");
+    let shown = shown.strip_prefix("pictograms: ").expect("four pictograms").to_owned();
+    let attempts = booth.run(&["attempts"]);
+    let (attempt, rest) = attempts.split_once(": ").expect("one attempt");
+    assert!(rest.starts_with(&format!("{shown} (desk)")), "{attempts}");
+    assert!(!folder.0.join("h.toml").exists(), "nothing is kept before");
+    booth.run(&["accept", attempt]);
+    let last = lines.map_while(Result::ok).last().expect("a line");
+    assert!(last.ends_with("kept in h.toml"), "{last}");
+    assert!(waiting.wait().expect("it ends").success());
+}
+
+#[test]
+fn without_a_booth_s_program_it_tells_what_builds_it() {
+    let folder = TestFolder::new("exhibit-alone");
+    let alone = folder.0.join("paros");
+    fs::hard_link(env!("CARGO_BIN_EXE_paros"), &alone).expect("the same file system");
+    let output = Command::new(&alone).arg("exhibit").current_dir(&folder.0).output().unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{errors}");
+    assert!(errors.contains("`cargo build --release -p paros-booth` builds it"), "{errors}");
+    assert_eq!(folder.names(), ["paros"]);
+}
+
+/// There is no display here: the window doesn't open, and the booth doesn't stay.
+#[test]
+fn the_studio_is_enrolled_once_and_the_booth_ends_with_the_window() {
+    let folder = TestFolder::new("exhibit");
+    let booth = Path::new(env!("CARGO_BIN_EXE_paros")).with_file_name("paros-booth");
+    let found = booth.exists().then_some(());
+    let found = found.ok_or("no booth: `cargo build -p paros-booth` builds it");
+    if require_or_skip(found).expect("a booth").is_none() {
+        return;
+    }
+    let file = folder.0.join("all/studio/paros/enrolment.toml");
+    let exhibit = || {
+        let output =
+            folder.paros(&["exhibit", "--folder", "all", "--listen", "127.0.0.1:0", "--demo"]);
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{errors}");
+        assert!(errors.contains("no window can be opened"), "{errors}");
+        let said = String::from_utf8(output.stdout).expect("text");
+        assert!(said.starts_with("booth: https://127.0.0.1:"), "{said}");
+        Enrolment::read(&file).expect("whole").expect("it is enrolled")
+    };
+    let first = exhibit();
+    let second = exhibit();
+    assert_eq!((first.owner, first.token), (second.owner, second.token), "enrolled once");
+    let place = second.address.trim_start_matches("https://").to_owned();
+    assert!(TcpStream::connect(&place).is_err(), "the booth is still there");
+}
