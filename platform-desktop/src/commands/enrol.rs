@@ -13,10 +13,9 @@ use paros_outbox_link::{EnrolHttps, fetch_shown_authority};
 use paros_shell::durable::{self, WriteTarget};
 use paros_shell::outbox::enrolment::{
     EnrolError, Enrolment, FleetFile, HandEnrolment, HandState, NewDevice, check_address,
-    enrol_by_fleet, enrolment_file,
+    enrol_by_fleet, enrolment_file, hint_of_device,
 };
 use paros_shell::studio_paths::StudioPaths;
-use sha2::{Digest as _, Sha256};
 
 /// Enrol this machine at a booth, so that finished sculptures are sent there.
 #[derive(Debug, clap::Args)]
@@ -124,9 +123,5 @@ fn read_host_name() -> String {
 /// What this machine remembers itself by, without telling what its id is.
 fn read_machine_hint() -> Option<DeviceHint> {
     let id = fs::read_to_string("/etc/machine-id").ok().filter(|id| !id.trim().is_empty())?;
-    let hash =
-        Sha256::new_with_prefix(b"paros device hint v1\0").chain_update(id.trim()).finalize();
-    let mut hint = [0; DeviceHint::BYTES];
-    hint.copy_from_slice(&hash[..DeviceHint::BYTES]);
-    Some(DeviceHint(hint))
+    Some(hint_of_device(id.trim()))
 }

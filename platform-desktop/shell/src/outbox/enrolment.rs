@@ -22,7 +22,7 @@ use crate::durable::{self, WriteError};
 
 pub use by_fleet::enrol_by_fleet;
 pub use by_hand::{HandEnrolment, HandState};
-pub use fleet_file::FleetFile;
+pub use fleet_file::{FLEET_FILE_NAME, FleetFile};
 
 /// The file's name, in the folder of saved sessions unless a setting says otherwise.
 pub const ENROLMENT_FILE_NAME: &str = "enrolment.toml";
@@ -132,11 +132,29 @@ impl NewDevice {
     }
 }
 
+/// What a device of this name of the system's (Linux's `machine-id`, Android's `ANDROID_ID`) remembers itself by, without
+/// telling what it is.
+#[must_use]
+pub fn hint_of_device(id: &str) -> DeviceHint {
+    let hash = Sha256::new_with_prefix(b"paros device hint v1\0").chain_update(id).finalize();
+    let mut hint = [0; DeviceHint::BYTES];
+    hint.copy_from_slice(&hash[..DeviceHint::BYTES]);
+    DeviceHint(hint)
+}
+
 impl Enrolment {
     /// What the outbox takes of it.
     #[must_use]
     pub const fn for_outbox(&self) -> OutboxEnrolment {
         OutboxEnrolment { owner: self.owner, receipt_key: self.receipt_key }
+    }
+
+    /// The same at the address and with the authority that a fleet's file tells, where the file is of the same site.
+    #[must_use]
+    pub fn moved_to(&self, fleet: &FleetFile) -> Option<Self> {
+        let is_same = (self.owner.site, self.receipt_key) == (fleet.site, fleet.receipt_key);
+        let (address, ca) = (fleet.address.clone(), fleet.ca.clone());
+        is_same.then(|| Enrolment { address, ca, ..self.clone() })
     }
 
     /// Writes it to a file that nobody else may read.
@@ -156,18 +174,18 @@ impl Enrolment {
     /// What the file can't be read by, or what is wrong with it: which file, where and what was expected.
     pub fn read(path: &Path) -> Result<Option<Self>, EnrolError> {
         let fields = Fields::read(path)?;
-        fields.map(|fields| Self::of_fields(&fields)).transpose()
+        fields.map(|fields| Self::from_fields(&fields)).transpose()
     }
 
-    /// Takes the bytes of such a file; `path` is what errors name.
+    /// Takes the bytes of such a file that `source` has.
     ///
     /// # Errors
-    /// Those of [`Enrolment::read`].
-    pub fn parse(bytes: &[u8], path: &Path) -> Result<Self, EnrolError> {
-        Self::of_fields(&Fields::parse(bytes.to_vec(), path)?)
+    /// Where in it and what was expected.
+    pub fn parse(source: &str, bytes: &[u8]) -> Result<Self, EnrolError> {
+        Self::from_fields(&Fields::parse(source, bytes)?)
     }
 
-    fn of_fields(fields: &Fields<'_>) -> Result<Self, EnrolError> {
+    fn from_fields(fields: &Fields) -> Result<Self, EnrolError> {
         let headset = fields.text("headset")?.parse().ok().filter(|&number: &u32| number > 0);
         let headset = headset.ok_or_else(|| fields.expect("headset", "a number from 1"))?;
         let ca = parse_hex(fields.text("ca")?).filter(|ca| !ca.is_empty());
@@ -217,32 +235,32 @@ fn ask(link: &mut impl EnrolLink, path: &str, body: &[u8]) -> Result<Vec<u8>, En
     }
 }
 
-fn at(path: &Path, why: &dyn fmt::Display) -> EnrolError {
-    EnrolError::File(format!("{}: {why}", path.display()))
-}
-
 /// The fields of a file: texts, and numbers as they stand there.
-struct Fields<'a> {
-    path: &'a Path,
+struct Fields {
+    /// The file, as messages name it.
+    source: String,
     values: BTreeMap<String, String>,
 }
 
-impl<'a> Fields<'a> {
+impl Fields {
     /// Reads a file of TOML; `None` where there is none.
-    fn read(path: &'a Path) -> Result<Option<Self>, EnrolError> {
-        let bytes = match durable::read_regular_file_up_to(path, MAX_FILE_BYTES) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-            read => read.map_err(|error| at(path, &error))?,
-        };
-        Fields::parse(bytes, path).map(Some)
+    fn read(path: &Path) -> Result<Option<Self>, EnrolError> {
+        let source = path.display().to_string();
+        match durable::read_regular_file_up_to(path, MAX_FILE_BYTES) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(EnrolError::File(format!("{source}: {error}"))),
+            Ok(bytes) => Fields::parse(&source, &bytes).map(Some),
+        }
     }
 
-    fn parse(bytes: Vec<u8>, path: &'a Path) -> Result<Self, EnrolError> {
-        let text = String::from_utf8(bytes).map_err(|_| at(path, &"expected text in UTF-8"))?;
-        let table = DeTable::parse(&text).map_err(|error| {
+    /// Takes a file's bytes.
+    fn parse(source: &str, bytes: &[u8]) -> Result<Self, EnrolError> {
+        let at = |why: &dyn fmt::Display| EnrolError::File(format!("{source}: {why}"));
+        let text = str::from_utf8(bytes).map_err(|_| at(&"expected text in UTF-8"))?;
+        let table = DeTable::parse(text).map_err(|error| {
             let before = error.span().and_then(|span| text.get(..span.start));
             let line = before.map_or(1, |before| before.matches('\n').count() + 1);
-            at(path, &format_args!("line {line}: expected TOML: {}", error.message()))
+            at(&format_args!("line {line}: expected TOML: {}", error.message()))
         })?;
         let value = |value: &DeValue<'_>| match value {
             DeValue::String(text) => Some(text.clone().into_owned()),
@@ -252,11 +270,11 @@ impl<'a> Fields<'a> {
         let values = table.get_ref().iter().filter_map(|(key, found)| {
             Some((key.get_ref().clone().into_owned(), value(found.get_ref())?))
         });
-        Ok(Fields { path, values: values.collect() })
+        Ok(Fields { source: source.to_owned(), values: values.collect() })
     }
 
     fn expect(&self, key: &str, expected: &str) -> EnrolError {
-        EnrolError::File(format!("{}: {key}: expected {expected}", self.path.display()))
+        EnrolError::File(format!("{}: {key}: expected {expected}", self.source))
     }
 
     fn text(&self, key: &str) -> Result<&str, EnrolError> {

@@ -1,8 +1,6 @@
 //! Files of an enrolment, a device's own and a fleet's: refused with the file and what was expected, or written again
 //! and read as the same.
 
-use std::path::Path;
-
 use paros_shell::outbox::enrolment::{EnrolError, Enrolment, FleetFile};
 
 use crate::engine::FuzzTarget;
@@ -22,13 +20,13 @@ pub(super) const ENROLMENT: FuzzTarget = FuzzTarget {
     longest: 1024,
     runs: 4000,
     run: |bytes| {
-        let path = Path::new("enrolment.toml");
-        let own = Enrolment::parse(bytes, path).map(|enrolment| {
+        let source = "enrolment.toml";
+        let own = Enrolment::parse(source, bytes).map(|enrolment| {
             assert!(enrolment.owner.headset > 0 && !enrolment.ca.is_empty());
-            let again = Enrolment::parse(enrolment.to_toml().as_bytes(), path).expect("its own");
+            let again = Enrolment::parse(source, enrolment.to_toml().as_bytes()).expect("its own");
             assert_eq!(again, enrolment);
         });
-        let fleet = FleetFile::parse(bytes, path).map(drop);
+        let fleet = FleetFile::parse(source, bytes).map(drop);
         format!("{}; {}", describe(own), describe(fleet))
     },
 };

@@ -2,11 +2,15 @@
 
 use std::path::Path;
 
+use base64ct::{Base64, Encoding as _};
 use paros_core::outbox::messages::{EnrolmentToken, ReceiptKey, SiteId};
 use rustls_pki_types::CertificateDer;
 use rustls_pki_types::pem::PemObject as _;
 
 use super::{EnrolError, Fields};
+
+/// The name of a fleet's file, in a headset's folder of sessions and in its package.
+pub const FLEET_FILE_NAME: &str = "fleet.toml";
 
 /// A fleet's file. Whoever has it can enrol a device.
 #[derive(Clone, Debug)]
@@ -29,21 +33,35 @@ impl FleetFile {
     /// # Errors
     /// Which file, where and what was expected.
     pub fn read(path: &Path) -> Result<Self, EnrolError> {
-        Self::of_fields(&Fields::read(path)?.ok_or_else(|| {
+        let fields = Fields::read(path)?.ok_or_else(|| {
             let why = "expected a fleet's file, as `paros-booth fleet-file` prints it";
             EnrolError::File(format!("{}: there is no such file; {why}", path.display()))
-        })?)
+        })?;
+        FleetFile::from_fields(&fields)
     }
 
-    /// Takes the bytes of one; `path` is what errors name.
+    /// Takes the bytes of one that `source` has.
     ///
     /// # Errors
-    /// Those of [`FleetFile::read`].
-    pub fn parse(bytes: &[u8], path: &Path) -> Result<Self, EnrolError> {
-        Self::of_fields(&Fields::parse(bytes.to_vec(), path)?)
+    /// Where in it and what was expected.
+    pub fn parse(source: &str, bytes: &[u8]) -> Result<Self, EnrolError> {
+        FleetFile::from_fields(&Fields::parse(source, bytes)?)
     }
 
-    fn of_fields(fields: &Fields<'_>) -> Result<Self, EnrolError> {
+    /// Takes one from a text that may have lost its lines, as a console's form may take them: the file, or the file in
+    /// base64, with spaces and lines anywhere.
+    ///
+    /// # Errors
+    /// Where in it and what was expected.
+    pub fn parse_text(source: &str, text: &str) -> Result<Self, EnrolError> {
+        let letters: String = text.split_whitespace().collect();
+        match Base64::decode_vec(&letters) {
+            Ok(bytes) => FleetFile::parse(source, &bytes),
+            Err(_) => FleetFile::parse(source, text.as_bytes()),
+        }
+    }
+
+    fn from_fields(fields: &Fields) -> Result<Self, EnrolError> {
         let ca = CertificateDer::from_pem_slice(fields.text("ca")?.as_bytes());
         let ca = ca.map_err(|_| fields.expect("ca", "a certificate in PEM"))?;
         Ok(FleetFile {

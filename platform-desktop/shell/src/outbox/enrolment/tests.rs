@@ -5,6 +5,7 @@ use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::PathBuf;
 
+use base64ct::{Base64, Encoding as _};
 use paros_core::outbox::messages::{
     EnrolAnswer, EnrolCommitAnswer, EnrolNonce, EnrolPollAnswer, EnrolRevealAnswer, EnrolState,
     EnrolmentToken,
@@ -128,4 +129,56 @@ fn an_address_is_of_https_and_ends_in_no_slash() {
     for bad in ["http://b", "https://", "https://b/c", "https://b\n", "https://u@b", "b:1"] {
         assert_eq!(check_address(bad), None, "{bad}");
     }
+}
+
+const FLEET: &str = "address = \"https://10.0.0.7:8443/\"\nsite = \"07070707070707070707070707070707\"\n\
+    receipt_key = \"0808080808080808080808080808080808080808080808080808080808080808\"\n\
+    enrolment_token = \"0909090909090909090909090909090909090909090909090909090909090909\"\n\
+    ca = \"\"\"\n-----BEGIN CERTIFICATE-----\nMIIB\n-----END CERTIFICATE-----\n\"\"\"\n";
+
+#[test]
+fn a_fleets_file_comes_through_a_form_that_keeps_no_lines() {
+    let read = |text: &str| FleetFile::parse_text("managed configuration", text);
+    let plain = read(FLEET).expect("a fleet's file");
+    assert_eq!((plain.site, plain.ca.len()), (SITE, 3));
+    let letters = Base64::encode_string(FLEET.as_bytes());
+    let cut = letters.replace('a', "a\n ");
+    for text in [&letters, &cut] {
+        assert_eq!(read(text).expect("the same").address, "https://10.0.0.7:8443");
+    }
+    for (text, why) in [
+        (FLEET.replace('\n', " "), "managed configuration: line 1: expected TOML"),
+        (Base64::encode_string(b"address = 1"), "managed configuration: ca: expected a value"),
+        (Base64::encode_string(&[0xff]), "managed configuration: expected text in UTF-8"),
+    ] {
+        let told = read(&text).expect_err(why).to_string();
+        assert!(told.starts_with(why), "{told}");
+    }
+}
+
+#[test]
+fn an_enrolment_moves_with_its_booth_and_not_to_another_site() {
+    let fleet = FleetFile::parse("fleet", FLEET.as_bytes()).expect("a fleet's file");
+    let kept = Enrolment {
+        address: "https://10.0.0.6:8443".into(),
+        ca: vec![1],
+        token: device().token,
+        receipt_key: KEY,
+        owner: OutboxOwner { site: SITE, headset: 3 },
+    };
+    let moved = kept.moved_to(&fleet).expect("the same site");
+    let (address, ca) = (fleet.address.clone(), fleet.ca.clone());
+    assert_eq!(moved, Enrolment { address, ca, ..kept.clone() });
+    let of_other = FleetFile { site: SiteId([1; 16]), ..fleet.clone() };
+    assert_eq!(kept.moved_to(&of_other), None);
+    let of_other = FleetFile { receipt_key: ReceiptKey([1; 32]), ..fleet };
+    assert_eq!(kept.moved_to(&of_other), None);
+}
+
+#[test]
+fn a_hint_is_of_the_devices_name_and_doesnt_tell_it() {
+    let hint = hint_of_device("9774d56d682e549c");
+    assert_eq!(hint, hint_of_device("9774d56d682e549c"));
+    assert!(hint != hint_of_device("9774d56d682e549d"));
+    assert!(hint.0 != *b"9774d56d682e549c");
 }
