@@ -9,6 +9,7 @@ use std::time::Duration;
 use paros_core::limits::{HEARTBEAT_TIMEOUT_MS, UPLOAD_TIMEOUT_MS};
 use paros_core::outbox::messages::DeviceToken;
 
+use super::enrolment::EnrolLink;
 use super::link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
 
 /// Bytes of an answer's body that are read at most: no answer of the booth has more.
@@ -84,6 +85,8 @@ pub struct ThreadedLink {
     heartbeats: Sender<BoothRequest>,
     answers: Receiver<(SentRequest, Result<HttpAnswer, LinkError>)>,
     last_error: Option<LinkError>,
+    log: Option<fn(fmt::Arguments<'_>)>,
+    told: Option<LinkFault>,
 }
 
 impl Default for LinkTimes {
@@ -134,6 +137,12 @@ impl<'a> HttpRequest<'a> {
     }
 }
 
+impl<C: BoothCaller> EnrolLink for C {
+    fn post(&mut self, path: &str, body: &[u8]) -> Result<HttpAnswer, LinkFault> {
+        self.call(&HttpRequest::post(path, body)).map_err(|error| error.fault)
+    }
+}
+
 impl ThreadedLink {
     /// A link whose requests go by these two.
     #[must_use]
@@ -159,7 +168,13 @@ impl ThreadedLink {
             ask
         };
         let (puts, heartbeats) = (spawn("put", of_puts), spawn("heartbeat", of_heartbeats));
-        ThreadedLink { puts, heartbeats, answers, last_error: None }
+        ThreadedLink { puts, heartbeats, answers, last_error: None, log: None, told: None }
+    }
+
+    /// The same, which writes a line where requests begin to fail, or fail for another kind of reason.
+    #[must_use]
+    pub fn with_log(self, log: fn(fmt::Arguments<'_>)) -> Self {
+        ThreadedLink { log: Some(log), ..self }
     }
 
     /// Why the last request had no answer; `None` where it had one.
@@ -182,6 +197,11 @@ impl BoothLink for ThreadedLink {
     fn poll(&mut self) -> Option<LinkAnswer> {
         let (request, result) = self.answers.try_recv().ok()?;
         self.last_error = result.as_ref().err().cloned();
+        let fault = self.last_error.as_ref().map(|error| error.fault);
+        if let (Some(log), Some(error), true) = (self.log, &self.last_error, fault != self.told) {
+            log(format_args!("{error}"));
+        }
+        self.told = fault;
         Some(LinkAnswer { request, result: result.map_err(|error| error.fault) })
     }
 }
@@ -198,3 +218,62 @@ impl fmt::Display for LinkError {
 }
 
 impl std::error::Error for LinkError {}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::{Mutex, PoisonError};
+    use std::time::Instant;
+
+    use paros_core::outbox::messages::Heartbeat;
+
+    use super::*;
+
+    /// Gives these faults one after the other, and then answers.
+    struct Caller(Vec<LinkFault>);
+
+    impl BoothCaller for Caller {
+        fn call(&mut self, _: &HttpRequest<'_>) -> Result<HttpAnswer, LinkError> {
+            match self.0.pop() {
+                Some(fault) => {
+                    Err(LinkError { fault, why: format!("as {} are left", self.0.len()) })
+                }
+                None => Ok(HttpAnswer { status: 200, retry_after: None, body: Vec::new() }),
+            }
+        }
+    }
+
+    static LINES: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+    fn log(line: fmt::Arguments<'_>) {
+        LINES.lock().unwrap_or_else(PoisonError::into_inner).push(line.to_string());
+    }
+
+    #[test]
+    fn a_reason_is_told_once_as_long_as_it_stays() {
+        use LinkFault::{TimedOut, Unreachable};
+        let faults = vec![TimedOut, Unreachable, Unreachable];
+        let link = ThreadedLink::start(DeviceToken([1; 32]), Caller(Vec::new()), Caller(faults));
+        let mut link = link.with_log(log);
+        let mut ask = || {
+            let body = Box::new([0; Heartbeat::BYTES]);
+            link.send(BoothRequest::Heartbeat { number: 1, body });
+            let begun = Instant::now();
+            loop {
+                if let Some(answer) = link.poll() {
+                    return (answer.result.err(), link.last_error().is_some());
+                }
+                assert!(begun.elapsed() < Duration::from_secs(60), "no answer");
+                thread::sleep(Duration::from_millis(1));
+            }
+        };
+        let found = [(); 5].map(|()| ask());
+        let failed = |fault| (Some(fault), true);
+        let fine = (None, false);
+        assert_eq!(found, [failed(Unreachable), failed(Unreachable), failed(TimedOut), fine, fine]);
+        let expected = [
+            "the booth can't be reached: as 2 are left",
+            "the booth doesn't answer in time: as 0 are left",
+        ];
+        assert_eq!(*LINES.lock().expect("nobody panicked"), expected);
+    }
+}
