@@ -341,6 +341,7 @@ fn check_monitor() {
     let expected = DeviceHealth {
         thermal: ThermalState::Hot,
         battery_percent: Some(12),
+        battery: Battery { percent: Some(12), charging: false },
         ..DeviceHealth::default()
     };
     let begun = Instant::now();

@@ -60,7 +60,7 @@ impl Default for ChargerPanel {
 mod tests {
     use glam::Vec3;
     use paros_shaders::panel::Panel;
-    use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
+    use paros_shell::headset::device_health::{Battery, DeviceHealth, ThermalState};
 
     use super::{ChargerPanel, EYES, MIDDLE};
     use crate::{PanelSpot, room_pose};
@@ -69,6 +69,7 @@ mod tests {
         thermal: ThermalState::Normal,
         battery_percent: Some(40),
         drains_on_charger: true,
+        battery: Battery { percent: Some(40), charging: true },
     };
 
     /// The bearings of a panel's left and right side, in degrees to the right of ahead.

@@ -4,7 +4,7 @@ use paros_core::limits::INTERVALS;
 use paros_core::outbox::messages::HeatLevel;
 use paros_core::volume::{Grid, Size};
 use paros_shaders::panel::Language;
-use paros_shell::headset::device_health::ThermalState;
+use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
 use paros_shell::outbox::courier::Courier;
 use paros_shell::outbox::enrolment::Enrolment;
 use paros_shell::statics::Resident;
@@ -63,13 +63,7 @@ where
     /// Carries out what the booth asks, tells it how the headset is, and logs what has become of sculptures.
     pub(super) fn follow_booth(&mut self, is_awake: bool, platform: &mut dyn Platform) {
         let Some(courier) = self.studio.courier() else { return };
-        let device = DeviceStatus {
-            battery_percent: self.health.battery_percent,
-            // The charge is told of a battery that isn't being charged, or drains all the same.
-            is_charging: self.health.drains_on_charger,
-            heat: heat_of(self.health.thermal.max(self.runtime_thermal)),
-            is_awake,
-        };
+        let device = DeviceStatus { is_awake, ..device_status(self.health, self.runtime_thermal) };
         match &mut self.host {
             Some(host) => {
                 host.follow_courier(courier, self.studio.world().visit(), device);
@@ -85,10 +79,42 @@ where
     }
 }
 
+/// What the booth is told of a headset's battery and heat; `runtime_thermal` is what the runtime says of the heat.
+fn device_status(health: DeviceHealth, runtime_thermal: ThermalState) -> DeviceStatus {
+    DeviceStatus {
+        battery_percent: health.battery.percent,
+        is_charging: health.battery.charging,
+        heat: heat_of(health.thermal.max(runtime_thermal)),
+        ..DeviceStatus::default()
+    }
+}
+
 const fn heat_of(thermal: ThermalState) -> HeatLevel {
     match thermal {
         ThermalState::Normal => HeatLevel::Normal,
         ThermalState::Warm => HeatLevel::Warm,
         ThermalState::Hot => HeatLevel::Hot,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use paros_core::outbox::messages::HeatLevel;
+    use paros_shell::headset::device_health::{
+        Battery, DeviceHealth, ThermalReading, ThermalState, ThermalStatus,
+    };
+
+    use super::device_status;
+
+    #[test]
+    fn the_booth_hears_of_a_battery_on_its_charger_and_of_the_greater_heat() {
+        let cool = ThermalReading { status: ThermalStatus::None, headroom: None };
+        let battery = Battery { percent: Some(40), charging: true };
+        let health = DeviceHealth::assess(cool, battery, false);
+        let told = device_status(health, ThermalState::Warm);
+        assert_eq!((told.battery_percent, told.is_charging), (Some(40), true));
+        assert_eq!(told.heat, HeatLevel::Warm);
+        let hot = DeviceHealth { thermal: ThermalState::Hot, ..health };
+        assert_eq!(device_status(hot, ThermalState::Warm).heat, HeatLevel::Hot);
     }
 }

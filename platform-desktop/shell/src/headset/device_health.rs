@@ -22,10 +22,12 @@ pub struct DeviceHealth {
     pub battery_percent: Option<u8>,
     /// Whether the battery drains though it is being charged: its charger is too weak. See [`ChargeWatch`].
     pub drains_on_charger: bool,
+    /// The battery as the device tells of it: for who looks after several.
+    pub battery: Battery,
 }
 
 /// The battery's state.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Battery {
     /// The charge in percent, 0 to 100; none if the device does not know it.
     pub percent: Option<u8>,
@@ -128,7 +130,7 @@ impl DeviceHealth {
         };
         let is_draining = !battery.charging || drains_on_charger;
         let battery_percent = battery.percent.filter(|_| is_draining);
-        DeviceHealth { thermal, battery_percent, drains_on_charger }
+        DeviceHealth { thermal, battery_percent, drains_on_charger, battery }
     }
 
     /// The warning that a change from `previous` calls for; each is given once.
@@ -242,12 +244,14 @@ mod tests {
         assert_eq!(thermal_of(ThermalStatus::None, Some(1.0)), ThermalState::Hot);
         assert_eq!(thermal_of(ThermalStatus::Shutdown, None), ThermalState::Hot);
         let cool = ThermalReading { status: ThermalStatus::None, headroom: None };
-        let expected = DeviceHealth { battery_percent: Some(40), ..DeviceHealth::default() };
+        let expected =
+            DeviceHealth { battery_percent: Some(40), battery, ..DeviceHealth::default() };
         assert_eq!(DeviceHealth::assess(cool, battery, false), expected);
         let charging = Battery { charging: true, ..battery };
-        assert_eq!(DeviceHealth::assess(cool, charging, false).battery_percent, None);
+        let on_charger = DeviceHealth::assess(cool, charging, false);
+        assert_eq!((on_charger.battery_percent, on_charger.battery), (None, charging));
         // On a charger that is too weak it is as without one.
-        let weak = DeviceHealth { drains_on_charger: true, ..expected };
+        let weak = DeviceHealth { drains_on_charger: true, battery: charging, ..expected };
         assert_eq!(DeviceHealth::assess(cool, charging, true), weak);
     }
 }

@@ -99,12 +99,13 @@ impl fmt::Display for FoveationLevel {
 #[cfg(test)]
 mod tests {
     use super::{Foveation, FoveationLevel};
-    use crate::headset::device_health::{DeviceHealth, ThermalState};
+    use crate::headset::device_health::{Battery, DeviceHealth, ThermalState};
 
     const FINE: DeviceHealth = DeviceHealth {
         thermal: ThermalState::Normal,
         battery_percent: Some(90),
         drains_on_charger: false,
+        battery: Battery { percent: Some(90), charging: false },
     };
 
     #[test]
