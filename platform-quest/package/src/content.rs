@@ -1,4 +1,4 @@
-//! What an operator gives a package: settings for all its headsets, and hidden figures. All of it is checked before
+//! What an operator gives a package: settings for all its headsets, the booth at which they enrol, and hidden figures. All of it is checked before
 //! anything is built.
 
 use std::path::{Path, PathBuf};
@@ -9,8 +9,11 @@ use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 use paros_shell::durable;
 use paros_shell::figures::{check_own_figure_names, coat_margin, write_coat_into};
-use paros_shell::headset::package::{FIGURES_ASSET, SETTINGS_ASSET, own_figure_assets};
+use paros_shell::headset::package::{
+    FIGURES_ASSET, FLEET_ASSET, SETTINGS_ASSET, own_figure_assets,
+};
 use paros_shell::mesh::{self, Mesh, MeshFormat};
+use paros_shell::outbox::enrolment::FleetFile;
 use paros_shell::rmap;
 use paros_shell::settings::{LoadedSettings, MAX_BYTES, SettingsLayer};
 use paros_shell::statics::{Resident, ResidentBitGrid};
@@ -21,6 +24,7 @@ use crate::error::PackageError;
 #[derive(Debug)]
 pub(crate) struct OperatorContent {
     settings: Option<Vec<u8>>,
+    fleet: Option<Vec<u8>>,
     names: Vec<String>,
     /// In the order of the names.
     figures: Vec<OwnMesh>,
@@ -38,14 +42,19 @@ impl OperatorContent {
     /// Reads and checks it.
     ///
     /// # Errors
-    /// All that is wrong with the settings, or what is with a figure, and what was expected.
-    pub(crate) fn read(settings: Option<&Path>, meshes: &[PathBuf]) -> Result<Self, PackageError> {
+    /// All that is wrong with the settings, or what is with the fleet's file or a figure, and what was expected.
+    pub(crate) fn read(
+        settings: Option<&Path>,
+        fleet: Option<&Path>,
+        meshes: &[PathBuf],
+    ) -> Result<Self, PackageError> {
         let names: Vec<_> = meshes.iter().map(|path| figure_name(path)).collect();
         check_own_figure_names(&names)
             .map_err(|why| PackageError::Input(format!("--figure: {why}")))?;
         let settings = settings.map(|path| read_settings(path, &names)).transpose()?;
+        let fleet = fleet.map(read_fleet_file).transpose()?;
         let figures = meshes.iter().map(|path| OwnMesh::read(path)).collect::<Result<_, _>>()?;
-        Ok(OperatorContent { settings, names, figures })
+        Ok(OperatorContent { settings, fleet, names, figures })
     }
 
     /// The names of the figures.
@@ -60,6 +69,7 @@ impl OperatorContent {
     pub(crate) fn into_assets(self) -> Result<Vec<(String, Vec<u8>)>, PackageError> {
         let mut assets = Vec::new();
         assets.extend(self.settings.map(|bytes| (SETTINGS_ASSET.to_owned(), bytes)));
+        assets.extend(self.fleet.map(|bytes| (FLEET_ASSET.to_owned(), bytes)));
         if !self.names.is_empty() {
             let list = self.names.join("\n") + "\n";
             assets.push((FIGURES_ASSET.to_owned(), list.into_bytes()));
@@ -123,4 +133,11 @@ fn read_settings(path: &Path, own_figures: &[String]) -> Result<Vec<u8>, Package
     let contradiction = settings.find_contradiction(own_figures);
     faults.extend(contradiction.map(|why| format!("{shown}: record: {why}")));
     if faults.is_empty() { Ok(bytes) } else { Err(PackageError::Input(faults.join("\n"))) }
+}
+
+/// The bytes of a fleet's file with which nothing is wrong.
+fn read_fleet_file(path: &Path) -> Result<Vec<u8>, PackageError> {
+    FleetFile::read(path).map_err(PackageError::input)?;
+    let bytes = durable::read_regular_file(path);
+    bytes.map_err(|error| PackageError::Input(format!("{}: {error}", path.display())))
 }

@@ -57,6 +57,10 @@ struct PackageArgs {
     /// `paros settings template` writes a file to begin with.
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
+    /// The fleet's file by which headsets that get the package enrol at a booth, as `paros-booth fleet-file` prints it.
+    /// Whoever has the package can enrol one.
+    #[arg(long, value_name = "FILE")]
+    fleet_file: Option<PathBuf>,
     /// A hidden figure of your own, up to eight: a mesh whose file's name becomes the mode's (lion.obj: lion).
     #[arg(long, value_name = "MESH")]
     figure: Vec<PathBuf>,
@@ -85,7 +89,8 @@ fn make_package(args: &PackageArgs) -> Result<String, PackageError> {
     let output = args.output.clone().unwrap_or_else(|| folder.join("paros.apk"));
     let target = WriteTarget::resolve_and_check_writable(&output).map_err(PackageError::input)?;
     let loader = args.loader.as_deref().map(read_loader).transpose()?;
-    let content = OperatorContent::read(args.settings.as_deref(), &args.figure)?;
+    let content =
+        OperatorContent::read(args.settings.as_deref(), args.fleet_file.as_deref(), &args.figure)?;
     tools::check_tools(args.library.is_none())?;
     let key = match (&args.key, &args.key_password) {
         (Some(store), Some(password)) => {

@@ -1,11 +1,13 @@
 //! The program that makes the package, run as its users run it. What it makes is looked at with the
 //! tools of others.
 
+mod library;
+
+use std::fs;
 use std::io::Read;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use std::{env, fs};
 
 use object::write::Object;
 use object::{Architecture, BinaryFormat, Endianness};
@@ -15,11 +17,12 @@ use paros_core::session::{SessionMode, SessionState};
 use paros_core::volume::{BitGrid, BitSet, Grid, Size};
 use paros_shell::figures::own_figure_mode;
 use paros_shell::headset::package;
-use paros_shell::require::require_or_skip;
 use paros_shell::settings::table::SETTINGS;
-use paros_shell::settings::{LoadedSettings, SettingsLayer};
+use paros_shell::settings::{FLEET_FILE_KEY, LoadedSettings, SettingsLayer};
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::tick_runner::TickRunner;
+
+use library::find_built_library;
 
 const PASSWORD: (&str, &str) = ("PAROS_TEST_KEY", "a secret of tests");
 
@@ -57,21 +60,6 @@ fn stand_in_library(machine: u16, align: u64) -> Vec<u8> {
 
 fn stderr_text(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-/// The library that was built last, where the tools for packing it are.
-fn find_built_library() -> Option<PathBuf> {
-    let target = env::var_os("CARGO_TARGET_DIR").map_or("target".into(), PathBuf::from);
-    let target = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(target);
-    let library = target.join("aarch64-linux-android/release/libparos_quest.so");
-    let tools = ["aapt2", "zipalign", "apksigner", "keytool"];
-    let starts = |tool: &&str| Command::new(tool).output().is_ok();
-    let part = match (library.is_file(), tools.iter().find(|tool| !starts(tool))) {
-        (_, Some(tool)) => Err(format!("no {tool}")),
-        (false, None) => Err("no library for Android: cargo run -p paros-package".into()),
-        (true, None) => Ok(library),
-    };
-    require_or_skip(part).expect("the package is made before the tests")
 }
 
 fn create_release_key(name: &str) -> PathBuf {
@@ -271,7 +259,7 @@ fn check_restrictions(dump: &str) {
         values.map(|line| line.split('"').nth(1).unwrap_or_default().to_owned()).collect::<Vec<_>>()
     };
     let headsets = SETTINGS.iter().filter(|setting| setting.scope.is_for_headset());
-    let names: Vec<_> = headsets.map(|setting| setting.name).collect();
+    let names: Vec<_> = headsets.map(|setting| setting.name).chain([FLEET_FILE_KEY]).collect();
     assert_eq!(attribute("key"), names, "{dump}");
     // Title and description of each, and the entries of size, mode, foveation and samples.
     let references = |name: &str| dump.matches(&format!(":{name}(")).count();

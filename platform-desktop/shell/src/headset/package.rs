@@ -1,8 +1,9 @@
 //! The contents of the app's package (APK) that both its maker and the headset's shell name: start
-//! volumes as assets, so that a headset need not make them, the operator's own hidden figures, settings, and
-//! Khronos' OpenXR loader.
+//! volumes as assets, so that a headset need not make them, the operator's own hidden figures, settings, a fleet's
+//! file, and Khronos' OpenXR loader.
 
 use crate::figures::check_own_figure_names;
+use crate::outbox::enrolment::FLEET_FILE_NAME;
 use crate::rmap::{self, RmapFaultAt};
 use crate::settings;
 use crate::start_volume_store::{StartVolume, StartVolumeStore};
@@ -14,6 +15,9 @@ pub const OPENXR_LOADER: &str = "libopenxr_loader.so";
 
 /// The name of the asset that holds the package's settings, as a file of them.
 pub const SETTINGS_ASSET: &str = settings::FILE_NAME;
+
+/// The name of the asset that holds the fleet's file by which headsets enrol at a booth.
+pub const FLEET_ASSET: &str = FLEET_FILE_NAME;
 
 /// The name of the asset that lists the operator's own figures, a name a line.
 pub const FIGURES_ASSET: &str = "figures.txt";

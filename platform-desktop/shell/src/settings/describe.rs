@@ -53,6 +53,13 @@ pub fn write_documentation() -> String {
     text
 }
 
+/// The key by which a managed configuration has a fleet's file. It is no setting: its text is a secret.
+pub const FLEET_FILE_KEY: &str = "fleet_file";
+
+/// What a console's form says of it.
+const FLEET_FILE_SUMMARY: &str = "The booth at which the headset enrols by itself. Expected: the file that paros-booth \
+    fleet-file prints, or the same in base64 where the form keeps no lines. Whoever has it can enrol a headset.";
+
 /// The resources of a package from which consoles learn the settings of a headset.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct RestrictionFiles {
@@ -112,9 +119,26 @@ pub fn write_restrictions(own_figures: &[String]) -> RestrictionFiles {
         }
         restrictions += " />\n";
     }
+    push_fleet_file(&mut restrictions, &mut values);
     restrictions += "</restrictions>\n";
     values += "</resources>\n";
     RestrictionFiles { restrictions, values }
+}
+
+/// Adds a fleet's file to the restrictions and to the texts that they refer to.
+fn push_fleet_file(restrictions: &mut String, values: &mut String) {
+    let name = FLEET_FILE_KEY;
+    let _ = writeln!(values, "  <string name=\"{name}_title\">Fleet file</string>");
+    let _ = writeln!(
+        values,
+        "  <string name=\"{name}_description\">{}</string>",
+        escape_resource(FLEET_FILE_SUMMARY)
+    );
+    let _ = writeln!(
+        restrictions,
+        "  <restriction android:key=\"{name}\" android:restrictionType=\"string\" \
+         android:title=\"@string/{name}_title\" android:description=\"@string/{name}_description\" />"
+    );
 }
 
 impl Setting {
@@ -208,7 +232,9 @@ fn escape_resource(text: &str) -> String {
 mod tests {
     use std::{env, fs};
 
-    use super::{escape_resource, write_documentation, write_restrictions, write_template};
+    use super::{
+        FLEET_FILE_KEY, escape_resource, write_documentation, write_restrictions, write_template,
+    };
     use crate::settings::table::SETTINGS;
     use crate::settings::{LoadedSettings, SettingsLayer};
 
@@ -248,6 +274,10 @@ mod tests {
             assert_eq!(files.restrictions.matches(&key).count(), usize::from(is_headsets), "{key}");
         }
         assert!(files.values.contains("<item>lion</item>"));
+        // And the one that is no setting, as its text is told to nobody.
+        let key = format!("android:key=\"{FLEET_FILE_KEY}\" android:restrictionType=\"string\"");
+        assert_eq!(files.restrictions.matches(&key).count(), 1, "{}", files.restrictions);
+        assert!(SETTINGS.iter().all(|setting| setting.name != FLEET_FILE_KEY));
         assert_eq!(escape_resource("a<b & \"c\" 'd' \\"), "a&lt;b &amp; \\\"c\\\" \\'d\\' \\\\");
     }
 }

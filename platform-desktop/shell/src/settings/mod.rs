@@ -29,7 +29,9 @@ use paros_core::session::SessionMode;
 
 pub use booth::BoothSettings;
 pub use contradiction::Contradiction;
-pub use describe::{RestrictionFiles, write_documentation, write_restrictions, write_template};
+pub use describe::{
+    FLEET_FILE_KEY, RestrictionFiles, write_documentation, write_restrictions, write_template,
+};
 pub use layer::{FilePlace, LayerEntry, MAX_BYTES, SettingsFault, SettingsLayer};
 pub use pin::{PIN_DIGITS, StaffPin};
 use table::{SETTINGS, Setting};
