@@ -13,6 +13,7 @@ mod boot_clock;
 mod compilation;
 pub mod device;
 pub mod error;
+pub mod fleet;
 pub mod foveation;
 pub mod log;
 mod notice_session;

@@ -72,6 +72,11 @@ pub trait Platform {
         None
     }
 
+    /// Whether the device has become one of a booth's headsets since this was last asked.
+    fn poll_enrolled(&mut self) -> bool {
+        false
+    }
+
     /// Where the enrolment and the outbox lie, which others must not read; `sessions` is the folder of saved sessions.
     fn booth_folder(&self, sessions: &Path) -> PathBuf {
         sessions.to_owned()

@@ -1,12 +1,13 @@
 //! Android's side of the shell: the activity's entry point and events, and what [`Platform`] needs.
 
+mod booth;
 mod replay;
 
 // The unwinder that `std` links to. Android's own is part of the NDK only.
 extern crate unwinding as _;
 
 use std::ffi::CString;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
@@ -20,7 +21,9 @@ use paros_shell::headset::package::{self, OPENXR_LOADER};
 use paros_shell::headset::runtime::{PARTITIONS, list_candidates};
 use paros_shell::headset::start_up::{StartUp, may_leave_destroyed};
 use paros_shell::headset::visit::BootId;
-use paros_shell::settings::{self, LoadedSettings, SettingsLayer};
+use paros_shell::outbox::courier::CourierLink;
+use paros_shell::outbox::enrolment::Enrolment;
+use paros_shell::settings::{self, FLEET_FILE_KEY, LoadedSettings, SettingsLayer};
 use paros_shell::sizes::GRID_SIDES;
 use paros_shell::statics::Resident;
 use paros_shell::studio_paths::StudioPaths;
@@ -33,6 +36,7 @@ use crate::options::ShellOptions;
 use crate::platform::{Platform, PlatformStatus};
 use crate::runtime::{AndroidContext, LinkedCalls, find_runtime_once};
 use crate::shell::{run_shell, show_failed_start};
+use booth::BoothWay;
 
 /// How often it is seen whether the shell has ended, where nothing else happens.
 const POLL_TIMEOUT: Duration = Duration::from_millis(50);
@@ -103,32 +107,41 @@ fn run_app(app: AndroidApp, activity: Arc<ActivityState>) -> Result<(), Error> {
         Err(why) => {
             let error = unavailable(why);
             let monitor = DeviceMonitor::start_polling(device);
-            let mut platform = AndroidPlatform { app, monitor, activity };
+            let way = BoothWay::none();
+            let mut platform = AndroidPlatform { app, monitor, activity, way };
             show_failed_start(&mut platform, &ShellOptions::default(), &error);
             return Err(error);
         }
     };
     open_log_file(&StudioPaths::inside_folder(&folder).log_file());
-    match device.read_manufacturer_and_model() {
-        Ok(name) => {
-            let level = device.api_level();
-            write_log_line(format_args!("{name}, API level {level}, {}", folder.display()));
-        }
-        Err(why) => write_log_line(format_args!("{why}")),
-    }
+    let name = device.read_manufacturer_and_model().unwrap_or_else(|why| {
+        write_log_line(format_args!("{why}"));
+        "headset".into()
+    });
+    let level = device.api_level();
+    write_log_line(format_args!("{name}, API level {level}, {}", folder.display()));
     let own_figures = read_own_figure_names(&app);
     let managed = device.read_managed_configuration().unwrap_or_else(|why| {
         write_log_line(format_args!("{why}; the managed configuration is left out"));
         Vec::new()
     });
+    // It is no setting.
+    let (fleet, managed): (Vec<_>, Vec<_>) =
+        managed.into_iter().partition(|entry| entry.key == FLEET_FILE_KEY);
     let loaded = load_settings(&app, &folder, &managed, &own_figures);
     for line in loaded.log_lines() {
         write_log_line(format_args!("{line}"));
     }
     let size = loaded.settings.size.unwrap_or(GRID_SIDES[0]);
-    let options =
+    let fleet = fleet.first().map(|entry| &*entry.value);
+    let baked = open_asset(&app, package::FLEET_ASSET);
+    let way = BoothWay::open(&device, (fleet, &folder, baked.as_deref()), &name);
+    let mut options =
         ShellOptions { folder: Some(folder), ..ShellOptions::from_settings(&loaded.settings) };
-    let platform = AndroidPlatform { app, monitor: DeviceMonitor::start_polling(device), activity };
+    // A token lies where nobody else reads, whatever a setting says.
+    options.booth.enrolment = None;
+    let monitor = DeviceMonitor::start_polling(device);
+    let platform = AndroidPlatform { app, monitor, activity, way };
     with_size!(size, N => run_with_size::<N>(platform, &options, &own_figures))
 }
 
@@ -203,6 +216,7 @@ struct AndroidPlatform {
     app: AndroidApp,
     monitor: DeviceMonitor,
     activity: Arc<ActivityState>,
+    way: BoothWay,
 }
 
 impl AndroidPlatform {
@@ -254,6 +268,18 @@ impl Platform for AndroidPlatform {
     fn poll_status(&mut self) -> PlatformStatus {
         let quit_requested = self.activity.is_destroyed.load(Ordering::Acquire);
         PlatformStatus { health: self.monitor.latest(), quit_requested }
+    }
+
+    fn open_booth_link(&mut self, enrolment: &Enrolment) -> Option<CourierLink> {
+        self.way.open_link(self.monitor.device(), enrolment)
+    }
+
+    fn poll_enrolled(&mut self) -> bool {
+        self.way.poll_enrolled()
+    }
+
+    fn booth_folder(&self, sessions: &Path) -> PathBuf {
+        self.way.folder(sessions)
     }
 
     fn note_start_up(&mut self, start: StartUp) {

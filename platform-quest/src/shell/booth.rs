@@ -2,6 +2,7 @@
 
 use paros_core::limits::INTERVALS;
 use paros_core::outbox::messages::HeatLevel;
+use paros_core::session::SessionState;
 use paros_core::volume::{Grid, Size};
 use paros_shaders::panel::Language;
 use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
@@ -62,7 +63,14 @@ where
 {
     /// Carries out what the booth asks, tells it how the headset is, and logs what has become of sculptures.
     pub(super) fn follow_booth(&mut self, is_awake: bool, platform: &mut dyn Platform) {
-        let Some(courier) = self.studio.courier() else { return };
+        let Some(courier) = self.studio.courier() else {
+            // What is finished already stays here: nothing was kept for the booth of how it came about.
+            let is_finished = self.studio.world().session_state() == SessionState::Finished;
+            if !is_finished && platform.poll_enrolled() {
+                bring_to_booth(&mut self.studio, self.options, platform);
+            }
+            return;
+        };
         let device = DeviceStatus { is_awake, ..device_status(self.health, self.runtime_thermal) };
         match &mut self.host {
             Some(host) => {

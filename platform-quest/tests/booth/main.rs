@@ -4,20 +4,33 @@
 mod java;
 #[path = "../../../platform-desktop/outbox-link/tests/link_suite/mod.rs"]
 mod link_suite;
+mod rig;
 
+use std::path::Path;
 use std::process::Command;
 use std::sync::LazyLock;
-use std::time::Duration;
+use std::time::{Duration, Instant};
+use std::{fs, thread};
 
 use jni::{InitArgsBuilder, JNIVersion, JavaVM};
-use paros_core::outbox::messages::DeviceToken;
+use paros_core::outbox::messages::{DeviceName, DeviceToken};
 use paros_quest::device::HttpsCaller;
+use paros_quest::fleet::{
+    ANSWER_TIMEOUT, Enroller, HeadsetNames, find_fleet_file, follow_fleet_file,
+};
+use paros_shell::outbox::courier::{Courier, Keeping, read_clock_ms};
+use paros_shell::outbox::enrolment::{
+    EnrolError, Enrolment, FLEET_FILE_NAME, FleetFile, NewDevice, enrol_by_fleet, enrolment_file,
+    hint_of_device,
+};
 use paros_shell::outbox::{
     BoothAddress, BoothCaller, HttpAnswer, HttpRequest, LinkFault, LinkTimes, ThreadedLink,
 };
+use paros_shell::settings::{BoothSettings, LoadedSettings};
 
 use java::run_in_checked_vm;
 use link_suite::{Answer, Server, ask, put};
+use rig::{Booth, make_draft};
 
 /// The Java VM: a process can start only one. Nothing of Android's is in it.
 static VM: LazyLock<JavaVM> = LazyLock::new(|| {
@@ -58,6 +71,80 @@ fn redirects_are_not_followed_and_long_bodies_not_read() {
     run_in_checked_vm("redirects_are_not_followed_and_long_bodies_not_read", || {
         link_suite::check_redirects_and_long_bodies(open_link);
     });
+}
+
+/// From the file that a computer pushed to the booth's receipt, against the booth's own program.
+#[test]
+fn a_headset_enrols_at_the_booth_and_its_sculpture_gets_there() {
+    run_in_checked_vm("a_headset_enrols_at_the_booth_and_its_sculpture_gets_there", || {
+        let Some(booth) = Booth::start("quest-booth") else { return };
+        refuse_another_authority(&booth);
+        let folder = booth.folder().join("headset");
+        fs::create_dir_all(&folder).expect("room on the disk");
+        fs::write(folder.join(FLEET_FILE_NAME), booth.fleet_text()).expect("room on the disk");
+        let fleet = find_fleet_file(None, &folder, None, |line| panic!("{line}"));
+        let fleet = fleet.expect("it was pushed");
+        let file = enrolment_file(&folder);
+        let is_due = || follow_fleet_file(&file, &fleet, |line| panic!("{line}")).expect("a disk");
+        assert!(is_due());
+        enrol(&fleet, &file);
+        assert!(!is_due());
+        send_sculpture(&booth, &folder);
+    });
+}
+
+fn refuse_another_authority(booth: &Booth) {
+    let other = Server::start(Answer::Never);
+    let fleet = FleetFile::parse("fleet", booth.fleet_text().as_bytes()).expect("its own");
+    let device = NewDevice::draw(None, DeviceName::new("").expect("a name")).expect("random bits");
+    let mut caller = HttpsCaller::new(VM.clone(), &booth.address, &other.ca, ANSWER_TIMEOUT);
+    let refused = enrol_by_fleet(&mut caller, &fleet, &device);
+    assert!(matches!(refused, Err(EnrolError::Link(LinkFault::Untrusted))), "{refused:?}");
+}
+
+fn enrol(fleet: &FleetFile, file: &Path) {
+    let names = HeadsetNames {
+        hint: Some(hint_of_device("9774d56d682e549c")),
+        name: DeviceName::new("Oculus Quest 3").expect("a name"),
+    };
+    let caller = HttpsCaller::new(VM.clone(), &fleet.address, &fleet.ca, ANSWER_TIMEOUT);
+    let mut enroller =
+        Enroller::spawn(caller, fleet.clone(), names, file.to_owned()).expect("random bits");
+    wait_until("it enrols", || enroller.poll_enrolled());
+}
+
+/// A mesh, which takes several parts, to its receipt.
+fn send_sculpture(booth: &Booth, folder: &Path) {
+    let connect = |enrolment: &Enrolment| {
+        let address = BoothAddress {
+            url: enrolment.address.clone(),
+            ca: enrolment.ca.clone(),
+            token: enrolment.token.token(),
+        };
+        let link: Box<ThreadedLink> = Box::new(open_link(&address, LinkTimes::default()));
+        Ok(link as _)
+    };
+    let settings: BoothSettings = LoadedSettings::merge(&[]).settings.booth;
+    let courier = Courier::open_enrolled(&settings, folder, read_clock_ms, connect);
+    let courier = courier.expect("an outbox").expect("it is enrolled");
+    assert_eq!(courier.headset(), 1);
+    wait_until("the booth answers a heartbeat", || courier.summary().hears_booth);
+    let draft = make_draft(courier.headset());
+    let id = draft.facts.id;
+    courier.announce(id, b"its volume".to_vec());
+    courier.keep(draft);
+    // The courier takes no receipt but one that the site's key signed.
+    wait_until("a receipt", || courier.keeping(id) == Some(Keeping::KeptAtBooth));
+    wait_until("it is kept", || booth.keeps(id));
+    assert_eq!(courier.take_notes(), [""; 0]);
+}
+
+fn wait_until(what: &str, mut is_there: impl FnMut() -> bool) {
+    let begun = Instant::now();
+    while !is_there() {
+        assert!(begun.elapsed() < Duration::from_secs(90), "never: {what}");
+        thread::sleep(Duration::from_millis(20));
+    }
 }
 
 /// What Java threw is in the error: its class, and what it says.

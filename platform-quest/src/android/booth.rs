@@ -1,0 +1,94 @@
+//! Android's way to a booth. Token, certificate and parcels lie in the app's internal folder, which nobody else reads.
+
+use std::path::{Path, PathBuf};
+
+use paros_core::outbox::messages::DeviceName;
+use paros_shell::outbox::courier::CourierLink;
+use paros_shell::outbox::enrolment::{Enrolment, FleetFile, enrolment_file, hint_of_device};
+use paros_shell::outbox::{BoothAddress, LinkTimes};
+
+use crate::device::AndroidDevice;
+use crate::fleet::{ANSWER_TIMEOUT, Enroller, HeadsetNames, find_fleet_file, follow_fleet_file};
+use crate::log::write_log_line;
+
+/// Where what belongs to the booth lies, and the thread that enrols the headset, if one does.
+pub(super) struct BoothWay {
+    /// None where Android tells of no internal folder: then nothing is sent.
+    folder: Option<PathBuf>,
+    enroller: Option<Enroller>,
+}
+
+impl BoothWay {
+    /// No way.
+    pub(super) const fn none() -> Self {
+        BoothWay { folder: None, enroller: None }
+    }
+
+    /// Looks for a fleet's file, and does what it asks. `managed` is that of the managed configuration, `folder` that of
+    /// the sessions, `baked` the package's, `name` the device's. What stands in the way is logged.
+    pub(super) fn open(
+        device: &AndroidDevice,
+        (managed, folder, baked): (Option<&str>, &Path, Option<&[u8]>),
+        name: &str,
+    ) -> Self {
+        let private = device.find_private_folder();
+        let private = private.map_err(|why| write_log_line(format_args!("{why}"))).ok();
+        let fleet = find_fleet_file(managed, folder, baked, write_log_line);
+        let enroller = private.as_ref().zip(fleet).and_then(|(private, fleet)| {
+            start_enroller(device, fleet, &enrolment_file(private), name)
+        });
+        BoothWay { folder: private, enroller }
+    }
+
+    /// See [`Platform::poll_enrolled`](crate::platform::Platform::poll_enrolled).
+    pub(super) fn poll_enrolled(&mut self) -> bool {
+        self.enroller.as_mut().is_some_and(Enroller::poll_enrolled)
+    }
+
+    /// See [`Platform::booth_folder`](crate::platform::Platform::booth_folder).
+    pub(super) fn folder(&self, sessions: &Path) -> PathBuf {
+        self.folder.clone().unwrap_or_else(|| sessions.to_owned())
+    }
+
+    /// See [`Platform::open_booth_link`](crate::platform::Platform::open_booth_link).
+    pub(super) fn open_link(
+        &self,
+        device: &AndroidDevice,
+        enrolment: &Enrolment,
+    ) -> Option<CourierLink> {
+        self.folder.as_ref()?;
+        let address = BoothAddress {
+            url: enrolment.address.clone(),
+            ca: enrolment.ca.clone(),
+            token: enrolment.token.token(),
+        };
+        let link = device.open_booth_link(&address, LinkTimes::default());
+        Some(Box::new(link.with_log(write_log_line)))
+    }
+}
+
+fn start_enroller(
+    device: &AndroidDevice,
+    fleet: FleetFile,
+    file: &Path,
+    name: &str,
+) -> Option<Enroller> {
+    let is_due = follow_fleet_file(file, &fleet, write_log_line).unwrap_or_else(|why| {
+        write_log_line(format_args!("{why}"));
+        false
+    });
+    if !is_due {
+        return None;
+    }
+    let id = device.read_android_id().unwrap_or_else(|why| {
+        write_log_line(format_args!("{why}"));
+        None
+    });
+    let names = HeadsetNames {
+        hint: id.as_deref().map(hint_of_device),
+        name: DeviceName::new(name).or_else(|| DeviceName::new("headset"))?,
+    };
+    let link = device.booth_caller(&fleet.address, &fleet.ca, ANSWER_TIMEOUT);
+    let enroller = Enroller::spawn(link, fleet, names, file.to_owned());
+    enroller.map_err(|why| write_log_line(format_args!("{why}"))).ok()
+}

@@ -1,0 +1,207 @@
+//! How a headset becomes one of a booth's by a fleet's file: in a thread of its own, as the booth may be off when the
+//! headset starts, and visits go on meanwhile.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, mpsc};
+use std::thread::{self, Thread};
+use std::time::{Duration, Instant};
+
+use paros_core::outbox::messages::{DeviceHint, DeviceName};
+use paros_shell::outbox::enrolment::{
+    EnrolError, EnrolLink, Enrolment, FLEET_FILE_NAME, FleetFile, NewDevice, enrol_by_fleet,
+};
+
+use crate::log::write_log_line;
+
+/// How long a booth's answer is waited for.
+pub const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
+
+/// Pauses between attempts: a booth that starts later than its headsets is found soon, and one that is gone costs little.
+const FIRST_PAUSE: Duration = Duration::from_secs(2);
+const LONGEST_PAUSE: Duration = Duration::from_secs(60);
+
+/// The pause after the booth refused: its staff has to do something before it would not.
+const PAUSE_AFTER_REFUSAL: Duration = Duration::from_secs(600);
+
+/// What a headset tells of itself.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct HeadsetNames {
+    /// By which staff find it again once it was wiped; none where the system has no such name.
+    pub hint: Option<DeviceHint>,
+    /// Manufacturer and model.
+    pub name: DeviceName,
+}
+
+/// A thread that enrols the headset. It ends once that is done, or soon after this is dropped.
+#[derive(Debug)]
+pub struct Enroller {
+    stop: Arc<AtomicBool>,
+    thread: Option<Thread>,
+    enrolled: mpsc::Receiver<()>,
+}
+
+/// What is to be done with a fleet's file.
+#[derive(Debug)]
+pub enum EnrolTask {
+    /// The headset is enrolled at this site.
+    Nothing,
+    /// It is, and the booth is elsewhere now: this is to be kept.
+    Move(Enrolment),
+    /// It is to be enrolled.
+    Enrol,
+}
+
+impl EnrolTask {
+    /// What a fleet's file asks of a headset that has this enrolment.
+    #[must_use]
+    pub fn find(kept: Option<&Enrolment>, fleet: &FleetFile) -> Self {
+        match kept.and_then(|kept| Some((kept, kept.moved_to(fleet)?))) {
+            None => EnrolTask::Enrol,
+            Some((kept, moved)) if *kept == moved => EnrolTask::Nothing,
+            Some((_, moved)) => EnrolTask::Move(moved),
+        }
+    }
+}
+
+/// Takes the first fleet's file of these sources, which are in the order in which they count: what a console set, the
+/// file in the folder of the sessions, which a computer puts there by `adb push`, what the package brings. One that is
+/// none is told, and counts for nothing.
+pub fn find_fleet_file(
+    managed: Option<&str>,
+    folder: &Path,
+    baked: Option<&[u8]>,
+    mut log: impl FnMut(fmt::Arguments<'_>),
+) -> Option<FleetFile> {
+    let path = folder.join(FLEET_FILE_NAME);
+    let managed = managed.filter(|text| !text.trim().is_empty());
+    let managed = managed.map(|text| FleetFile::parse_text("managed configuration", text));
+    let in_folder = path.exists().then(|| FleetFile::read(&path));
+    let baked = baked.map(|bytes| FleetFile::parse("the package", bytes));
+    for file in [managed, in_folder, baked].into_iter().flatten() {
+        match file {
+            Ok(file) => return Some(file),
+            Err(why) => log(format_args!("{why}; this fleet's file is left out")),
+        }
+    }
+    None
+}
+
+/// Does what a fleet's file asks, where that takes no booth. Returns whether the headset is still to be enrolled.
+/// `file` is where the enrolment is kept.
+///
+/// # Errors
+/// The disk refuses.
+pub fn follow_fleet_file(
+    file: &Path,
+    fleet: &FleetFile,
+    mut log: impl FnMut(fmt::Arguments<'_>),
+) -> Result<bool, EnrolError> {
+    let kept = Enrolment::read(file).unwrap_or_else(|why| {
+        log(format_args!("{why}; the headset is enrolled anew"));
+        None
+    });
+    match EnrolTask::find(kept.as_ref(), fleet) {
+        EnrolTask::Nothing => Ok(false),
+        EnrolTask::Move(moved) => {
+            moved.write(file)?;
+            log(format_args!("the booth is at {} now", moved.address));
+            Ok(false)
+        }
+        EnrolTask::Enrol => Ok(true),
+    }
+}
+
+impl Enroller {
+    /// Starts the thread. It asks through `link` until the booth takes the headset, and keeps the enrolment in `file`.
+    ///
+    /// # Errors
+    /// The system has no random bits.
+    pub fn spawn(
+        mut link: impl EnrolLink + Send + 'static,
+        fleet: FleetFile,
+        names: HeadsetNames,
+        file: PathBuf,
+    ) -> Result<Self, EnrolError> {
+        // Drawn once: what was asked before, and never answered, is asked again and no other.
+        let device = NewDevice::draw(names.hint, names.name)?;
+        let stop = Arc::new(AtomicBool::new(false));
+        let (tell, enrolled) = mpsc::channel();
+        let told_to_stop = Arc::clone(&stop);
+        let thread = thread::Builder::new().name("enrol".into()).spawn(move || {
+            let pause = |pause| wait_unless_stopped(pause, &told_to_stop);
+            if enrol_with_patience(&mut link, &fleet, &device, &file, pause) {
+                // Nobody may be there any more.
+                let _ = tell.send(());
+            }
+        });
+        // Where the system refuses a thread, the next start tries again.
+        let thread = thread.ok().map(|handle| handle.thread().clone());
+        Ok(Enroller { stop, thread, enrolled })
+    }
+
+    /// Whether the headset has been enrolled since this was last asked.
+    pub fn poll_enrolled(&mut self) -> bool {
+        self.enrolled.try_recv().is_ok()
+    }
+}
+
+impl Drop for Enroller {
+    fn drop(&mut self) {
+        // It isn't waited for: a booth that doesn't answer would hold up the end.
+        self.stop.store(true, Ordering::Release);
+        if let Some(thread) = &self.thread {
+            thread.unpark();
+        }
+    }
+}
+
+/// Asks until the booth takes the headset, and keeps the enrolment; whether it came to that. `pause` returns whether to
+/// go on.
+fn enrol_with_patience(
+    link: &mut impl EnrolLink,
+    fleet: &FleetFile,
+    device: &NewDevice,
+    file: &Path,
+    mut pause: impl FnMut(Duration) -> bool,
+) -> bool {
+    let mut next_pause = FIRST_PAUSE;
+    let mut told = String::new();
+    loop {
+        let enrolled = enrol_by_fleet(link, fleet, device)
+            .and_then(|enrolment| enrolment.write(file).map(|()| enrolment).map_err(Into::into));
+        let why = match enrolled {
+            Ok(Enrolment { owner, address, .. }) => {
+                write_log_line(format_args!("headset {} of {address}", owner.headset));
+                return true;
+            }
+            Err(why) => why,
+        };
+        let is_refusal = matches!(why, EnrolError::Refused { status: 400..=428, .. });
+        let why = why.to_string();
+        if why != told {
+            write_log_line(format_args!("{}: {why}; it is tried again", fleet.address));
+            told = why;
+        }
+        if !pause(if is_refusal { PAUSE_AFTER_REFUSAL } else { next_pause }) {
+            return false;
+        }
+        next_pause = (next_pause * 2).min(LONGEST_PAUSE);
+    }
+}
+
+/// Waits so long. Returns whether to go on then: nobody has said to stop.
+fn wait_unless_stopped(pause: Duration, stop: &AtomicBool) -> bool {
+    let end = Instant::now() + pause;
+    loop {
+        let left = end.saturating_duration_since(Instant::now());
+        if stop.load(Ordering::Acquire) || left.is_zero() {
+            return !stop.load(Ordering::Acquire);
+        }
+        thread::park_timeout(left);
+    }
+}
+
+#[cfg(test)]
+mod tests;

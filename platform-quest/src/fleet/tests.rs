@@ -1,0 +1,170 @@
+//! A headset that enrols, with booths that answer as they are told.
+
+use std::fs;
+use std::path::PathBuf;
+use std::sync::Mutex;
+
+use paros_core::outbox::messages::{EnrolAnswer, ReceiptKey, SiteId};
+use paros_shell::outbox::{HttpAnswer, LinkFault};
+
+use super::*;
+
+type Answer = Result<HttpAnswer, LinkFault>;
+
+/// Gives these answers, then that the booth can't be reached, and keeps what it was asked.
+#[derive(Clone)]
+struct Booth(Arc<Mutex<(Vec<Answer>, Vec<Vec<u8>>)>>);
+
+impl EnrolLink for Booth {
+    fn post(&mut self, path: &str, body: &[u8]) -> Answer {
+        assert_eq!(path, "/v1/enrol/fleet");
+        let (answers, asked) = &mut *self.0.lock().expect("nobody panicked");
+        asked.push(body.to_vec());
+        if answers.is_empty() { Err(LinkFault::Unreachable) } else { answers.remove(0) }
+    }
+}
+
+fn answer(status: u16, body: &[u8]) -> Answer {
+    Ok(HttpAnswer { status, retry_after: None, body: body.to_vec() })
+}
+
+fn accepted() -> Answer {
+    let (site, receipt_key) = (SiteId([7; 16]), ReceiptKey([8; 32]));
+    answer(200, &EnrolAnswer { headset: 5, site, receipt_key }.to_bytes())
+}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("paros-fleet-{name}-{}", std::process::id()));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("room on the disk");
+    folder
+}
+
+fn fleet_text(address: &str) -> String {
+    let (site, key, token) = ("07".repeat(16), "08".repeat(32), "09".repeat(32));
+    format!(
+        "address = \"{address}\"\nsite = \"{site}\"\nreceipt_key = \"{key}\"\n\
+         enrolment_token = \"{token}\"\n\
+         ca = \"\"\"\n-----BEGIN CERTIFICATE-----\nMIIB\n-----END CERTIFICATE-----\n\"\"\"\n"
+    )
+}
+
+fn fleet(address: &str) -> FleetFile {
+    FleetFile::parse("test", fleet_text(address).as_bytes()).expect("a fleet's file")
+}
+
+fn names() -> HeadsetNames {
+    HeadsetNames { hint: Some(DeviceHint([3; 16])), name: DeviceName::new("Quest").expect("one") }
+}
+
+#[test]
+fn what_a_console_set_counts_before_the_file_and_that_before_the_package() {
+    let folder = folder("sources");
+    let [managed, in_folder, baked] = ["https://m", "https://f", "https://b"].map(fleet_text);
+    let mut told = Vec::new();
+    let mut find = |managed: Option<&str>, baked: Option<&str>| {
+        let log = |line: fmt::Arguments<'_>| told.push(line.to_string());
+        let found = find_fleet_file(managed, &folder, baked.map(str::as_bytes), log);
+        found.map(|fleet| fleet.address)
+    };
+    assert_eq!(find(None, None), None);
+    assert_eq!(find(None, Some(&baked)).as_deref(), Some("https://b"));
+    fs::write(folder.join(FLEET_FILE_NAME), in_folder).expect("room on the disk");
+    assert_eq!(find(None, Some(&baked)).as_deref(), Some("https://f"));
+    assert_eq!(find(Some(&managed), Some(&baked)).as_deref(), Some("https://m"));
+    // A form that was left empty.
+    assert_eq!(find(Some(" \n"), None).as_deref(), Some("https://f"));
+    // One that is none leaves the others.
+    assert_eq!(find(Some("no"), None).as_deref(), Some("https://f"));
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert!(told[0].starts_with("managed configuration: "), "{told:?}");
+    fs::remove_dir_all(folder).expect("it is ours");
+}
+
+#[test]
+fn a_headset_enrols_once_and_moves_with_its_booth() {
+    let folder = folder("once");
+    let file = folder.join("enrolment.toml");
+    let first = fleet("https://a");
+    let is_due = |fleet: &FleetFile| {
+        follow_fleet_file(&file, fleet, |line| println!("{line}")).expect("room on the disk")
+    };
+    assert!(is_due(&first));
+    let device = NewDevice::draw(names().hint, names().name).expect("random bits");
+    let mut booth = Booth(Arc::new(Mutex::new((vec![accepted()], Vec::new()))));
+    assert!(enrol_with_patience(&mut booth, &first, &device, &file, |_| false));
+    let kept = Enrolment::read(&file).expect("whole").expect("it was kept");
+    assert_eq!((kept.owner.headset, kept.token), (5, device.token));
+    assert!(!is_due(&first));
+    assert!(!is_due(&fleet("https://elsewhere")));
+    let moved = Enrolment::read(&file).expect("whole").expect("it was kept");
+    assert_eq!(moved, Enrolment { address: "https://elsewhere".into(), ..kept });
+    // Another site's fleet takes it over, and what can't be read counts for nothing.
+    assert!(is_due(&FleetFile { site: SiteId([1; 16]), ..first.clone() }));
+    fs::write(&file, "token = 1").expect("room on the disk");
+    assert!(is_due(&first));
+    fs::remove_dir_all(folder).expect("it is ours");
+}
+
+#[test]
+fn a_booth_that_is_off_is_asked_again_and_again_for_the_same() {
+    let folder = folder("patience");
+    let (file, fleet) = (folder.join("enrolment.toml"), fleet("https://a"));
+    let device = NewDevice::draw(None, names().name).expect("random bits");
+    let away = || Err(LinkFault::Unreachable);
+    let answers = vec![
+        away(),
+        Err(LinkFault::TimedOut),
+        answer(503, b"busy"),
+        answer(401, b"no such token"),
+        answer(429, b"too many"),
+        away(),
+        away(),
+        accepted(),
+    ];
+    let count = answers.len();
+    let mut booth = Booth(Arc::new(Mutex::new((answers, Vec::new()))));
+    let mut pauses = Vec::new();
+    let pause = |pause: Duration| {
+        pauses.push(pause.as_secs());
+        true
+    };
+    assert!(enrol_with_patience(&mut booth, &fleet, &device, &file, pause));
+    assert_eq!(pauses, [2, 4, 8, 600, 32, 60, 60]);
+    let (_, asked) = &*booth.0.lock().expect("nobody panicked");
+    assert_eq!(asked.len(), count);
+    // The booth may have taken one whose answer was lost: another token would be another headset.
+    assert!(asked.iter().all(|body| *body == asked[0]));
+    fs::remove_dir_all(folder).expect("it is ours");
+}
+
+#[test]
+fn the_thread_tells_once_and_is_not_waited_for() {
+    let folder = folder("thread");
+    let file = folder.join("enrolment.toml");
+    let booth = Booth(Arc::new(Mutex::new((vec![accepted()], Vec::new()))));
+    let mut enroller =
+        Enroller::spawn(booth, fleet("https://a"), names(), file.clone()).expect("bits");
+    let begun = Instant::now();
+    while !enroller.poll_enrolled() {
+        assert!(begun.elapsed() < Duration::from_secs(60), "it never enrols");
+        thread::sleep(Duration::from_millis(5));
+    }
+    assert!(!enroller.poll_enrolled());
+    assert!(Enrolment::read(&file).expect("whole").is_some());
+    // One whose booth is gone.
+    let gone = Booth(Arc::new(Mutex::new((Vec::new(), Vec::new()))));
+    let asked = Arc::clone(&gone.0);
+    let enroller = Enroller::spawn(gone, fleet("https://a"), names(), file).expect("bits");
+    while asked.lock().expect("nobody panicked").1.is_empty() {
+        thread::sleep(Duration::from_millis(5));
+    }
+    drop(enroller);
+    let begun = Instant::now();
+    // The thread has gone once it holds the booth no more, long before its pause is over.
+    while Arc::strong_count(&asked) > 1 {
+        assert!(begun.elapsed() < Duration::from_millis(1500), "it goes on");
+        thread::sleep(Duration::from_millis(5));
+    }
+    fs::remove_dir_all(folder).expect("it is ours");
+}
