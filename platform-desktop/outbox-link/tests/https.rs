@@ -17,6 +17,7 @@ fn who_has_another_authority_or_address_is_not_the_booth() {
 #[test]
 fn nobody_and_silence_are_faults_and_a_part_holds_up_no_heartbeat() {
     link_suite::check_silence(HttpsLink::open);
+    link_suite::check_cut_handshakes(HttpsLink::open);
     link_suite::check_no_plain_http(HttpsLink::open);
 }
 

@@ -19,6 +19,8 @@ pub struct JavaError {
     pub member: Option<JavaMember>,
     /// The class of the exception that was thrown, where one was: `java.net.SocketTimeoutException`, say.
     pub thrown: Option<String>,
+    /// Whether that, or what caused it, is about keys and certificates.
+    pub is_about_trust: bool,
     /// Why it failed: the exception's class and message, say.
     pub why: String,
 }
@@ -26,7 +28,7 @@ pub struct JavaError {
 impl JavaError {
     /// A member whose value is null where there must be one.
     pub(super) fn null(member: JavaMember) -> Self {
-        JavaError { member: Some(member), thrown: None, why: "null".into() }
+        JavaError { member: Some(member), thrown: None, is_about_trust: false, why: "null".into() }
     }
 }
 
@@ -43,9 +45,15 @@ impl std::error::Error for JavaError {}
 
 impl From<JniError> for JavaError {
     fn from(error: JniError) -> Self {
-        JavaError { member: None, thrown: None, why: error.to_string() }
+        JavaError { member: None, thrown: None, is_about_trust: false, why: error.to_string() }
     }
 }
+
+/// What exceptions about keys and certificates are, whoever checks them.
+const SECURITY_EXCEPTION: &str = "java/security/GeneralSecurityException";
+
+/// Causes that are looked at: a bound, as one may be its own.
+const MAX_CAUSES: usize = 8;
 
 /// The JNI environment of an attached thread, with the device's API level.
 pub(super) struct JavaCaller<'env, 'local> {
@@ -251,20 +259,43 @@ impl<'env, 'local> JavaCaller<'env, 'local> {
     /// The error of a call that failed, with the exception that it threw. Where it threw none, the crate's.
     fn take_exception(&mut self, member: Option<JavaMember>, error: &JniError) -> JavaError {
         let thrown = self.env.exception_occurred().inspect(|_| self.env.exception_clear());
-        let told = thrown.as_ref().map(|thrown| self.describe_exception(thrown));
-        if let Some(thrown) = thrown {
-            self.env.delete_local_ref(thrown);
-        }
-        let (thrown, why) = match told {
-            Some(Ok((name, message))) => (Some(name.clone()), format!("{name}: {message}")),
-            Some(Err(why)) => {
-                // It threw, too.
-                self.env.exception_clear();
-                (None, format!("{error}, and its exception can't be read: {why}"))
-            }
-            None => (None, error.to_string()),
+        let Some(thrown) = thrown else {
+            let why = error.to_string();
+            return JavaError { member, thrown: None, is_about_trust: false, why };
         };
-        JavaError { member, thrown, why }
+        let told = self.describe_exception(&thrown);
+        let is_about_trust = self.is_about_trust(thrown);
+        // What can't be read of it threw, too.
+        self.env.exception_clear();
+        let is_about_trust = is_about_trust.unwrap_or(false);
+        match told {
+            Ok((name, message)) => {
+                let why = format!("{name}: {message}");
+                JavaError { member, thrown: Some(name), is_about_trust, why }
+            }
+            Err(unread) => {
+                let why = format!("{error}, and its exception can't be read: {unread}");
+                JavaError { member, thrown: None, is_about_trust, why }
+            }
+        }
+    }
+
+    /// Whether an exception, or one that caused it, is about keys and certificates. TLS throws one of the same class
+    /// where it was cut off.
+    fn is_about_trust(&mut self, mut thrown: JThrowable<'local>) -> Result<bool, JniError> {
+        for _ in 0..MAX_CAUSES {
+            let is_security = self.env.is_instance_of(&thrown, JNIString::from(SECURITY_EXCEPTION));
+            let cause = thrown.get_cause(self.env);
+            self.env.delete_local_ref(thrown);
+            if is_security? {
+                return Ok(true);
+            }
+            thrown = cause?;
+            if thrown.is_null() {
+                break;
+            }
+        }
+        Ok(false)
     }
 
     /// An exception's class and message. The call stack isn't read: each of its frames would be a local reference.
@@ -300,5 +331,5 @@ pub(super) fn read_float(member: JavaMember, value: JValueOwned<'_>) -> Result<f
 }
 
 fn member_error(member: JavaMember, error: &JniError) -> JavaError {
-    JavaError { member: Some(member), thrown: None, why: error.to_string() }
+    JavaError { member: Some(member), thrown: None, is_about_trust: false, why: error.to_string() }
 }

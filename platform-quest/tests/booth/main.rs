@@ -62,6 +62,7 @@ fn who_has_another_authority_or_address_is_not_the_booth() {
 fn nobody_and_silence_are_faults_and_a_part_holds_up_no_heartbeat() {
     run_in_checked_vm("nobody_and_silence_are_faults_and_a_part_holds_up_no_heartbeat", || {
         link_suite::check_silence(open_link);
+        link_suite::check_cut_handshakes(open_link);
         link_suite::check_no_plain_http(open_link);
     });
 }

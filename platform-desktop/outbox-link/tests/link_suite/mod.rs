@@ -2,7 +2,8 @@
 
 mod server;
 
-use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::io::Read as _;
+use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -121,6 +122,23 @@ pub(crate) fn check_silence<L: BoothLink>(open: impl Opener<L>) {
     drop(listener);
     let mut to_nobody = open_at(&open, address, &silent.ca);
     assert_eq!(ask(&mut to_nobody, put()).result, Err(LinkFault::Unreachable));
+}
+
+/// Who hangs up in the middle of a handshake may be the booth.
+pub(crate) fn check_cut_handshakes<L: BoothLink>(open: impl Opener<L>) {
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
+    let address = listener.local_addr().expect("it is bound");
+    thread::spawn(move || {
+        for mut stream in listener.incoming().flatten() {
+            let mut hello = [0; 64];
+            // It hangs up whatever was said.
+            let _ = stream.read(&mut hello);
+            let _ = stream.shutdown(Shutdown::Both);
+        }
+    });
+    let ca = Server::start(Answer::Never).ca;
+    let mut link = open_at(&open, address, &ca);
+    assert_eq!(ask(&mut link, put()).result, Err(LinkFault::Unreachable));
 }
 
 /// What isn't encrypted isn't asked.

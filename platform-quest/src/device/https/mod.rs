@@ -2,8 +2,8 @@
 //! certificate authority alone, checks the booth's name or address by Java's own verifier, follows no redirect and
 //! asks no proxy.
 //!
-//! What an exception means for an outbox follows from its class: a timeout, a certificate that isn't the site's, or
-//! else nobody there.
+//! What an exception means for an outbox follows from its class and its causes': a timeout, a certificate that isn't
+//! the site's, or else nobody there.
 
 mod trust;
 mod watchdog;
@@ -31,15 +31,6 @@ const REQUEST_REFERENCES: usize = 64;
 
 /// All members that are called here came with API level 1.
 const API_LEVEL: i32 = 1;
-
-/// Exceptions of a peer that isn't the booth: those of a certificate of another authority, or of another name.
-const UNTRUSTED: [&str; 5] = [
-    "javax.net.ssl.SSLHandshakeException",
-    "javax.net.ssl.SSLPeerUnverifiedException",
-    "javax.net.ssl.SSLKeyException",
-    "java.security.cert.CertificateException",
-    "java.security.cert.CertificateParsingException",
-];
 
 /// Asks a booth by Java, from the thread that calls it, which is attached to the Java VM until it ends.
 #[derive(Debug)]
@@ -236,7 +227,9 @@ impl AskError {
             AskError::Java(error) => {
                 let fault = match error.thrown.as_deref() {
                     Some("java.net.SocketTimeoutException") => LinkFault::TimedOut,
-                    Some(class) if UNTRUSTED.contains(&class) => LinkFault::Untrusted,
+                    // Android's, of a certificate of another name.
+                    Some("javax.net.ssl.SSLPeerUnverifiedException") => LinkFault::Untrusted,
+                    _ if error.is_about_trust => LinkFault::Untrusted,
                     _ => LinkFault::Unreachable,
                 };
                 LinkError { fault, why: error.to_string() }
