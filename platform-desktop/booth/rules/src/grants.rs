@@ -47,3 +47,59 @@ pub(crate) fn is_granted(
 fn grants_of(block: u32) -> Query {
     Query::all::<BlockGrant>().equal("block", &block)
 }
+
+#[cfg(test)]
+mod tests {
+    use paros_core::badge::{BadgeNumber, LeaseAnswer, LeasedBlock};
+
+    use super::{grants_of, is_granted, note_grants};
+    use crate::memory_store::MemoryStore;
+    use crate::store::{update, view};
+
+    const BLOCK: u16 = 5;
+
+    /// Hands the tail of the block from a place on to a headset.
+    fn hand(store: &MemoryStore, headset: u32, first: u8, is_void: bool) {
+        let blocks = LeasedBlock::new(BLOCK, first).into_iter().collect();
+        let answer = LeaseAnswer { headset, epoch: 1, report: 1, taken: 0, is_void, blocks };
+        update(store, |tx| note_grants(tx, &answer)).expect("a store");
+    }
+
+    /// The places at which the block's numbers change hands, and who has them from there on; 0 for nobody.
+    fn owners(store: &MemoryStore) -> Vec<(u32, u32)> {
+        let mut changes = Vec::new();
+        for place in 0..64 {
+            let number = BadgeNumber::new(u32::from(BLOCK) * 64 + place).expect("a number");
+            let is_its = |headset: &u32| {
+                view(store, |tx| is_granted(tx, *headset, number)).expect("a store")
+            };
+            let owner = (1..4).find(is_its).unwrap_or(0);
+            if changes.last().is_none_or(|(_, before)| *before != owner) {
+                changes.push((place, owner));
+            }
+        }
+        changes
+    }
+
+    #[test]
+    fn a_tail_is_its_new_holders_and_what_was_before_it_stays() {
+        let store = MemoryStore::new();
+        assert_eq!(owners(&store), [(0, 0)]);
+        hand(&store, 1, 0, true);
+        assert_eq!(owners(&store), [(0, 0)], "a void lease hands nothing out");
+        hand(&store, 1, 3, false);
+        // What it has taken since is its own all the same, and no row more.
+        hand(&store, 1, 9, false);
+        assert_eq!(owners(&store), [(0, 0), (3, 1)]);
+        hand(&store, 2, 20, false);
+        hand(&store, 3, 40, false);
+        assert_eq!(owners(&store), [(0, 0), (3, 1), (20, 2), (40, 3)]);
+        hand(&store, 1, 41, false);
+        assert_eq!(owners(&store), [(0, 0), (3, 1), (20, 2), (40, 3), (41, 1)]);
+        // The block begins anew.
+        hand(&store, 2, 0, false);
+        assert_eq!(owners(&store), [(0, 2)]);
+        let rows = view(&store, |tx| tx.count_rows(&grants_of(u32::from(BLOCK)))).expect("a store");
+        assert_eq!(rows, 1);
+    }
+}

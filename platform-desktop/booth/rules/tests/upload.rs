@@ -244,26 +244,3 @@ fn a_badge_that_a_headset_was_never_handed_is_in_doubt_and_in_nobodys_way() {
     assert_eq!(rig.ledger().totals().free, free);
     assert!(nobodys.is_some_and(|number| rig.ledger().is_free(number)));
 }
-
-/// Wiped, a headset leaves its tail to another one; what it had shown before stays its own.
-#[test]
-fn a_tail_that_goes_to_another_headset_is_that_ones() {
-    let rig = Rig::new();
-    let (first, second) = (rig.enrol(1), rig.enrol(2));
-    let before = rig.lease(&first, 11);
-    rig.booth.revoke_device(first.headset, "bob", seconds(5)).unwrap();
-    // Revoked, all that it held is spent; a block that begins anew is somebody else's as a whole.
-    let after = rig.lease_at(&second, 12, days(500));
-    assert!(after.iter().all(|number| number.is_some()));
-    let mut again = Vec::new();
-    for epoch in 0..3 {
-        again = rig.lease_at(&second, 100 + epoch, days(501 + epoch));
-    }
-    let claim = |device: &_, id: u8, number, now| {
-        let parcel = Parcel::new(second.headset, id, number);
-        rig.upload(device, &parcel, now).expect("it is kept all the same");
-        rig.booth.find_sculpture(&parcel.id, now).expect("it is kept").claim
-    };
-    assert_eq!(claim(&second, 1, again[0], days(504)), BadgeClaim::Sole);
-    assert_eq!(claim(&second, 2, before[0], days(504)), BadgeClaim::Unleased);
-}
