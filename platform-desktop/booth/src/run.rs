@@ -116,7 +116,8 @@ impl Drop for Slices {
         if let Some(end) = &self.end {
             end.store(true, Ordering::Relaxed);
         }
-        self.of_printers.clear();
+        // One may wait for its printer to take a file: what it knows is written down before.
+        self.of_printers.drain(..).for_each(Worker::leave);
     }
 }
 

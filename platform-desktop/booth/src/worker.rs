@@ -33,6 +33,12 @@ impl Worker {
         Worker { wake, is_over, thread: Some(thread) }
     }
 
+    /// Ends the thread without waiting for what it does, as that may wait for somebody else.
+    pub(crate) fn leave(mut self) {
+        // Without its handle, nobody waits.
+        self.thread = None;
+    }
+
     /// What tells the thread that there is work.
     #[must_use]
     pub(crate) fn waker(&self) -> Waker {

@@ -64,7 +64,18 @@ fn parse_seconds(text: &str) -> Option<u64> {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::{Estimate, parse_estimate, parse_seconds};
+
+    proptest! {
+        #[test]
+        fn any_text_is_read(words in "[0-9dhmsώ .]*", rest in ".*") {
+            let name = "; estimated printing time (normal mode) = ";
+            let text = format!("{name}{words}\n; total filament used [g] = {words}\n{rest}");
+            let _ = (parse_estimate(&text), parse_seconds(&words), parse_seconds(&rest));
+        }
+    }
 
     #[test]
     fn times_are_read() {

@@ -156,7 +156,7 @@ const ENGLISH: Texts = Texts {
         "",
         "others may have this badge",
         "badge is disputed",
-        "badge in doubt: another headset's",
+        "badge in doubt: this headset never got it",
     ],
     mail_states: ["mail waiting", "mail sent", "mail failed"],
 };
@@ -217,7 +217,7 @@ const GREEK: Texts = Texts {
         "",
         "ίσως και άλλοι έχουν αυτό το σήμα",
         "αμφισβητούμενο σήμα",
-        "αμφίβολο σήμα: άλλης συσκευής",
+        "αμφίβολο σήμα: δεν δόθηκε σε αυτή τη συσκευή",
     ],
     mail_states: ["το μήνυμα περιμένει", "το μήνυμα στάλθηκε", "το μήνυμα απέτυχε"],
 };

@@ -1,11 +1,13 @@
-//! The sculpture is turned in a real browser.
+//! Pages in a real browser: the sculpture is turned, slips are printed.
 
 use std::collections::HashSet;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::chromium::{Chromium, Picture};
+use crate::prints::{send_form, slicer_by};
 use crate::rig::BoothFolder;
+use crate::smtp_sink::wait_until;
 use crate::staff::Browser;
 use crate::visitors::{scan, start, with_sculpture};
 
@@ -69,4 +71,46 @@ fn a_sculpture_is_drawn_and_turns_with_mouse_and_keys() {
     let near = chromium.picture("viewer-near", place);
     assert!(coverage(&near) > 1.2 * coverage(&turned), "and come closer");
     assert_eq!(chromium.evaluate("faults.length"), Value::from(0), "the page's own rules hold");
+}
+
+/// Staff's pages of prints fit a telephone, and of a slip's page the slip alone is on paper.
+#[test]
+fn prints_fit_a_telephone_and_a_slip_is_alone_on_paper() {
+    let Some(mut chromium) = Chromium::start("slip-chromium", (390, 844)) else { return };
+    let folder = BoothFolder::new("slip-page");
+    let slicer = slicer_by(&folder);
+    let (booth, _) = start(&folder, &["--slicer", slicer.to_str().unwrap()]);
+    let page = with_sculpture(&booth.client, &folder);
+    let browser = Browser::first(&booth.client, &booth.first_code().expect("a code"));
+    let order = "height=60&filament=white&note=by+five";
+    assert_eq!(send_form(&browser, &page, &format!("{page}/print"), order).status, 303);
+    wait_until(|| browser.get(&page).text().contains("ready to print").then_some(()));
+    let host = format!("https://{}", booth.client.address);
+    chromium.call("Security.setIgnoreCertificateErrors", &json!({ "ignore": true }));
+    let (name, value) = browser.cookie.split_once('=').expect("a pair");
+    let cookie = json!({ "name": name, "value": value, "url": host, "path": "/", "secure": true });
+    chromium.call("Network.setCookie", &cookie);
+    for (name, path) in [
+        ("prints-page", "/staff/prints".to_owned()),
+        ("sculpture-page", page.clone()),
+        ("slip-page", format!("{page}/slip")),
+    ] {
+        chromium.open(&format!("{host}{path}"));
+        chromium.wait_for("document.querySelector('main h1') !== null");
+        chromium
+            .evaluate("document.querySelectorAll('details').forEach((d) => { d.open = true; })");
+        let fits = "document.scrollingElement.scrollWidth <= innerWidth";
+        assert_eq!(chromium.evaluate(fits), true, "{path} is wider than a telephone");
+        chromium.picture(name, [0.0, 0.0, 390.0, 1600.0]);
+    }
+    let is_seen =
+        |what: &str| format!("document.querySelector('{what}').getClientRects().length > 0");
+    assert_eq!(chromium.evaluate(&is_seen("header")), true);
+    chromium.call("Emulation.setEmulatedMedia", &json!({ "media": "print" }));
+    for (what, expected) in
+        [("header", false), ("#print-slip", false), (".slip .badge svg", true), (".slip .qr", true)]
+    {
+        assert_eq!(chromium.evaluate(&is_seen(what)), expected, "{what}");
+    }
+    chromium.picture("slip-paper", [0.0, 0.0, 390.0, 844.0]);
 }

@@ -17,14 +17,7 @@ use crate::staff::Browser;
 
 /// A booth with pages for visitors, and where it listens for them.
 pub(crate) fn start(folder: &BoothFolder, more: &[&str]) -> (BoothProcess, SocketAddr) {
-    let arguments = [
-        "--public-listen",
-        "127.0.0.1:0",
-        "--public-url",
-        "https://paros.example",
-        "--slicer",
-        "none",
-    ];
+    let arguments = ["--public-listen", "127.0.0.1:0", "--public-url", "https://paros.example"];
     let booth = folder.start_with(&[&arguments, more].concat());
     (booth, public_address(folder))
 }
