@@ -24,22 +24,22 @@ const CONSOLE: &str = "console";
 pub(crate) fn run(command: &BoothCommand) -> Result<String, Error> {
     match command {
         BoothCommand::FleetFile { folder, address, uses, days } => {
-            let OpenBooth { booth, keys, .. } = open(&folder.folder)?;
+            let OpenBooth { booth, keys, .. } = open(folder.path())?;
             let token = FleetToken { address, uses: *uses, days: *days, note: "fleet file" };
             Ok(make_fleet_file(&booth, &keys.ca_pem, &token, CONSOLE, booth_time())?)
         }
-        BoothCommand::Backup { folder, file } => back_up(&folder.folder, file),
+        BoothCommand::Backup { folder, file } => back_up(folder.path(), file),
         BoothCommand::Restore { folder, file, deletions } => {
-            restore(file, &folder.folder, deletions.as_deref())
+            restore(file, folder.path(), deletions.as_deref())
         }
-        BoothCommand::Attempts { folder } => list_attempts(&folder.folder),
+        BoothCommand::Attempts { folder } => list_attempts(folder.path()),
         BoothCommand::Accept { folder, attempt, headset } => {
-            let booth = open(&folder.folder)?.booth;
+            let booth = open(folder.path())?.booth;
             let headset = booth.accept_attempt(*attempt, *headset, CONSOLE, booth_time())?;
             Ok(format!("headset {headset}\n"))
         }
         BoothCommand::Decline { folder, attempt } => {
-            open(&folder.folder)?.booth.decline_attempt(*attempt, CONSOLE, booth_time())?;
+            open(folder.path())?.booth.decline_attempt(*attempt, CONSOLE, booth_time())?;
             Ok("declined\n".into())
         }
     }

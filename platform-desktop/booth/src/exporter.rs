@@ -105,7 +105,11 @@ pub(crate) fn make_stl(kept: &[u8]) -> Result<Vec<u8>, String> {
     }
 }
 
-fn export_volume(facts: &UploadFacts, bytes: &[u8]) -> Result<Vec<u8>, String> {
+/// The STL of a volume, in so many millimetres as its facts say.
+///
+/// # Errors
+/// What is wrong with it.
+pub(crate) fn export_volume(facts: &UploadFacts, bytes: &[u8]) -> Result<Vec<u8>, String> {
     let height_mm = f32::from(facts.height_mm_tenths) / 10.0;
     if !HEIGHT_RANGE_MM.contains(&height_mm) {
         return Err(format!("a height of {height_mm} mm"));

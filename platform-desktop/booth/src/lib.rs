@@ -9,6 +9,8 @@ mod body;
 mod clock;
 mod commands;
 mod deletion_log;
+mod demo;
+mod demo_shapes;
 mod disk_files;
 mod error;
 mod exporter;

@@ -1,7 +1,7 @@
 //! The command line.
 
 use std::net::SocketAddr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand};
 use paros_booth_rules::BoothPlan;
@@ -45,6 +45,9 @@ pub struct ServeOptions {
     #[arg(long, value_name = "GB", default_value_t = 20,
         value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub quota_gb: u32,
+    /// Serve ten sculptures to try, in a folder that is gone at the end unless one is named.
+    #[arg(long)]
+    pub demo: bool,
     /// How mails go.
     #[command(flatten)]
     pub mail: MailOptions,
@@ -59,9 +62,17 @@ pub struct ServeOptions {
 /// Where everything is kept.
 #[derive(Debug, Args)]
 pub struct FolderOption {
-    /// Where everything is kept. It is made at the first start.
-    #[arg(long, value_name = "FOLDER", default_value = "paros-booth-data")]
-    pub folder: PathBuf,
+    /// Where everything is kept: `paros-booth-data` where none is named. It is made at the first start.
+    #[arg(long, value_name = "FOLDER")]
+    pub folder: Option<PathBuf>,
+}
+
+impl FolderOption {
+    /// The folder: `paros-booth-data` where none was named.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        self.folder.as_deref().unwrap_or(Path::new("paros-booth-data"))
+    }
 }
 
 /// What else the program does, also while it serves.

@@ -15,6 +15,7 @@ use tracing::{info, warn};
 
 use crate::app::{App, OpenBooth, WORK_THREADS, Wakers};
 use crate::clock::booth_time;
+use crate::demo::{DemoFolder, add_demo};
 use crate::error::Error;
 use crate::exporter::export_next;
 use crate::folder_lock::FolderLock;
@@ -48,8 +49,13 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     let mailer = Mailer::new(&options.mail, public.clone())?;
     let plan = BoothPlan { retention_days: options.keep_days, ..BoothPlan::default() };
     let quota = u64::from(options.quota_gb) * 1_000_000_000;
-    let _lock = FolderLock::take(&options.folder.folder)?;
-    let open = OpenBooth::open(&options.folder.folder, plan, quota)?;
+    let demo = DemoFolder::make(options)?;
+    let folder = demo.as_ref().map_or(options.folder.path(), |demo| demo.path());
+    let _lock = FolderLock::take(folder)?;
+    let open = OpenBooth::open(folder, plan, quota)?;
+    if options.demo {
+        add_demo(&open.booth, booth_time())?;
+    }
     let names = LeafNames { listen: options.listen.ip(), others: options.name.clone() };
     let of_exports = open.booth.clone();
     let exports = Worker::start(move || export_next(&of_exports));

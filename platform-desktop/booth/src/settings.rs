@@ -16,7 +16,7 @@ pub(crate) fn list_settings(options: &ServeOptions) -> Vec<(&'static str, String
     let or_none = |value: Option<String>| value.unwrap_or_else(|| "–".to_owned());
     vec![
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
-        ("--folder", folder.folder.display().to_string()),
+        ("--folder", folder.path().display().to_string()),
         ("--listen", listen.to_string()),
         ("--name", or_none((!name.is_empty()).then(|| name.join(", ")))),
         ("--keep-days", keep_days.to_string()),

@@ -4,6 +4,7 @@ mod admin;
 mod attacks;
 mod backup;
 mod chromium;
+mod demo;
 mod enrolment;
 mod kills;
 mod mail;

@@ -1,0 +1,199 @@
+//! A booth to try: ten sculptures with badges, as a headset would have sent them.
+
+use std::fs::{self, DirBuilder};
+use std::os::unix::fs::DirBuilderExt as _;
+use std::path::{Path, PathBuf};
+
+use paros_booth_rules::{Booth, BoothTime, Chunk, ParcelProgress, Refusal, hash_of};
+use paros_core::badge::{BadgeLease, BadgeNumber};
+use paros_core::codec::trace::CORE_VERSION;
+use paros_core::outbox::messages::{
+    AgeGroup, Announcements, ContentHash, DeviceHint, DeviceName, DeviceToken, EnrolmentToken,
+    FinishCause, FleetEnrolment, Heartbeat, HeatLevel, ParcelKind, SculptureId, UploadFacts,
+};
+use paros_core::session::SessionMode;
+use paros_core::visit::VisitPhase;
+use paros_shell::outbox::Parcel;
+
+use crate::demo_shapes::{SHAPES, SIDE, make_volume};
+use crate::error::Error;
+use crate::exporter::export_volume;
+use crate::options::ServeOptions;
+use crate::parcel_decode::check_parcel;
+use crate::random::random_bytes;
+
+/// What the demo's headset is called.
+const HEADSET_NAME: &str = "Demo";
+
+/// Between the ends of two visits, in seconds.
+const VISIT_SECONDS: u64 = 700;
+
+/// A folder that is gone at the end, for a demo that names none.
+#[derive(Debug)]
+pub(crate) struct DemoFolder(PathBuf);
+
+impl DemoFolder {
+    /// One, where the options ask for a demo and name no folder.
+    ///
+    /// # Errors
+    /// What the disk says.
+    pub(crate) fn make(options: &ServeOptions) -> Result<Option<Self>, Error> {
+        if !options.demo || options.folder.folder.is_some() {
+            return Ok(None);
+        }
+        let random = random_bytes::<8>().map_err(|error| Error::failure("random bits", error))?;
+        let name = format!("paros-booth-demo-{:016x}", u64::from_le_bytes(random));
+        let path = std::env::temp_dir().join(name);
+        let made = DirBuilder::new().mode(0o700).create(&path);
+        made.map_err(|error| Error::at(&path, error))?;
+        Ok(Some(DemoFolder(path)))
+    }
+
+    /// Where it is.
+    pub(crate) fn path(&self) -> &Path {
+        &self.0
+    }
+}
+
+impl Drop for DemoFolder {
+    fn drop(&mut self) {
+        // What is left lies where the system removes it some day.
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Adds the demo's sculptures to a booth that is new, or has them.
+///
+/// # Errors
+/// [`Error::Input`] for a booth that real headsets have used; what store and disk say.
+pub(crate) fn add_demo(booth: &Booth, now: BoothTime) -> Result<(), Error> {
+    let devices = booth.list_devices()?;
+    if devices.iter().any(|device| device.name != HEADSET_NAME) {
+        let why = "--demo: headsets were enrolled in this folder; name an empty one";
+        return Err(Error::Input(why.into()));
+    }
+    if devices.is_empty() {
+        fill(booth, now)?;
+    }
+    Ok(())
+}
+
+fn fill(booth: &Booth, now: BoothTime) -> Result<(), Refusal> {
+    let (fleet, token) = (EnrolmentToken(random_bytes()?), DeviceToken(random_bytes()?));
+    let expires_at = BoothTime(now.0.saturating_add(60_000));
+    booth.add_enrol_token(&fleet, (1, expires_at), "demo", None, now)?;
+    let enrolment = FleetEnrolment {
+        enrolment_token: fleet,
+        token_hash: hash_of(&token.0),
+        hint: DeviceHint(random_bytes()?),
+        name: DeviceName::new(HEADSET_NAME)
+            .ok_or_else(|| Refusal::BadRequest("expected a headset's name".into()))?,
+    };
+    booth.enrol_fleet(&enrolment, now)?;
+    let device = booth.authenticate(&token)?;
+    let mut lease = BadgeLease::new(device.headset, 1);
+    let beat = Heartbeat { lease: Some(lease.make_report()), ..first_heartbeat(device.headset) };
+    if let Some(answer) = booth.take_heartbeat(&device, &beat, now)?.lease {
+        let _ = lease.take_answer(&answer);
+    }
+    for (k, shape) in SHAPES.into_iter().enumerate() {
+        let badge = lease.take_number(k as u32);
+        let before = VISIT_SECONDS * (SHAPES.len() - k) as u64;
+        let finished_at = BoothTime(now.0.saturating_sub(1000 * before));
+        let parcel = make_parcel(k, &make_volume(shape), (device.headset, badge), finished_at)
+            .map_err(Refusal::Undecodable)?;
+        let (id, hash) = (parcel.facts().id, parcel.hash());
+        let bytes = parcel.bytes();
+        let chunk = Chunk { id, hash, parcel_bytes: bytes.len() as u64, offset: 0, bytes };
+        if booth.take_chunk(&device, &chunk)? == ParcelProgress::Whole {
+            booth.finish_parcel(&device, (id, hash), &check_parcel, finished_at)?;
+        }
+    }
+    Ok(())
+}
+
+/// What a headset would send of a volume: its mesh's hash is what it would have exported.
+fn make_parcel(
+    k: usize,
+    volume: &[u8],
+    (headset, badge): (u32, BadgeNumber),
+    finished_at: BoothTime,
+) -> Result<Parcel, String> {
+    let ContentHash(hash) = hash_of(format!("sculpture {k} of the demo").as_bytes());
+    let mut id = [0; 16];
+    id.copy_from_slice(&hash[..16]);
+    let facts = UploadFacts {
+        kind: ParcelKind::Volume,
+        id: SculptureId(id),
+        headset,
+        badge: Some(badge),
+        core_version: CORE_VERSION,
+        side: SIDE as u16,
+        cause: FinishCause::Finished,
+        language: if k.is_multiple_of(2) { *b"el" } else { *b"en" },
+        mode: SessionMode::FreeForm,
+        age_group: if k.is_multiple_of(3) { AgeGroup::UnderAge } else { AgeGroup::Unknown },
+        sculpting_seconds: 300 + 20 * k as u32,
+        finished_at: finished_at.seconds(),
+        height_mm_tenths: 900,
+        stl_hash: ContentHash([0; 32]),
+        stl_bytes: 84 + 50,
+        volume_bytes: 1,
+        volume_raw_bytes: 1,
+        trace_bytes: 0,
+        trace_raw_bytes: 0,
+    };
+    let stl = export_volume(&facts, volume)?;
+    let facts = UploadFacts { stl_hash: hash_of(&stl), stl_bytes: stl.len() as u64, ..facts };
+    Parcel::pack(&facts, volume, None).map_err(|fault| fault.to_string())
+}
+
+/// What a headset says that nobody wears.
+fn first_heartbeat(headset: u32) -> Heartbeat {
+    Heartbeat {
+        headset,
+        boot_id: 1,
+        number: 1,
+        session_id: 0,
+        is_charging: true,
+        is_worn: false,
+        is_glowing: false,
+        was_wiped: false,
+        battery_percent: Some(80),
+        heat: HeatLevel::Normal,
+        phase: VisitPhase::Welcome,
+        worn_seconds: 0,
+        outbox_depth: 0,
+        outbox_full_percent: 0,
+        app_version: [0, 1, 0],
+        core_version: CORE_VERSION,
+        lease: None,
+        last_command: None,
+        announcements: Announcements::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn all_shapes_are_sculptures_of_their_own_whose_mesh_is_closed() {
+        let mut volumes = BTreeSet::new();
+        for (k, shape) in SHAPES.into_iter().enumerate() {
+            let volume = make_volume(shape);
+            assert_eq!(make_volume(shape), volume, "the same each time");
+            let badge = BadgeNumber::new(k as u32).expect("a number");
+            let parcel = make_parcel(k, &volume, (1, badge), BoothTime(1)).expect("a parcel");
+            let facts = parcel.facts();
+            check_parcel(facts, &parcel.bytes()[UploadFacts::BYTES..], &[]).expect("it decodes");
+            let mut check = crate::mesh_check::MeshCheck::new();
+            check.look_at(&export_volume(facts, &volume).expect("a mesh"));
+            let mesh = check.finish().expect("a mesh");
+            assert!(mesh.is_closed && mesh.triangles > 1000, "{k}: {}", mesh.triangles);
+            assert!(volumes.insert(volume), "{k} is another's");
+        }
+    }
+}
