@@ -3,13 +3,14 @@
 mod common;
 
 use std::collections::BTreeSet;
+use std::io;
 use std::sync::Arc;
 
 use common::*;
 use paros_booth_rules::records::{EnrolToken, MailOrder, MailState, Sculpture, Tombstone};
 use paros_booth_rules::{
-    Booth, BoothPlan, BoothTime, Deletion, MemoryFiles, MemoryStore, Query, SessionBits, SiteKeys,
-    view,
+    Booth, BoothPlan, BoothTime, Deletion, KeptName, MemoryFiles, MemoryStore, ParcelFiles,
+    ParcelName, Query, SessionBits, SiteKeys, view,
 };
 use paros_core::badge::BadgeLease;
 use paros_core::outbox::messages::*;
@@ -81,6 +82,69 @@ fn a_copy_that_lacks_a_file_is_refused_unless_it_was_deleted() {
     let again = restored(copy, other.files.clone());
     again.booth.make_restored(&[], START, days(20)).unwrap();
     assert!(!again.booth.find_sculpture(&parcel.id, days(20)).unwrap().has_trace);
+}
+
+/// Files of which nothing can be logged.
+struct NoLog(Arc<MemoryFiles>);
+
+impl ParcelFiles for NoLog {
+    fn held_bytes(&self, parcel: &ParcelName) -> io::Result<u64> {
+        self.0.held_bytes(parcel)
+    }
+
+    fn append(&self, parcel: &ParcelName, offset: u64, bytes: &[u8]) -> io::Result<u64> {
+        self.0.append(parcel, offset, bytes)
+    }
+
+    fn read_parcel(&self, parcel: &ParcelName) -> io::Result<Vec<u8>> {
+        self.0.read_parcel(parcel)
+    }
+
+    fn drop_parcel(&self, parcel: &ParcelName) -> io::Result<()> {
+        self.0.drop_parcel(parcel)
+    }
+
+    fn make_room(&self, headset: u32, most: usize) -> io::Result<()> {
+        self.0.make_room(headset, most)
+    }
+
+    fn drop_parcels_before(&self, time: BoothTime) -> io::Result<()> {
+        self.0.drop_parcels_before(time)
+    }
+
+    fn keep(&self, name: &KeptName, bytes: &[u8]) -> io::Result<()> {
+        self.0.keep(name, bytes)
+    }
+
+    fn read_kept(&self, name: &KeptName) -> io::Result<Vec<u8>> {
+        self.0.read_kept(name)
+    }
+
+    fn remove_kept(&self, name: &KeptName) -> io::Result<()> {
+        self.0.remove_kept(name)
+    }
+
+    fn log_deletions(&self, _deletions: &[Deletion]) -> io::Result<()> {
+        Err(io::ErrorKind::StorageFull.into())
+    }
+}
+
+/// A backup that lacks a file has the deletion in its log: files go once that is there.
+#[test]
+fn no_file_goes_before_its_deletion_is_logged() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let parcel = Parcel::with_trace(device.headset, 1);
+    rig.upload(&device, &parcel, START).unwrap();
+    let keys = SiteKeys::new(SITE, ContentHash([6; 32]), &[7; 32], [8; 32]);
+    let no_log = Arc::new(NoLog(rig.files.clone()));
+    let booth = Booth::new(rig.store.clone(), no_log, keys, BoothPlan::default());
+    assert_eq!(status(booth.delete(&parcel.id, "ana", START)), 503);
+    assert_eq!(rig.files.kept_names().len(), 2);
+    // It is deleted all the same, and a sweep ends it once the disk has room.
+    assert_eq!(status(booth.find_sculpture(&parcel.id, START)), 404);
+    rig.booth.sweep(START).unwrap();
+    assert_eq!((rig.files.kept_names().len(), rig.files.deletions().len()), (0, 1));
 }
 
 #[test]
