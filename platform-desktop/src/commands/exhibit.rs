@@ -178,7 +178,8 @@ fn enrol(program: &Path, places: &Places, address: &str) -> Result<(), Error> {
         let why = String::from_utf8_lossy(&made.stderr);
         return Err(Error::Failure(format!("the studio isn't enrolled: {}", why.trim())));
     }
-    let fleet = FleetFile::parse(&places.booth.display().to_string(), &made.stdout).map_err(Error::failure)?;
+    let fleet = FleetFile::parse(&places.booth.display().to_string(), &made.stdout)
+        .map_err(Error::failure)?;
     let name = DeviceName::new("this machine").ok_or_else(|| Error::failure("a name"))?;
     let device = NewDevice::draw(None, name).map_err(Error::failure)?;
     let mut link = EnrolHttps::open(&fleet.address, &fleet.ca);

@@ -108,8 +108,10 @@ pub(crate) async fn find(
             button { (texts.find) }
         }
         h2 { (texts.tap_badge) }
-        div id="chosen" aria-live="polite" {}
-        button id="back" type="button" { "⌫" }
+        div class="chosen" {
+            div id="chosen" aria-live="polite" {}
+            button id="back" type="button" aria-label=(AdminTexts::of(texts).take_back) { "⌫" }
+        }
         div class="keys" {
             @for colour in BadgeColour::ALL {
                 button type="button" data-colour=(colour as u8) aria-label=(colour.name(texts.language)) {

@@ -1,9 +1,12 @@
-//! A headless Chromium, by its DevTools protocol over a pair of pipes.
+//! A real browser, headless, driven by the Chrome DevTools Protocol over a pair of pipes: messages of JSON, each ended by
+//! a zero.
 
-use std::fs::{File, OpenOptions};
+use std::fs;
 use std::io::{BufRead as _, BufReader, Write as _};
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use base64::Engine as _;
@@ -11,13 +14,18 @@ use base64::engine::general_purpose::STANDARD;
 use paros_shell::require::require_or_skip;
 use serde_json::{Value, json};
 
-/// A browser with a page. It is killed when it is dropped.
+/// How long a page or an answer may take, on a machine that does much else.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A window of a browser. It is killed when it is dropped.
 pub(crate) struct Chromium {
     process: Child,
-    to: File,
-    from: BufReader<File>,
-    session: Option<String>,
-    number: u64,
+    to: ChildStdin,
+    from: Receiver<Value>,
+    session: String,
+    last: u64,
+    /// Of messages that came while an answer was waited for.
+    events: Vec<Value>,
 }
 
 /// A picture of the page.
@@ -29,82 +37,148 @@ pub(crate) struct Picture {
 }
 
 impl Chromium {
-    /// Starts one with an empty page of this size; `None` where there is none and it may be missing.
-    pub(crate) fn start(name: &str, (width, height): (u32, u32)) -> Option<Self> {
-        let found = Command::new("chromium").arg("--version").output();
-        let found = found.map_err(|error| format!("chromium: {error}"));
-        require_or_skip(found).expect("Chromium (Debian: chromium)")?;
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-        let _ = std::fs::remove_dir_all(&folder);
-        std::fs::create_dir_all(&folder).expect("room on the disk");
-        let [to, from] = ["to", "from"].map(|name| folder.join(name));
-        let made = Command::new("mkfifo").args([&to, &from]).status();
-        assert!(made.expect("mkfifo").success());
-        // Pipes are its descriptors 3 and 4.
-        let script = "exec chromium --headless=new --no-sandbox --disable-dev-shm-usage \
-             --use-angle=swiftshader --enable-unsafe-swiftshader --no-first-run \
-             --disable-background-networking --remote-debugging-pipe \
-             --user-data-dir=\"$1/profile\" about:blank 3<\"$1/to\" 4>\"$1/from\"";
-        let process = Command::new("sh")
-            .args(["-c", script, "sh"])
-            .arg(&folder)
-            .stdout(Stdio::null())
-            .stderr(File::create(folder.join("log")).expect("room on the disk"))
+    /// A browser with a profile of its own under `name`; `None` where there is none, and that is said.
+    pub(crate) fn start(name: &str) -> Option<Self> {
+        let found = ["chromium", "chromium-browser", "google-chrome"].into_iter().find(|program| {
+            let told = Command::new(program).arg("--version").stderr(Stdio::null()).output();
+            told.is_ok_and(|told| told.status.success())
+        });
+        let program = require_or_skip(found.ok_or("no chromium")).expect("chromium");
+        program.map(|program| Chromium::start_program(program, name))
+    }
+
+    fn start_program(program: &str, name: &str) -> Self {
+        let profile = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("chromium-{name}"));
+        let _ = fs::remove_dir_all(&profile);
+        // A shell gives it the pipes under the numbers at which it looks for them.
+        let mut process = Command::new("sh")
+            .args([
+                "-c",
+                "exec \"$@\" 3<&0 4>&1 0</dev/null 1>/dev/null 2>/dev/null",
+                "sh",
+                program,
+            ])
+            .args(["--headless=new", "--no-sandbox", "--remote-debugging-pipe", "--no-first-run"])
+            .args(["--disable-dev-shm-usage", "--ignore-certificate-errors"])
+            .args(["--disable-background-networking", "--disable-component-update"])
+            .args(["--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
+            .args(["--lang=en", "--hide-scrollbars"])
+            .arg(format!("--user-data-dir={}", profile.display()))
+            .arg("about:blank")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
             .spawn()
             .expect("a shell");
-        let to = OpenOptions::new().write(true).open(&to).expect("a pipe");
-        let from = BufReader::new(File::open(&from).expect("a pipe"));
-        let mut browser = Chromium { process, to, from, session: None, number: 0 };
+        let to = process.stdin.take().expect("a pipe");
+        let from = read_messages(process.stdout.take().expect("a pipe"));
+        let (session, events) = (String::new(), Vec::new());
+        let mut browser = Chromium { process, to, from, session, last: 0, events };
         let target = browser.call("Target.createTarget", &json!({ "url": "about:blank" }));
         let attach = json!({ "targetId": target["targetId"], "flatten": true });
         let attached = browser.call("Target.attachToTarget", &attach);
-        browser.session = Some(attached["sessionId"].as_str().expect("a session").to_owned());
-        let screen =
-            json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
-        browser.call("Emulation.setDeviceMetricsOverride", &screen);
-        Some(browser)
+        browser.session = attached["sessionId"].as_str().expect("a session").to_owned();
+        for domain in ["Page.enable", "Runtime.enable", "Log.enable", "Network.enable"] {
+            browser.call(domain, &json!({}));
+        }
+        browser
     }
 
-    /// Calls a method, and returns its result.
-    pub(crate) fn call(&mut self, method: &str, params: &Value) -> Value {
-        self.number += 1;
-        let mut message = json!({ "id": self.number, "method": method, "params": params });
-        if let Some(session) = &self.session {
-            message["sessionId"] = session.as_str().into();
-        }
-        let mut bytes = message.to_string().into_bytes();
-        bytes.push(0);
-        self.to.write_all(&bytes).expect("the browser listens");
-        loop {
-            let mut answer = Vec::new();
-            self.from.read_until(0, &mut answer).expect("the browser answers");
-            assert_eq!(answer.pop(), Some(0), "the browser is gone");
-            let mut answer: Value = serde_json::from_slice(&answer).expect("JSON");
-            if answer["id"] == self.number {
-                assert!(answer["error"].is_null(), "{method}: {answer}");
-                return answer["result"].take();
-            }
-        }
+    /// Makes the window so large, in pixels of CSS.
+    pub(crate) fn resize(&mut self, (width, height): (u32, u32), is_phone: bool) {
+        let size = json!({
+            "width": width, "height": height, "deviceScaleFactor": 1, "mobile": is_phone,
+        });
+        self.call("Emulation.setDeviceMetricsOverride", &size);
     }
 
+    /// Opens a page, and waits until it is loaded.
     pub(crate) fn open(&mut self, url: &str) {
-        self.call("Page.navigate", &json!({ "url": url }));
-        self.wait_for("document.readyState === 'complete' && location.href !== 'about:blank'");
+        self.events.clear();
+        let opened = self.call("Page.navigate", &json!({ "url": url }));
+        assert!(opened["errorText"].is_null(), "{url}: {opened}");
+        self.wait_for_load();
     }
 
-    /// The value of an expression.
-    pub(crate) fn evaluate(&mut self, expression: &str) -> Value {
-        let params =
-            json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
-        self.call("Runtime.evaluate", &params)["result"]["value"].take()
+    /// The value of an expression in the page; that of a promise once it is kept.
+    pub(crate) fn ask(&mut self, expression: &str) -> Value {
+        let asked = json!({
+            "expression": expression, "returnByValue": true, "awaitPromise": true,
+        });
+        let answer = self.call("Runtime.evaluate", &asked);
+        assert!(answer["exceptionDetails"].is_null(), "{expression:.80}: {answer}");
+        answer["result"]["value"].clone()
+    }
+
+    /// Whether there is an element of a selector of CSS.
+    pub(crate) fn has(&mut self, selector: &str) -> bool {
+        self.ask(&format!("document.querySelector({}) !== null", quote(selector))) == true
+    }
+
+    /// The text that a person reads in the page.
+    pub(crate) fn text(&mut self) -> String {
+        self.ask("document.body.innerText").as_str().expect("text").to_owned()
+    }
+
+    /// Clicks where the first element of a selector is, with the mouse.
+    pub(crate) fn click(&mut self, selector: &str) {
+        let place = self.ask(&format!(
+            "(() => {{ const found = document.querySelector({}); if (!found) return null;
+             found.scrollIntoView({{ block: 'center', behavior: 'instant' }});
+             const box = found.getBoundingClientRect();
+             return [box.x + box.width / 2, box.y + box.height / 2]; }})()",
+            quote(selector)
+        ));
+        assert!(place.is_array(), "no {selector}: {}", self.text());
+        for kind in ["mousePressed", "mouseReleased"] {
+            let event = json!({
+                "type": kind, "x": place[0], "y": place[1], "button": "left", "clickCount": 1,
+            });
+            self.call("Input.dispatchMouseEvent", &event);
+        }
+    }
+
+    /// Clicks, and waits for the page to which that leads.
+    pub(crate) fn follow(&mut self, selector: &str) {
+        self.events.clear();
+        self.click(selector);
+        self.wait_for_load();
+    }
+
+    /// Types into a field.
+    pub(crate) fn fill(&mut self, selector: &str, text: &str) {
+        self.click(selector);
+        self.call("Input.insertText", &json!({ "text": text }));
+    }
+
+    /// Presses Enter, and waits for the page to which that leads.
+    pub(crate) fn enter(&mut self) {
+        self.events.clear();
+        for (kind, text) in [("keyDown", "\r"), ("keyUp", "")] {
+            let event = json!({
+                "type": kind, "key": "Enter", "code": "Enter", "text": text,
+                "windowsVirtualKeyCode": 13,
+            });
+            self.call("Input.dispatchKeyEvent", &event);
+        }
+        self.wait_for_load();
+    }
+
+    /// What is seen of the page, as PNG, kept under `target/tmp` too.
+    pub(crate) fn draw(&mut self, name: &str) -> Vec<u8> {
+        let drawn = self.call("Page.captureScreenshot", &json!({ "format": "png" }));
+        let png = STANDARD.decode(drawn["data"].as_str().expect("a picture")).expect("base64");
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("staff-page");
+        fs::create_dir_all(&folder).expect("room on the disk");
+        fs::write(folder.join(format!("{name}.png")), &png).expect("room on the disk");
+        png
     }
 
     /// Waits until an expression is true.
     pub(crate) fn wait_for(&mut self, expression: &str) {
         let start = Instant::now();
-        while self.evaluate(expression) != true {
-            assert!(start.elapsed() < Duration::from_secs(90), "never: {expression}");
-            std::thread::sleep(Duration::from_millis(100));
+        while self.ask(expression) != true {
+            assert!(start.elapsed() < PATIENCE, "never: {expression}");
+            thread::sleep(Duration::from_millis(100));
         }
     }
 
@@ -128,8 +202,8 @@ impl Chromium {
             &json!({ "format": "png", "clip": clip, "captureBeyondViewport": true }),
         );
         let png = STANDARD.decode(shot["data"].as_str().expect("a picture")).expect("base64");
-        let path: PathBuf = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.png"));
-        std::fs::write(path, &png).expect("room on the disk");
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.png"));
+        fs::write(path, &png).expect("room on the disk");
         let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().expect("a PNG");
         let mut bytes = vec![0; reader.output_buffer_size().expect("it fits")];
         let info = reader.next_frame(&mut bytes).expect("a picture");
@@ -138,6 +212,49 @@ impl Chromium {
             bytes.chunks_exact(samples).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
         Picture { width: info.width as usize, height: info.height as usize, pixels }
     }
+
+    /// Waits for a page, and checks that nothing in it was refused or failed.
+    fn wait_for_load(&mut self) {
+        let start = Instant::now();
+        let is_load = |event: &Value| event["method"] == "Page.loadEventFired";
+        while !self.events.iter().any(is_load) {
+            let event = self.receive(start);
+            self.events.push(event);
+        }
+        for event in &self.events {
+            let entry = &event["params"]["entry"];
+            let is_wrong = event["method"] == "Log.entryAdded"
+                && ["security", "javascript"].contains(&entry["source"].as_str().unwrap_or(""));
+            assert!(!is_wrong && event["method"] != "Runtime.exceptionThrown", "{event}");
+        }
+    }
+
+    fn call(&mut self, method: &str, params: &Value) -> Value {
+        self.last += 1;
+        let mut message = json!({ "id": self.last, "method": method, "params": params });
+        if !self.session.is_empty() {
+            message["sessionId"] = self.session.clone().into();
+        }
+        let sent = self.to.write_all(format!("{message}\0").as_bytes());
+        sent.and_then(|()| self.to.flush()).expect("the browser lives");
+        let start = Instant::now();
+        loop {
+            let mut answer = self.receive(start);
+            if answer["id"] == self.last {
+                assert!(answer["error"].is_null(), "{method}: {answer}");
+                return answer["result"].take();
+            }
+            self.events.push(answer);
+        }
+    }
+
+    fn receive(&mut self, start: Instant) -> Value {
+        match self.from.recv_timeout(PATIENCE.saturating_sub(start.elapsed())) {
+            Ok(message) => message,
+            Err(RecvTimeoutError::Timeout) => panic!("the browser is silent"),
+            Err(RecvTimeoutError::Disconnected) => panic!("the browser has ended"),
+        }
+    }
 }
 
 impl Drop for Chromium {
@@ -145,4 +262,22 @@ impl Drop for Chromium {
         let _ = self.process.kill();
         let _ = self.process.wait();
     }
+}
+
+fn read_messages(from: ChildStdout) -> Receiver<Value> {
+    let (to, messages) = channel();
+    thread::spawn(move || {
+        for message in BufReader::new(from).split(0).map_while(Result::ok) {
+            let message = serde_json::from_slice(&message).expect("JSON");
+            if to.send(message).is_err() {
+                break;
+            }
+        }
+    });
+    messages
+}
+
+/// A text as a literal of JavaScript.
+fn quote(text: &str) -> String {
+    Value::from(text).to_string()
 }

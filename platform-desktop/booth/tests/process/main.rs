@@ -8,6 +8,7 @@ mod demo;
 mod enrolment;
 mod kills;
 mod mail;
+mod page;
 mod parcels;
 mod printer_stand_in;
 mod printers;

@@ -58,7 +58,7 @@ impl SmtpSink {
 }
 
 /// Looks until there is something.
-pub(crate) fn wait_until<T>(look: impl Fn() -> Option<T>) -> T {
+pub(crate) fn wait_until<T>(mut look: impl FnMut() -> Option<T>) -> T {
     let start = Instant::now();
     loop {
         if let Some(found) = look() {

@@ -29,7 +29,8 @@ fn coverage(picture: &Picture) -> f64 {
 
 #[test]
 fn a_sculpture_is_drawn_and_turns_with_mouse_and_keys() {
-    let Some(mut chromium) = Chromium::start("viewer-chromium", (390, 1400)) else { return };
+    let Some(mut chromium) = Chromium::start("viewer") else { return };
+    chromium.resize((390, 1400), false);
     let folder = BoothFolder::new("viewer");
     let (booth, at) = start(&folder, &[]);
     let page = with_sculpture(&booth.client, &folder);
@@ -37,10 +38,10 @@ fn a_sculpture_is_drawn_and_turns_with_mouse_and_keys() {
     let path = scan(&browser.get(&format!("{page}/slip"))).expect("a code");
     chromium.open(&format!("http://{at}{path}?language=en"));
     chromium.wait_for("document.querySelector('.viewer button') !== null");
-    chromium.evaluate("window.faults = []; addEventListener('securitypolicyviolation', (e) => faults.push(e.blockedURI))");
-    chromium.evaluate("document.querySelector('.viewer button').click()");
+    chromium.ask("window.faults = []; addEventListener('securitypolicyviolation', (e) => faults.push(e.blockedURI))");
+    chromium.ask("document.querySelector('.viewer button').click()");
     chromium.wait_for("document.querySelector('.viewer canvas').dataset.ready === 'yes'");
-    let corner = chromium.evaluate(
+    let corner = chromium.ask(
         "(() => { const r = document.querySelector('.viewer canvas').getBoundingClientRect(); \
          return [r.x + scrollX, r.y + scrollY, r.width, r.height]; })()",
     );
@@ -49,7 +50,7 @@ fn a_sculpture_is_drawn_and_turns_with_mouse_and_keys() {
     let whole = chromium.picture("viewer-page", [0.0, 0.0, 390.0, 1400.0]);
     assert!(coverage(&whole) > 0.1);
     let is_hidden = "getComputedStyle(document.querySelector('.viewer button')).display === 'none'";
-    assert_eq!(chromium.evaluate(is_hidden), true);
+    assert_eq!(chromium.ask(is_hidden), true);
     let first = chromium.picture("viewer-first", place);
     let colours: HashSet<[u8; 3]> = first.pixels.iter().copied().collect();
     let covered = coverage(&first);
@@ -70,13 +71,14 @@ fn a_sculpture_is_drawn_and_turns_with_mouse_and_keys() {
     }
     let near = chromium.picture("viewer-near", place);
     assert!(coverage(&near) > 1.2 * coverage(&turned), "and come closer");
-    assert_eq!(chromium.evaluate("faults.length"), Value::from(0), "the page's own rules hold");
+    assert_eq!(chromium.ask("faults.length"), Value::from(0), "the page's own rules hold");
 }
 
 /// Staff's pages of prints fit a telephone, and of a slip's page the slip alone is on paper.
 #[test]
 fn prints_fit_a_telephone_and_a_slip_is_alone_on_paper() {
-    let Some(mut chromium) = Chromium::start("slip-chromium", (390, 844)) else { return };
+    let Some(mut chromium) = Chromium::start("slip") else { return };
+    chromium.resize((390, 844), false);
     let folder = BoothFolder::new("slip-page");
     let slicer = slicer_by(&folder);
     let (booth, _) = start(&folder, &["--slicer", slicer.to_str().unwrap()]);
@@ -97,20 +99,19 @@ fn prints_fit_a_telephone_and_a_slip_is_alone_on_paper() {
     ] {
         chromium.open(&format!("{host}{path}"));
         chromium.wait_for("document.querySelector('main h1') !== null");
-        chromium
-            .evaluate("document.querySelectorAll('details').forEach((d) => { d.open = true; })");
+        chromium.ask("document.querySelectorAll('details').forEach((d) => { d.open = true; })");
         let fits = "document.scrollingElement.scrollWidth <= innerWidth";
-        assert_eq!(chromium.evaluate(fits), true, "{path} is wider than a telephone");
+        assert_eq!(chromium.ask(fits), true, "{path} is wider than a telephone");
         chromium.picture(name, [0.0, 0.0, 390.0, 1600.0]);
     }
     let is_seen =
         |what: &str| format!("document.querySelector('{what}').getClientRects().length > 0");
-    assert_eq!(chromium.evaluate(&is_seen("header")), true);
+    assert_eq!(chromium.ask(&is_seen("header")), true);
     chromium.call("Emulation.setEmulatedMedia", &json!({ "media": "print" }));
     for (what, expected) in
         [("header", false), ("#print-slip", false), (".slip .badge svg", true), (".slip .qr", true)]
     {
-        assert_eq!(chromium.evaluate(&is_seen(what)), expected, "{what}");
+        assert_eq!(chromium.ask(&is_seen(what)), expected, "{what}");
     }
     chromium.picture("slip-paper", [0.0, 0.0, 390.0, 844.0]);
 }

@@ -1,0 +1,168 @@
+//! The staff's page in a real browser, as people use it: with mouse and keyboard, on a phone and a tablet. axe-core finds
+//! nothing in it that somebody couldn't use.
+
+use paros_core::badge::{Badge, BadgeNumber, Language, write_words};
+
+use crate::chromium::Chromium;
+use crate::rig::{BoothFolder, BoothProcess};
+use crate::smtp_sink::{SmtpSink, wait_until};
+
+const PHONE: (u32, u32) = (390, 844);
+const TABLET: (u32, u32) = (1024, 768);
+
+/// What finds what people can't use.
+const AXE: &str = include_str!("../data/axe-core/axe.min.js");
+
+/// What axe-core finds in the page that is shown.
+fn find_violations(browser: &mut Chromium) -> serde_json::Value {
+    browser.ask(AXE);
+    browser.ask(
+        "axe.run().then((found) => found.violations.map((wrong) => wrong.id + ': ' + wrong.help
+         + ' ' + wrong.nodes.map((node) => node.html + ' ' + node.failureSummary).join(' | ')))",
+    )
+}
+
+/// Checks the page that is shown, and takes its picture.
+fn look_at(browser: &mut Chromium, name: &str) {
+    assert_eq!(find_violations(browser), serde_json::json!([]), "{name}");
+    // Nothing is wider than the window: nobody has to push a page about.
+    let width = "document.documentElement.scrollWidth - document.documentElement.clientWidth";
+    assert_eq!(browser.ask(width), 0, "{name} is too wide");
+    browser.draw(name);
+}
+
+/// The badge of a sculpture of the demo.
+fn a_badge(folder: &BoothFolder) -> (BadgeNumber, Badge) {
+    let database = rusqlite::Connection::open(folder.path().join("booth.sqlite")).unwrap();
+    let query = "SELECT badge FROM sculptures ORDER BY received_at LIMIT 1";
+    let number: u32 = database.query_row(query, [], |row| row.get(0)).unwrap();
+    let number = BadgeNumber::new(number).expect("a number");
+    (number, number.badge())
+}
+
+fn start(folder: &BoothFolder, sink: &SmtpSink) -> BoothProcess {
+    let server = sink.address.to_string();
+    let booth = folder.start_with(&[
+        "--demo",
+        "--smtp",
+        &server,
+        "--smtp-tls",
+        "none",
+        "--mail-from",
+        "booth@example.org",
+    ]);
+    wait_until(|| (booth.client.metric("paros_booth_exports_queued") == 0).then_some(()));
+    booth
+}
+
+#[test]
+fn staff_log_in_find_by_badge_mail_withdraw_and_undo_in_a_browser() {
+    let Some(mut browser) = Chromium::start("staff") else { return };
+    let (folder, sink) = (BoothFolder::new("page"), SmtpSink::start());
+    let booth = start(&folder, &sink);
+    let at = format!("https://{}", booth.client.address);
+    browser.resize(PHONE, true);
+    browser.open(&at);
+    look_at(&mut browser, "first");
+    browser.fill("input[name=code]", &booth.first_code().expect("a code"));
+    browser.fill("input[name=name]", "ana");
+    browser.fill("input[name=password]", "correct horse battery");
+    browser.follow("main button");
+    browser.follow("header form button");
+    look_at(&mut browser, "login");
+    browser.fill("input[name=name]", "ana");
+    browser.fill("input[name=password]", "correct horse battery");
+    browser.enter();
+    assert!(browser.has(".cards .card"));
+
+    // Tapped: a colour, and four pictures.
+    let (_, badge) = a_badge(&folder);
+    browser.follow("a[href='/staff/find']");
+    browser.click(&format!("[data-colour='{}']", badge.colour as u8));
+    for pictogram in &badge.pictograms[..3] {
+        browser.click(&format!("[data-picture='{}']", pictogram.number()));
+    }
+    look_at(&mut browser, "find-phone");
+    browser.follow(&format!("[data-picture='{}']", badge.pictograms[3].number()));
+    look_at(&mut browser, "found-phone");
+    browser.follow(".cards .card a");
+    let mut words = String::new();
+    write_words(&mut words, &badge, Language::English).expect("text");
+    assert_eq!(browser.ask("document.querySelector('h1').textContent"), words);
+    look_at(&mut browser, "sculpture-phone");
+
+    browser.fill("input[name=address]", "eleni@example.org");
+    browser.follow("form[action$='/mail'] button");
+    assert!(sink.wait_for(1)[0].to[0].contains("eleni@example.org"));
+    let here = browser.ask("location.href");
+    let here = here.as_str().expect("an address").to_owned();
+    wait_until(|| {
+        browser.open(&here);
+        browser.text().contains("mail sent").then_some(())
+    });
+
+    browser.follow("form[action$='/withdraw'] button");
+    browser.open(&format!("{at}/staff"));
+    assert!(!browser.text().contains(&words), "it is hidden");
+    browser.follow("a[href='/staff/withdrawn']");
+    look_at(&mut browser, "withdrawn-phone");
+    browser.follow(".cards .card a");
+    browser.follow("form[action$='/bring-back'] button");
+    browser.open(&format!("{at}/staff"));
+    assert!(browser.text().contains(&words), "it is back");
+
+    // Said, by keyboard alone.
+    browser.open(&format!("{at}/staff/find"));
+    browser.fill("input[name=words]", &words);
+    browser.enter();
+    assert!(browser.has(".cards .card a"));
+    browser.follow("header form button");
+    assert!(browser.has("form[action='/staff/login']"));
+}
+
+#[test]
+fn every_page_is_for_everybody_on_a_phone_and_a_tablet() {
+    let Some(mut browser) = Chromium::start("pages") else { return };
+    let (folder, sink) = (BoothFolder::new("pages"), SmtpSink::start());
+    let booth = start(&folder, &sink);
+    let at = format!("https://{}", booth.client.address);
+    let (number, _) = a_badge(&folder);
+    browser.resize(TABLET, false);
+    browser.open(&at);
+    browser.fill("input[name=code]", &booth.first_code().expect("a code"));
+    browser.fill("input[name=name]", "ana");
+    browser.fill("input[name=password]", "correct horse battery");
+    browser.follow("main button");
+    folder.fleet_token();
+    // What looks for faults finds one that is there.
+    browser.ask("document.querySelector('main').append(document.createElement('img'))");
+    let found = find_violations(&mut browser).to_string();
+    assert!(found.contains("image-alt"), "{found}");
+    let sculpture = browser.ask("document.querySelector('.card a').getAttribute('href')");
+    let sculpture = sculpture.as_str().expect("an address").to_owned();
+    let known = format!("/staff/badges/{}", number.get());
+    for (language, heading) in [("en", "Newest"), ("el", "Πρόσφατα")] {
+        browser.open(&format!("{at}/staff/language/{language}"));
+        assert_eq!(browser.ask("document.querySelector('h1').textContent"), heading);
+        for (name, path) in [
+            ("newest", "/staff"),
+            ("find", "/staff/find"),
+            ("sculpture", &sculpture),
+            ("missing", "/staff/missing"),
+            ("headsets", "/staff/headsets"),
+            ("account", "/staff/account"),
+            ("admin", "/staff/admin"),
+            ("audit", "/staff/audit"),
+            ("badge", &known),
+            ("privacy", "/privacy"),
+        ] {
+            for (size, place, is_phone) in [("tablet", TABLET, false), ("phone", PHONE, true)] {
+                browser.resize(place, is_phone);
+                browser.open(&format!("{at}{path}"));
+                browser
+                    .ask("document.querySelectorAll('details').forEach((all) => all.open = true)");
+                look_at(&mut browser, &format!("{name}-{size}-{language}"));
+            }
+        }
+    }
+}
