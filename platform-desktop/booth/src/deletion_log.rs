@@ -78,3 +78,45 @@ pub(crate) fn read_deletions(path: &Path) -> Result<Vec<Deletion>, Error> {
     };
     lines.map(read).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::os::unix::fs::PermissionsExt as _;
+
+    use paros_booth_rules::BoothTime;
+    use paros_core::outbox::messages::{ContentHash, SculptureId};
+
+    use super::*;
+
+    fn deletion(number: u8) -> Deletion {
+        let (id, hash) = (SculptureId([number; 16]), ContentHash([7; 32]));
+        Deletion { id, headset: 1, hash, badge: Some(5), deleted_at: BoothTime(9) }
+    }
+
+    /// Power is lost at any byte of the second line: the first stays, and what is logged next is whole.
+    #[test]
+    fn a_line_that_was_cut_is_passed_over_and_nothing_is_joined_to_it() {
+        let folder = std::env::temp_dir().join(format!("paros-deletions-{}", std::process::id()));
+        fs::create_dir_all(&folder).expect("room on the disk");
+        let path = folder.join(DELETIONS);
+        let lines = [deletion(1), deletion(2)].map(|deletion| deletion.to_line()).concat();
+        let first = deletion(1).to_line().len();
+        for cut in first..lines.len() {
+            fs::write(&path, &lines[..cut]).unwrap();
+            assert_eq!(read_deletions(&path).unwrap(), [deletion(1)], "cut at {cut}");
+            let log = DeletionLog::open(&folder).unwrap();
+            log.append(&[deletion(3), deletion(4)]).unwrap();
+            let expected = [deletion(1), deletion(3), deletion(4)];
+            assert_eq!(read_deletions(&path).unwrap(), expected, "cut at {cut}");
+        }
+        fs::remove_file(&path).unwrap();
+        DeletionLog::open(&folder).unwrap();
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
+        assert_eq!(read_deletions(&path).unwrap(), []);
+        fs::write(&path, "one line\n").unwrap();
+        let told = read_deletions(&path).expect_err("none of a log").to_string();
+        assert!(told.contains("line 1: expected a deletion"), "{told}");
+        fs::remove_dir_all(&folder).expect("it is ours");
+    }
+}

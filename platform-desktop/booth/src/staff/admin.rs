@@ -287,14 +287,14 @@ fn audit_table(texts: &Texts, words: &AdminTexts, entries: &[AuditEntry]) -> Mar
     html! {
         table {
             tr {
-                th scope="col" { (words.when) } th scope="col" { (words.who) } th scope="col" { (words.what) }
+                th scope="col" { (words.what) } th scope="col" { (words.who) } th scope="col" { (words.when) }
                 th scope="col" { (texts.headset) } th scope="col" { (words.sculpture) }
             }
             @for entry in entries {
                 tr {
-                    td { (utc(entry.at)) }
-                    td { (entry.account.as_deref().unwrap_or(words.the_booth)) }
                     td { (entry.action) }
+                    td { (entry.account.as_deref().unwrap_or(words.the_booth)) }
+                    td { (utc(entry.at)) }
                     td { @if let Some(headset) = entry.headset { (headset) } }
                     td {
                         @if let Some(id) = entry.sculpture {

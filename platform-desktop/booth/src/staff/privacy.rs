@@ -54,6 +54,7 @@ pub(crate) async fn show_known(
         @for announced in &known.announced {
             p { (texts.headset) " " (announced.headset) ", " (utc(announced.heard_at)) ": " (texts.not_here_yet) }
         }
+        @if !known.announced.is_empty() { p class="note" { (words.still_to_come) } }
         @for deleted in &known.deleted { p { (words.deleted_on) " " (utc(deleted.deleted_at)) } }
         @if !known.sculptures.is_empty() {
             p { a class="button" href={ (at) "/export.zip" } { (words.export_all) } }
