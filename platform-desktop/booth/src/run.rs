@@ -2,6 +2,7 @@
 
 use std::io::{self, Write as _};
 use std::net::{IpAddr, SocketAddr};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, SystemTime};
@@ -19,6 +20,7 @@ use crate::demo::{DemoFolder, add_demo};
 use crate::error::Error;
 use crate::exporter::export_next;
 use crate::folder_lock::FolderLock;
+use crate::keys::BoothKeys;
 use crate::leaf::{LeafKeeper, local_names, primary_address};
 use crate::mailer::Mailer;
 use crate::options::ServeOptions;
@@ -61,7 +63,7 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     let exports = Worker::start(move || export_next(&of_exports));
     let of_mails = open.booth.clone();
     let mails = mailer.map(|mailer| Worker::start(move || mailer.send_next(&of_mails)));
-    let (slices, printers) = start_slices(&open.booth, options)?;
+    let (slices, printers) = start_slices(&open.booth, options, folder)?;
     let wakers = Wakers {
         exports: exports.waker(),
         mails: mails.as_ref().map(Worker::waker),
@@ -77,12 +79,34 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
         .max_blocking_threads(WORK_THREADS)
         .build()
         .map_err(|error| Error::failure("threads", error))?;
-    let fingerprint = open.keys.site.ca_hash;
-    let leaf = LeafKeeper::new(open.keys, names.now(), SystemTime::now())?;
-    let tls = TlsAcceptor::from(Arc::new(leaf.tls_config()?));
-    let served = runtime.block_on(async {
-        let listener = TcpListener::bind(options.listen).await;
-        let listener = listener.map_err(|error| Error::failure(options.listen, error))?;
+    let serving = Serving { app: app.clone(), public, first_code, names, listen: options.listen };
+    let served = runtime.block_on(serving.serve_until_told(open.keys));
+    // Its threads end with what they do; the app goes with them, and then its workers can end.
+    runtime.shutdown_timeout(Duration::from_secs(10));
+    drop(app);
+    drop((exports, mails, slices));
+    info!("ended");
+    served
+}
+
+/// What is served, and where.
+struct Serving {
+    app: Arc<App>,
+    public: Option<PublicAddress>,
+    first_code: Option<String>,
+    names: LeafNames,
+    listen: SocketAddr,
+}
+
+impl Serving {
+    /// Serves staff and headsets, and visitors where they have pages, until the program is told to end.
+    async fn serve_until_told(self, keys: BoothKeys) -> Result<(), Error> {
+        let Serving { app, public, first_code, names, listen } = self;
+        let fingerprint = keys.site.ca_hash;
+        let leaf = LeafKeeper::new(keys, names.now(), SystemTime::now())?;
+        let tls = TlsAcceptor::from(Arc::new(leaf.tls_config()?));
+        let listener = TcpListener::bind(listen).await;
+        let listener = listener.map_err(|error| Error::failure(listen, error))?;
         let listen = listener.local_addr().map_err(|error| Error::failure("socket", error))?;
         let visitors = listen_for_visitors(public.as_ref()).await?;
         let end = end_of_program()?;
@@ -101,13 +125,7 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
             None => staff.await,
         }
         Ok(())
-    });
-    // Its threads end with what they do; the app goes with them, and then its workers can end.
-    runtime.shutdown_timeout(Duration::from_secs(10));
-    drop(app);
-    drop((exports, mails, slices));
-    info!("ended");
-    served
+    }
 }
 
 /// The threads that slice; they end in the middle of a slice.
@@ -128,8 +146,12 @@ impl Drop for Slices {
 }
 
 /// Starts the threads that slice, where there is a slicer.
-fn start_slices(booth: &Booth, options: &ServeOptions) -> Result<(Slices, Vec<Printer>), Error> {
-    let folder = options.folder.folder.join("slices");
+fn start_slices(
+    booth: &Booth,
+    options: &ServeOptions,
+    folder: &Path,
+) -> Result<(Slices, Vec<Printer>), Error> {
+    let folder = folder.join("slices");
     let slicer = Slicer::find(&options.slicer, folder)?.map(Arc::new);
     let (printers, of_printers) = match &options.slicer.printers {
         Some(file) => start_printers(file, booth, slicer.as_ref())?,

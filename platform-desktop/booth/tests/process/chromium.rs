@@ -229,7 +229,8 @@ impl Chromium {
         }
     }
 
-    fn call(&mut self, method: &str, params: &Value) -> Value {
+    /// Calls a method of the protocol, and returns its result.
+    pub(crate) fn call(&mut self, method: &str, params: &Value) -> Value {
         self.last += 1;
         let mut message = json!({ "id": self.last, "method": method, "params": params });
         if !self.session.is_empty() {

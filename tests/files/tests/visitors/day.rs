@@ -213,7 +213,8 @@ pub(crate) fn record_day(name: &str, visitor: impl FnOnce(&mut Day<'_, '_>)) -> 
     let (bytes, finished) = with_fresh_world::<N, INTERVALS, _>(|mut runner| {
         runner.start_recording();
         let host = VisitHost::new(options(), runner.world().visit());
-        let export = ExportState { is_busy: false, is_kept: false, part: 0.0, pending: 0 };
+        let export =
+            ExportState { is_busy: false, is_kept: false, part: 0.0, pending: 0, booth: None };
         let mut day = Day {
             runner: &mut runner,
             host,
