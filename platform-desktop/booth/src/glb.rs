@@ -26,7 +26,7 @@ pub(crate) fn write_glb(stl: &[u8]) -> Result<Vec<u8>, String> {
         corners.iter().map(|[x, y, z]| [x * METRES, z * METRES, -y * METRES]).collect();
     let normals = find_normals(&corners, &triangles);
     let mut head = write_head(&corners, triangles.len());
-    while head.len() % 4 != 0 {
+    while !head.len().is_multiple_of(4) {
         head.push(' ');
     }
     let binary = 24 * corners.len() + 12 * triangles.len();

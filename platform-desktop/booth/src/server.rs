@@ -37,11 +37,14 @@ const MAX_HEAD_BYTES: usize = 16 << 10;
 /// How long requests may take to their end after the program was told to end.
 const END_TIMEOUT: Duration = Duration::from_secs(10);
 
+/// Makes the routes of a connection.
+pub(crate) type MakeRouter = fn(&Arc<App>) -> Router;
+
 /// Serves routes, over TLS or plain, until `end` is there; then takes no more connections, and ends when all requests have.
 pub(crate) async fn serve(
     app: Arc<App>,
     listener: TcpListener,
-    (tls, router): (Option<TlsAcceptor>, fn(&Arc<App>) -> Router),
+    (tls, router): (Option<TlsAcceptor>, MakeRouter),
     end: impl Future<Output = ()>,
 ) {
     let graceful = GracefulShutdown::new();

@@ -79,6 +79,7 @@ pub(crate) enum SliceFault {
 }
 
 /// G-code in a folder, which goes with this.
+#[derive(Debug)]
 pub(crate) struct SlicedPrint {
     pub(crate) estimate: Estimate,
     pub(crate) gcode: PathBuf,
@@ -86,6 +87,7 @@ pub(crate) struct SlicedPrint {
 }
 
 /// A folder that is removed when this is dropped.
+#[derive(Debug)]
 struct SliceFolder(PathBuf);
 
 impl Drop for SliceFolder {
@@ -309,7 +311,7 @@ mod tests {
     }
 
     fn fault(slicer: &Slicer) -> String {
-        match slicer.slice(b"stl", 1.0, None).err().expect("a fault") {
+        match slicer.slice(b"stl", 1.0, None).expect_err("a fault") {
             SliceFault::Failed(why) => why,
             other => format!("{other:?}"),
         }
@@ -322,7 +324,7 @@ mod tests {
     fn it_is_told_what_to_do_in_a_folder_of_its_own_without_the_booths_environment() {
         let script = format!("env | sort >env; echo \"$@\" >arguments; {WELL} >print.gcode");
         let slicer = slicer("well", &script);
-        let sliced = slicer.slice(b"stl", 0.5, None).ok().expect("a slice");
+        let sliced = slicer.slice(b"stl", 0.5, None).expect("a slice");
         assert_eq!((sliced.estimate.minutes, sliced.estimate.tenths_gram), (2, 20));
         let folder = sliced.gcode.parent().unwrap().to_owned();
         let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();

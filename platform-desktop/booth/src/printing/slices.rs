@@ -6,6 +6,7 @@ use std::time::Duration;
 use paros_booth_rules::{Booth, PrintJob, Refusal, SizeSearch, SliceOutcome, Sliced};
 use tracing::{info, warn};
 
+use super::gcode::Estimate;
 use super::slicer::{SliceFault, Slicer};
 use crate::clock::booth_time;
 use crate::exporter::make_stl;
@@ -41,42 +42,43 @@ fn slice(booth: &Booth, slicer: &Slicer, job: &PrintJob) -> Result<Option<SliceO
         let scale = f64::from(height) / 10.0 / model_mm;
         slicer.slice(&stl, scale, None).map(|sliced| sliced.estimate)
     };
+    let height = job.order.height_tenths_mm;
     let found = match job.order.most_minutes {
-        None => slice_at(job.order.height_tenths_mm)
-            .map(|estimate| (job.order.height_tenths_mm, estimate)),
-        Some(most) => {
-            let mut search = SizeSearch::new(most, (10.0 * model_mm) as u32);
-            let mut best = None;
-            loop {
-                let Some(height) = search.next_height() else { break };
-                // One that is larger than the printer takes longer than any time.
-                let minutes = match slice_at(height) {
-                    Ok(estimate) => {
-                        if estimate.minutes <= most && best.is_none_or(|(known, _)| height > known)
-                        {
-                            best = Some((height, estimate));
-                        }
-                        estimate.minutes
-                    }
-                    Err(SliceFault::TooLarge) => u32::MAX,
-                    Err(SliceFault::Over) => return Ok(None),
-                    Err(SliceFault::Failed(why)) => return unknown(&why),
-                };
-                search.note(Sliced { height, minutes });
-            }
-            best.ok_or_else(|| SliceFault::Failed("no size was found that fits the time".into()))
-        }
+        None => slice_at(height).map(|estimate| (height, estimate)),
+        Some(most) => find_size(most, (10.0 * model_mm) as u32, slice_at),
     };
     match found {
-        Ok((height, estimate)) => Ok(Some(SliceOutcome::Known {
-            height,
-            minutes: estimate.minutes,
-            tenths_gram: estimate.tenths_gram,
-        })),
+        Ok((height, Estimate { minutes, tenths_gram })) => {
+            Ok(Some(SliceOutcome::Known { height, minutes, tenths_gram }))
+        }
         Err(SliceFault::Over) => Ok(None),
         Err(SliceFault::TooLarge) => unknown("it is larger than the printer"),
         Err(SliceFault::Failed(why)) => unknown(&why),
     }
+}
+
+/// The greatest height whose print takes so many minutes at most, and what it takes.
+fn find_size(
+    most: u32,
+    first: u32,
+    slice_at: impl Fn(u32) -> Result<Estimate, SliceFault>,
+) -> Result<(u32, Estimate), SliceFault> {
+    let (mut search, mut best) = (SizeSearch::new(most, first), None);
+    while let Some(height) = search.next_height() {
+        let minutes = match slice_at(height) {
+            Ok(estimate) => {
+                if estimate.minutes <= most && best.is_none_or(|(known, _)| height > known) {
+                    best = Some((height, estimate));
+                }
+                estimate.minutes
+            }
+            // One that is larger than the printer takes longer than any time.
+            Err(SliceFault::TooLarge) => u32::MAX,
+            Err(fault) => return Err(fault),
+        };
+        search.note(Sliced { height, minutes });
+    }
+    best.ok_or_else(|| SliceFault::Failed("no size was found that fits the time".into()))
 }
 
 /// How high the model of a binary STL is, in millimetres; `None` where it has no height.
