@@ -1,16 +1,17 @@
 //! The log of deletions: a file of lines beside the database, that is synced with each. Copied elsewhere more often than a
 //! backup is made, it tells a restore what was deleted since.
 
-use std::fs::{File, OpenOptions};
-use std::io::{self, Read as _, Write as _};
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufRead as _, BufReader, Read as _, Write as _};
 use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use paros_booth_rules::Deletion;
+use paros_booth_rules::{BoothTime, Deletion};
 use paros_shell::durable;
 
 use crate::error::Error;
+use crate::own_file::OwnPart;
 
 /// Its name in a booth's folder.
 pub(crate) const DELETIONS: &str = "deletions";
@@ -59,6 +60,29 @@ impl DeletionLog {
         }
         added
     }
+
+    /// Drops the lines of before a time, where the first is one. The others are there whatever happens meanwhile.
+    ///
+    /// # Errors
+    /// What the disk says. Then it is as it was.
+    pub(crate) fn forget_before(&self, time: BoothTime) -> io::Result<()> {
+        let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_old = |line: &str| {
+            Deletion::parse_line(line).is_some_and(|deletion| deletion.deleted_at < time)
+        };
+        let mut first = String::new();
+        BufReader::new(File::open(&self.path)?).read_line(&mut first)?;
+        if !is_old(first.trim_end_matches('\n')) {
+            return Ok(());
+        }
+        let text = fs::read_to_string(&self.path)?;
+        let (part, mut file) = OwnPart::new_file(&self.path, "3")?;
+        for line in text.lines().filter(|line| !is_old(line)) {
+            file.write_all(format!("{line}\n").as_bytes())?;
+        }
+        file.sync_all()?;
+        part.rename(&self.path)
+    }
 }
 
 /// Reads a log. A last line without an end is one that a power cut left, and is passed over.
@@ -81,10 +105,8 @@ pub(crate) fn read_deletions(path: &Path) -> Result<Vec<Deletion>, Error> {
 
 #[cfg(test)]
 mod tests {
-    use std::fs;
     use std::os::unix::fs::PermissionsExt as _;
 
-    use paros_booth_rules::BoothTime;
     use paros_core::outbox::messages::{ContentHash, SculptureId};
 
     use super::*;
@@ -110,6 +132,16 @@ mod tests {
             let expected = [deletion(1), deletion(3), deletion(4)];
             assert_eq!(read_deletions(&path).unwrap(), expected, "cut at {cut}");
         }
+        let log = DeletionLog::open(&folder).unwrap();
+        let old = Deletion { deleted_at: BoothTime(8), ..deletion(5) };
+        fs::write(&path, [old.to_line(), deletion(6).to_line()].concat()).unwrap();
+        for (time, expected) in [(8, vec![old, deletion(6)]), (9, vec![deletion(6)]), (10, vec![])]
+        {
+            log.forget_before(BoothTime(time)).unwrap();
+            assert_eq!(read_deletions(&path).unwrap(), expected, "{time}");
+        }
+        log.append(&[deletion(7)]).unwrap();
+        assert_eq!(read_deletions(&path).unwrap(), [deletion(7)]);
         fs::remove_file(&path).unwrap();
         DeletionLog::open(&folder).unwrap();
         assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);

@@ -179,6 +179,10 @@ impl ParcelFiles for DiskFiles {
     fn log_deletions(&self, deletions: &[Deletion]) -> io::Result<()> {
         self.deletions.append(deletions)
     }
+
+    fn forget_deletions_before(&self, time: BoothTime) -> io::Result<()> {
+        self.deletions.forget_before(time)
+    }
 }
 
 /// Removes a file, if there is one. Returns how many bytes it had.

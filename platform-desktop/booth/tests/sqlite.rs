@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use paros_booth::SqliteStore;
-use paros_booth_rules::records::{Device, Sculpture, TABLES};
+use paros_booth_rules::records::{Device, MailOrder, Sculpture, TABLES};
 use paros_booth_rules::{BoothTime, ColumnKind, Field as _, Query, check_store, update, view};
 use rusqlite::Connection;
 
@@ -73,6 +73,9 @@ fn the_first_version_is_read() {
     let path = new_path();
     let database = Connection::open(&path).unwrap();
     database.execute_batch(include_str!("data/schema-1.sql")).unwrap();
+    let mail =
+        "INSERT INTO mail_orders VALUES (5, zeroblob(16), 'eleni@example.org', 1, 9, 0, 0, 9)";
+    database.execute_batch(mail).unwrap();
     drop(database);
     let store = SqliteStore::open(&path).expect("it is brought to this version");
     let devices: Vec<Device> = view(&store, |tx| tx.find(&Query::all::<Device>())).unwrap();
@@ -81,6 +84,9 @@ fn the_first_version_is_read() {
     assert_eq!(devices[0].enrolled_at, BoothTime(1_790_000_000_000));
     let kept: Vec<Sculpture> = view(&store, |tx| tx.find(&Query::all::<Sculpture>())).unwrap();
     assert_eq!((kept[0].id, kept[0].badge, kept[0].withdrawn_at), ([1; 16], Some(9), None));
+    // Nobody was asked whether an address may stay.
+    let mails: Vec<MailOrder> = view(&store, |tx| tx.find(&Query::all::<MailOrder>())).unwrap();
+    assert_eq!((mails[0].why.as_str(), mails[0].keeps_address), ("", false));
     drop(store);
     SqliteStore::open(&path).expect("a second time there is nothing to do");
 }

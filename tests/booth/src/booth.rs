@@ -143,6 +143,10 @@ impl ParcelFiles for SimFiles {
     fn log_deletions(&self, _deletions: &[Deletion]) -> io::Result<()> {
         self.lock().fail()
     }
+
+    fn forget_deletions_before(&self, _time: BoothTime) -> io::Result<()> {
+        self.lock().fail()
+    }
 }
 
 impl SimBooth {

@@ -114,6 +114,7 @@ impl Booth {
         self.remove_buried_files()?;
         let before = BoothTime(now.0.saturating_sub(OPEN_PARCEL_LIFE.as_millis() as u64));
         self.files.drop_parcels_before(before)?;
+        self.files.forget_deletions_before(days_before(now, self.plan.horizon_days))?;
         (report.tombstones, report.announcements) = self.update(|tx| {
             let ended = Query::all::<Tombstone>()
                 .below("ends_on", &now.day().saturating_add(1))

@@ -111,6 +111,12 @@ pub trait ParcelFiles: Send + Sync {
     /// # Errors
     /// What the disk says.
     fn log_deletions(&self, deletions: &[Deletion]) -> io::Result<()>;
+
+    /// Forgets deletions of before a time: no headset and no copy brings them back any more.
+    ///
+    /// # Errors
+    /// What the disk says. Then the log is as it was.
+    fn forget_deletions_before(&self, time: BoothTime) -> io::Result<()>;
 }
 
 /// Files in memory, for tests and simulations.
@@ -226,6 +232,11 @@ impl ParcelFiles for MemoryFiles {
 
     fn log_deletions(&self, deletions: &[Deletion]) -> io::Result<()> {
         self.lock().deletions.extend_from_slice(deletions);
+        Ok(())
+    }
+
+    fn forget_deletions_before(&self, time: BoothTime) -> io::Result<()> {
+        self.lock().deletions.retain(|deletion| deletion.deleted_at >= time);
         Ok(())
     }
 }

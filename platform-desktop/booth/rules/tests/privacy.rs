@@ -51,6 +51,7 @@ fn all_that_is_known_of_a_badge_is_listed_and_deleted() {
     // Once no headset can have it, nothing is known of it any more.
     rig.booth.sweep(days(181)).unwrap();
     assert_eq!(rig.booth.list_known(number).unwrap(), BadgeRecords::default());
+    assert!(rig.files.deletions().iter().all(|deletion| deletion.id == other.id), "in the log");
 }
 
 #[test]

@@ -127,6 +127,10 @@ impl ParcelFiles for NoLog {
     fn log_deletions(&self, _deletions: &[Deletion]) -> io::Result<()> {
         Err(io::ErrorKind::StorageFull.into())
     }
+
+    fn forget_deletions_before(&self, time: BoothTime) -> io::Result<()> {
+        self.0.forget_deletions_before(time)
+    }
 }
 
 /// A backup that lacks a file has the deletion in its log: files go once that is there.
