@@ -1,7 +1,8 @@
 //! What every store has to do: the suite that each one's tests call.
 
 use crate::records::{
-    AttemptState, BadgeClaim, EnrolAttempt, EnrolToken, ExportState, LedgerSave, Sculpture, TABLES,
+    Account, AttemptState, BadgeClaim, EnrolAttempt, EnrolToken, ExportState, LedgerSave,
+    Sculpture, TABLES,
 };
 use crate::store::{Access, Order, Query, Store, StoreError, Transaction, update, view};
 use crate::table::{Record, Row, Table};
@@ -128,6 +129,13 @@ fn keeps_hostile_text(store: &dyn Store) {
         let query = Query::all::<EnrolToken>().equal("note", &text.to_string());
         assert_eq!(must(view(store, |tx| tx.find::<EnrolToken>(&query))), [token], "{text}");
     }
+    // What no row can have is had by none.
+    let query = Query::all::<EnrolToken>().equal("note", &"a\0".to_string());
+    assert_eq!(must(view(store, |tx| tx.find::<EnrolToken>(&query))), []);
+    assert_eq!(must(view(store, |tx| tx.count_rows(&query))), 0);
+    let key = ["a\0".to_string().to_value()];
+    assert_eq!(must(view(store, |tx| tx.get::<Account>(&key))), None);
+    must(update(store, |tx| tx.remove::<Account>(&key)));
     assert_eq!(must(view(store, |tx| tx.count_rows(&Query::all::<EnrolToken>()))), 5);
 }
 
@@ -167,6 +175,15 @@ fn refuses_rows_of_other_tables(store: &dyn Store) {
     null[1] = Value::Null;
     let mut text = sample_sculpture(1).to_row();
     text[1] = Value::Text("3".into());
+    let token = EnrolToken {
+        token_hash: [0; 32],
+        note: "a\0b".into(),
+        expires_at: BoothTime(0),
+        uses_left: 0,
+        is_revoked: false,
+    };
+    let put = update(store, |tx| tx.put(&token));
+    assert!(put.is_err(), "a text with a NUL");
     for row in [short, null, text] {
         let put = update(store, |tx| tx.put_row(Sculpture::TABLE, row.clone()));
         assert!(put.is_err(), "{row:?}");

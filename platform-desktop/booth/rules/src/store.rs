@@ -64,6 +64,12 @@ pub trait Transaction {
     /// # Errors
     /// What the database says. Then nothing was changed; or, where the link to it broke, all or nothing.
     fn commit(self: Box<Self>) -> Result<(), StoreError>;
+
+    /// Whether a call failed with [`StoreError::Conflict`], after which it can't be committed any more. Never, where
+    /// no other transaction changes anything meanwhile.
+    fn is_in_conflict(&self) -> bool {
+        false
+    }
 }
 
 /// Which rows to find.
@@ -220,12 +226,17 @@ pub fn update<T, E: From<StoreError>>(
     let mut tries = 1;
     loop {
         let mut transaction = store.begin(Access::Write)?;
-        let done = work(transaction.as_mut())?;
-        match transaction.commit() {
-            Ok(()) => return Ok(done),
-            Err(StoreError::Conflict) if tries < MOST_TRIES => tries += 1,
-            Err(error) => return Err(error.into()),
+        match work(transaction.as_mut()) {
+            Ok(done) => match transaction.commit() {
+                Ok(()) => return Ok(done),
+                Err(StoreError::Conflict) if tries < MOST_TRIES => {}
+                Err(error) => return Err(error.into()),
+            },
+            // What the work makes of a conflict doesn't count: it saw what it couldn't change.
+            Err(_) if transaction.is_in_conflict() && tries < MOST_TRIES => {}
+            Err(error) => return Err(error),
         }
+        tries += 1;
     }
 }
 

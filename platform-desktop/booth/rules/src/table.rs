@@ -51,7 +51,7 @@ impl Table {
         self.columns.iter().position(|column| column.name == name)
     }
 
-    /// Whether a row has the right number of values, each of its column's kind.
+    /// Whether a row has the right number of values, each of its column's kind, and no text with a NUL in it.
     #[must_use]
     pub fn fits(&self, row: &[Value]) -> bool {
         row.len() == self.columns.len()
@@ -63,9 +63,9 @@ impl Column {
     fn fits(&self, value: &Value) -> bool {
         match (value, self.kind) {
             (Value::Null, _) => self.is_nullable,
-            (Value::Number(_), ColumnKind::Number)
-            | (Value::Bytes(_), ColumnKind::Bytes)
-            | (Value::Text(_), ColumnKind::Text) => true,
+            (Value::Number(_), ColumnKind::Number) | (Value::Bytes(_), ColumnKind::Bytes) => true,
+            // No text of PostgreSQL's has it, and none of a person's.
+            (Value::Text(text), ColumnKind::Text) => !text.contains('\0'),
             _ => false,
         }
     }
