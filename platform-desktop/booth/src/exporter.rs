@@ -14,6 +14,7 @@ use paros_shell::stl_export::StlExporter;
 use paros_shell::{with_intervals, with_size};
 use tracing::{info, warn};
 
+use crate::clock::booth_time;
 use crate::mesh_check::{MeshCheck, MeshReport};
 use crate::parcel_decode::{check_mesh, unpack_volume};
 use crate::picture::draw_volume;
@@ -26,7 +27,7 @@ const LOOK_AGAIN: Duration = Duration::from_secs(30);
 
 /// Compares the next mesh, if there is one. Returns for how long there is nothing to do.
 pub(crate) fn export_next(booth: &Booth) -> Duration {
-    let compared = booth.next_export().and_then(|next| {
+    let compared = booth.next_export(booth_time()).and_then(|next| {
         let Some(sculpture) = next else { return Ok(LOOK_AGAIN) };
         compare(booth, &sculpture).map(|()| Duration::ZERO)
     });

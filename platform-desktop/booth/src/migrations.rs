@@ -6,12 +6,16 @@ use rusqlite::{Connection, TransactionBehavior};
 use crate::sqlite_store::store_error;
 
 /// From version k to k + 1.
-const STEPS: [&str; 4] = [
+const STEPS: [&str; 5] = [
     include_str!("schema/001.sql"),
     include_str!("schema/002.sql"),
     include_str!("schema/003.sql"),
     include_str!("schema/004.sql"),
+    include_str!("schema/005.sql"),
 ];
+
+/// The newest version, of any database.
+pub(crate) const VERSION: i64 = STEPS.len() as i64;
 
 /// Brings a database to this program's version.
 ///
@@ -34,6 +38,6 @@ pub(crate) fn migrate(connection: &mut Connection) -> Result<(), StoreError> {
     for step in steps {
         transaction.execute_batch(step).map_err(store_error)?;
     }
-    transaction.pragma_update(None, "user_version", STEPS.len() as i64).map_err(store_error)?;
+    transaction.pragma_update(None, "user_version", VERSION).map_err(store_error)?;
     transaction.commit().map_err(store_error)
 }

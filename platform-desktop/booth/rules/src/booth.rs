@@ -16,6 +16,8 @@ pub struct Booth {
     pub(crate) files: Arc<dyn ParcelFiles>,
     pub(crate) keys: SiteKeys,
     pub(crate) plan: BoothPlan,
+    /// Which of several on the same records it is.
+    pub(crate) worker: u64,
 }
 
 /// A transaction, as decisions use it.
@@ -60,7 +62,7 @@ impl Booth {
         keys: SiteKeys,
         plan: BoothPlan,
     ) -> Self {
-        Booth { store, files, keys, plan }
+        Booth { store, files, keys, plan, worker: 0 }
     }
 
     /// Its keys.

@@ -43,6 +43,7 @@ mod time;
 mod upload;
 mod value;
 mod words;
+mod work;
 
 pub use booth::{Booth, BoothPlan, SiteKeys, hash_of};
 pub use check_store::check_store;

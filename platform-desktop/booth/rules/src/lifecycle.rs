@@ -9,15 +9,16 @@ use crate::audit::{Subject, drop_old_entries, forget_badge, note};
 use crate::booth::{Booth, Tx};
 use crate::deletions::Deletion;
 use crate::find::NO_SCULPTURE;
-use crate::limits::{AUDIT_DAYS, OPEN_PARCEL_LIFE, SWEEP_BATCH};
+use crate::limits::{AUDIT_DAYS, MAX_WORKERS, OPEN_PARCEL_LIFE, SWEEP_BATCH};
 use crate::mail::withdraw_mails;
 use crate::parcel_files::{KeptName, KeptPart};
 use crate::prints::{remove_prints, withdraw_prints};
-use crate::records::{Announcement, ExportState, MailOrder, Sculpture, Tombstone};
+use crate::records::{Announcement, ExportState, MailOrder, Sculpture, Tombstone, WorkKind};
 use crate::refusal::Refusal;
 use crate::store::{Order, Query, StoreError};
 use crate::time::BoothTime;
 use crate::value::Field as _;
+use crate::work::{drop_old_leases, end_work};
 
 const DAY: Duration = Duration::from_secs(86_400);
 
@@ -131,20 +132,32 @@ impl Booth {
                 tx.remove::<Announcement>(&key)?;
             }
             drop_old_entries(tx, days_before(now, AUDIT_DAYS))?;
+            drop_old_leases(tx, now)?;
             Ok((ended.len(), old.len()))
         })?;
         Ok(report)
     }
 
-    /// The sculpture that waits longest for its mesh to be compared.
+    /// The sculpture that waits longest for its mesh to be compared, of those that no other process is at.
     ///
     /// # Errors
     /// Those of the store.
-    pub fn next_export(&self) -> Result<Option<Sculpture>, Refusal> {
+    pub fn next_export(&self, now: BoothTime) -> Result<Option<Sculpture>, Refusal> {
         let queued = Query::all::<Sculpture>()
             .equal("export", &ExportState::Queued)
-            .ordered("received_at", Order::Ascending);
-        self.view(|tx| tx.find_first(queued))
+            .ordered("received_at", Order::Ascending)
+            .first(MAX_WORKERS);
+        if self.view(|tx| tx.find_first::<Sculpture>(queued.clone()))?.is_none() {
+            return Ok(None);
+        }
+        self.update(|tx| {
+            for sculpture in tx.find::<Sculpture>(&queued)? {
+                if self.begin_work(tx, WorkKind::Export, &sculpture.id, now)? {
+                    return Ok(Some(sculpture));
+                }
+            }
+            Ok(None)
+        })
     }
 
     /// Notes what came of a sculpture's mesh; nothing where it was deleted meanwhile.
@@ -157,7 +170,7 @@ impl Booth {
                 sculpture.export = state;
                 tx.put(&sculpture)?;
             }
-            Ok(())
+            Ok(end_work(tx, WorkKind::Export, &id.0)?)
         })
     }
 

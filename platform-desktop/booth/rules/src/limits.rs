@@ -60,6 +60,13 @@ pub const AUDIT_DAYS: u16 = 400;
 /// Sculptures of an export of all that is known under a badge: a leased one has one, and each is some 16 MB.
 pub const MAX_EXPORTED: usize = 32;
 
+/// How long a process has for a mesh, or for a mail, before another one begins it anew: a mesh takes a minute at most,
+/// and a mail server is waited for that long.
+pub const WORK_LIFE: Duration = Duration::from_secs(150);
+
+/// Processes that may be at the same records: so many pieces of work that others do are passed over.
+pub const MAX_WORKERS: usize = 16;
+
 /// Records that a sweep deals with in one transaction, so that requests find a gap between two.
 pub const SWEEP_BATCH: usize = 64;
 

@@ -11,12 +11,15 @@ use crate::audit::note;
 use crate::booth::{Booth, Tx};
 use crate::find::NO_SCULPTURE;
 use crate::lifecycle::{get_kept, subject_of};
-use crate::limits::{MAX_MAIL_TRIES, MAX_MAILS_OF_ONE, MAX_RETRY_WAIT, MIN_RETRY_WAIT};
-use crate::records::{MailOrder, MailState, Sculpture};
+use crate::limits::{
+    MAX_MAIL_TRIES, MAX_MAILS_OF_ONE, MAX_RETRY_WAIT, MAX_WORKERS, MIN_RETRY_WAIT,
+};
+use crate::records::{MailOrder, MailState, Sculpture, WorkKind};
 use crate::refusal::Refusal;
 use crate::store::{Order, Query, StoreError};
 use crate::time::BoothTime;
 use crate::value::Field as _;
+use crate::work::end_work;
 
 /// A mail whose time it is.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -102,7 +105,8 @@ impl Booth {
         self.view(|tx| tx.find(&orders_of(&id.0).ordered("asked_at", Order::Descending)))
     }
 
-    /// The mail that is due for longest. Those whose sculpture isn't shown any more fail.
+    /// The mail that is due for longest, of those that no other process sends. Those whose sculpture isn't shown any
+    /// more fail.
     ///
     /// # Errors
     /// Those of the store.
@@ -110,9 +114,13 @@ impl Booth {
         let due = Query::all::<MailOrder>()
             .equal("state", &MailState::Queued)
             .below("next_try_at", &BoothTime(now.0.saturating_add(1)))
-            .ordered("next_try_at", Order::Ascending);
+            .ordered("next_try_at", Order::Ascending)
+            .first(MAX_WORKERS);
         loop {
-            let Some(order) = self.view(|tx| tx.find_first::<MailOrder>(due.clone()))? else {
+            if self.view(|tx| tx.find_first::<MailOrder>(due.clone()))?.is_none() {
+                return Ok(None);
+            }
+            let Some(order) = self.update(|tx| self.begin_mail(tx, &due, now))? else {
                 return Ok(None);
             };
             let id = SculptureId(order.sculpture);
@@ -131,6 +139,21 @@ impl Booth {
         }
     }
 
+    /// Takes the first of some mails upon this process that no other one sends.
+    fn begin_mail(
+        &self,
+        tx: &mut Tx<'_>,
+        due: &Query,
+        now: BoothTime,
+    ) -> Result<Option<MailOrder>, Refusal> {
+        for order in tx.find::<MailOrder>(due)? {
+            if self.begin_work(tx, WorkKind::Mail, &order.order.to_le_bytes(), now)? {
+                return Ok(Some(order));
+            }
+        }
+        Ok(None)
+    }
+
     /// Notes what came of a mail; nothing where its order is gone or over meanwhile.
     ///
     /// # Errors
@@ -142,6 +165,7 @@ impl Booth {
         now: BoothTime,
     ) -> Result<(), Refusal> {
         self.update(|tx| {
+            end_work(tx, WorkKind::Mail, &order.to_le_bytes())?;
             let found: Option<MailOrder> = tx.get(&[order.to_value()])?;
             let Some(mut order) = found.filter(|order| order.state == MailState::Queued) else {
                 return Ok(());

@@ -153,11 +153,11 @@ fn meshes_are_compared_in_the_order_of_arrival() {
         rig.upload(&device, &Parcel::new(device.headset, id, None), seconds(id.into())).unwrap();
     }
     for id in [1, 2, 3] {
-        let next = rig.booth.next_export().unwrap().expect("one waits");
+        let next = rig.booth.next_export(START).unwrap().expect("one waits");
         assert_eq!(next.id, [id; 16]);
         rig.booth.note_export(&SculptureId(next.id), ExportState::Equal).unwrap();
     }
-    assert_eq!(rig.booth.next_export().unwrap(), None);
+    assert_eq!(rig.booth.next_export(START).unwrap(), None);
     rig.booth.note_export(&SculptureId([9; 16]), ExportState::Failed).expect("it was deleted");
     let newest = rig.booth.list_newest(9, START).unwrap();
     assert!(newest.iter().all(|kept| kept.export == ExportState::Equal));

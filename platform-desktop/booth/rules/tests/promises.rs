@@ -192,7 +192,7 @@ impl Play {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(ProptestConfig::with_cases(crate::PLAYS))]
 
     #[test]
     fn nothing_is_lost_and_nothing_is_there_twice(

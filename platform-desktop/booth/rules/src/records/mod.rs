@@ -5,6 +5,7 @@ mod grants;
 mod people;
 mod prints;
 mod sculptures;
+mod work;
 
 pub use devices::{
     Announcement, AttemptState, Command, CommandState, Device, EnrolAttempt, EnrolToken, LedgerSave,
@@ -13,11 +14,12 @@ pub use grants::BlockGrant;
 pub use people::{Account, AuditEntry, MailOrder, MailState, StaffRole, StaffSession};
 pub use prints::{EstimateState, PrintOrder, PrintState};
 pub use sculptures::{BadgeClaim, ExportState, Sculpture, Tombstone};
+pub use work::{WorkKind, WorkLease};
 
 use crate::table::{Record, Table};
 
 /// All tables that a store has.
-pub const TABLES: [&Table; 14] = [
+pub const TABLES: [&Table; 15] = [
     Device::TABLE,
     EnrolToken::TABLE,
     EnrolAttempt::TABLE,
@@ -32,4 +34,5 @@ pub const TABLES: [&Table; 14] = [
     PrintOrder::TABLE,
     AuditEntry::TABLE,
     BlockGrant::TABLE,
+    WorkLease::TABLE,
 ];

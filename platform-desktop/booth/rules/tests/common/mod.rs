@@ -6,7 +6,7 @@ use std::sync::Arc;
 use paros_booth_rules::records::{BlockGrant, Device, LedgerSave};
 use paros_booth_rules::{
     Booth, BoothPlan, BoothTime, Chunk, Field as _, MemoryFiles, MemoryStore, ParcelProgress,
-    Refusal, SiteKeys, hash_of,
+    Refusal, SiteKeys, Store, hash_of,
 };
 use paros_booth_rules::{update, view};
 use paros_core::badge::{BadgeLedger, BadgeNumber, LeaseReport};
@@ -28,9 +28,17 @@ pub(crate) fn days(count: u64) -> BoothTime {
     seconds(86_400 * count)
 }
 
+/// A store without rows. `crate::new_store` is another where these tests run on another store.
+pub(crate) fn new_store() -> Arc<dyn Store> {
+    Arc::new(MemoryStore::new())
+}
+
+/// Courses of events that a test tries.
+pub(crate) const PLAYS: u32 = 400;
+
 pub(crate) struct Rig {
     pub(crate) booth: Booth,
-    pub(crate) store: Arc<MemoryStore>,
+    pub(crate) store: Arc<dyn Store>,
     pub(crate) files: Arc<MemoryFiles>,
 }
 
@@ -41,7 +49,7 @@ impl Rig {
     }
 
     pub(crate) fn with_plan(plan: BoothPlan) -> Self {
-        let (store, files) = (Arc::new(MemoryStore::new()), Arc::new(MemoryFiles::new()));
+        let (store, files) = (crate::new_store(), Arc::new(MemoryFiles::new()));
         let keys = SiteKeys::new(SITE, ContentHash([6; 32]), &[7; 32], [8; 32]);
         let booth = Booth::new(store.clone(), files.clone(), keys, plan);
         booth.add_enrol_token(&FLEET, (100, days(1000)), "all", None, START).expect("room");

@@ -1,0 +1,29 @@
+//! Work that several processes share.
+
+use crate::table::record;
+use crate::time::BoothTime;
+use crate::value::stored_enum;
+
+stored_enum! {
+    /// A kind of work that one process does at a time.
+    pub enum WorkKind {
+        /// To compare a sculpture's mesh: by the sculpture's id.
+        Export = 0,
+        /// To send a mail: by its order's number.
+        Mail = 1,
+    }
+}
+
+record! {
+    /// That a process does some work, and the others leave it alone.
+    pub struct WorkLease in "work_leases", key 2, indexed [] {
+        /// What is done.
+        pub kind: WorkKind,
+        /// To what.
+        pub subject: Vec<u8>,
+        /// The process that does it: random bits, other ones with each start.
+        pub worker: u64,
+        /// From when on another one may.
+        pub until: BoothTime,
+    }
+}

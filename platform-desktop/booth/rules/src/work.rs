@@ -1,0 +1,69 @@
+//! Work that is done once though several booths are at the same records: each takes a lease of what it does, and of
+//! one that dies the others take it over.
+
+use crate::booth::{Booth, Tx};
+use crate::limits::{SWEEP_BATCH, WORK_LIFE};
+use crate::records::{WorkKind, WorkLease};
+use crate::refusal::Refusal;
+use crate::store::{Query, StoreError};
+use crate::time::BoothTime;
+use crate::value::Field as _;
+
+impl Booth {
+    /// The same booth as one of several on the same records. `worker` is random bits.
+    #[must_use]
+    pub fn as_worker(mut self, worker: u64) -> Self {
+        self.worker = worker;
+        self
+    }
+
+    /// Forgets all leases, at the start of one that is alone: who had them is dead.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn drop_leases(&self) -> Result<(), Refusal> {
+        self.update(|tx| {
+            for lease in tx.find::<WorkLease>(&Query::all::<WorkLease>())? {
+                end_work(tx, lease.kind, &lease.subject)?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Takes some work upon this process for [`WORK_LIFE`], unless another one has it.
+    pub(crate) fn begin_work(
+        &self,
+        tx: &mut Tx<'_>,
+        kind: WorkKind,
+        subject: &[u8],
+        now: BoothTime,
+    ) -> Result<bool, StoreError> {
+        let subject = subject.to_vec();
+        let until = now.after(WORK_LIFE);
+        let lease: Option<WorkLease> = tx.get(&[kind.to_value(), subject.to_value()])?;
+        // Clocks of machines differ a little; one that ends far later was taken by a clock that went wrong.
+        let latest = until.after(WORK_LIFE);
+        let is_anothers = |lease: &WorkLease| {
+            lease.worker != self.worker && now < lease.until && lease.until <= latest
+        };
+        if lease.as_ref().is_some_and(is_anothers) {
+            return Ok(false);
+        }
+        tx.put(&WorkLease { kind, subject, worker: self.worker, until })?;
+        Ok(true)
+    }
+}
+
+/// Forgets leases that are over: of what is deleted nobody asks any more.
+pub(crate) fn drop_old_leases(tx: &mut Tx<'_>, now: BoothTime) -> Result<(), StoreError> {
+    let old = Query::all::<WorkLease>().below("until", &now).first(SWEEP_BATCH);
+    for lease in tx.find::<WorkLease>(&old)? {
+        end_work(tx, lease.kind, &lease.subject)?;
+    }
+    Ok(())
+}
+
+/// Ends some work, whoever did it.
+pub(crate) fn end_work(tx: &mut Tx<'_>, kind: WorkKind, subject: &[u8]) -> Result<(), StoreError> {
+    tx.remove::<WorkLease>(&[kind.to_value(), subject.to_vec().to_value()])
+}

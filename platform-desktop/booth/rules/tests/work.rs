@@ -1,0 +1,118 @@
+//! What several booths on the same records do once.
+
+mod common;
+
+use std::collections::BTreeSet;
+use std::sync::Mutex;
+
+use common::*;
+use paros_booth_rules::limits::WORK_LIFE;
+use paros_booth_rules::records::{ExportState, WorkLease};
+use paros_booth_rules::{Booth, BoothTime, MailOutcome, Query, view};
+use paros_core::outbox::messages::*;
+
+/// A booth with so many sculptures, and two of its processes.
+fn with_sculptures(count: u8) -> (Rig, [Booth; 2]) {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    for id in 1..=count {
+        let parcel = Parcel::new(device.headset, id, None);
+        rig.upload(&device, &parcel, seconds(id.into())).unwrap();
+    }
+    let workers = [1, 2].map(|worker| rig.booth.clone().as_worker(worker));
+    (rig, workers)
+}
+
+fn next_export(booth: &Booth, now: BoothTime) -> Option<u8> {
+    booth.next_export(now).unwrap().map(|sculpture| sculpture.id[0])
+}
+
+fn count_leases(rig: &Rig) -> u64 {
+    view(rig.store.as_ref(), |tx| tx.count_rows(&Query::all::<WorkLease>())).unwrap()
+}
+
+#[test]
+fn a_mesh_is_one_process_work_until_it_is_done_or_its_time_is_over() {
+    let (rig, [one, two]) = with_sculptures(2);
+    assert_eq!(next_export(&one, START), Some(1));
+    assert_eq!(next_export(&one, START), Some(1), "its own again, as after a failure of the disk");
+    assert_eq!(next_export(&two, START), Some(2));
+    one.note_export(&SculptureId([1; 16]), ExportState::Equal).unwrap();
+    assert_eq!(next_export(&one, START), None);
+    let last = BoothTime(START.after(WORK_LIFE).0 - 1);
+    assert_eq!(next_export(&one, last), None);
+    assert_eq!(next_export(&one, START.after(WORK_LIFE)), Some(2), "the other one is dead");
+    two.note_export(&SculptureId([2; 16]), ExportState::Equal).unwrap();
+    assert_eq!(count_leases(&rig), 0);
+}
+
+/// Machines' clocks differ, and a transaction takes its time: a lease may end after one that is taken now.
+#[test]
+fn a_clock_that_is_behind_takes_no_lease_away() {
+    let (_, [one, two]) = with_sculptures(1);
+    assert_eq!(next_export(&one, seconds(30)), Some(1));
+    assert_eq!(next_export(&two, START), None);
+    assert_eq!(next_export(&two, seconds(31)), None);
+}
+
+#[test]
+fn a_lease_by_a_clock_that_went_wrong_holds_nobody_up() {
+    let (_, [one, two]) = with_sculptures(1);
+    assert_eq!(next_export(&one, days(300)), Some(1));
+    assert_eq!(next_export(&two, START), Some(1));
+}
+
+#[test]
+fn a_mail_is_sent_by_one_process() {
+    let (rig, [one, two]) = with_sculptures(2);
+    for order in [7, 8] {
+        let id = SculptureId([order as u8 - 6; 16]);
+        one.ask_mail(&id, "ana@example.org", order, "bob", seconds(order)).unwrap();
+    }
+    let next = |booth: &Booth, now| booth.next_mail(now).unwrap().map(|job| job.order);
+    assert_eq!(next(&one, seconds(9)), Some(7));
+    assert_eq!(next(&two, seconds(9)), Some(8));
+    two.note_mail(8, &MailOutcome::Accepted, seconds(9)).unwrap();
+    assert_eq!(next(&two, seconds(9)), None);
+    one.note_mail(7, &MailOutcome::Later("no answer".into()), seconds(10)).unwrap();
+    assert_eq!(next(&two, days(1)), Some(7), "the next try is anybody's");
+    two.note_mail(7, &MailOutcome::Accepted, days(1)).unwrap();
+    assert_eq!(count_leases(&rig), 0);
+}
+
+#[test]
+fn leases_of_the_dead_are_forgotten() {
+    let (rig, [one, two]) = with_sculptures(2);
+    next_export(&one, START);
+    rig.booth.delete(&SculptureId([1; 16]), "ana", START).unwrap();
+    rig.booth.sweep(START.after(WORK_LIFE)).unwrap();
+    assert_eq!(count_leases(&rig), 1);
+    rig.booth.sweep(START.after(2 * WORK_LIFE)).unwrap();
+    assert_eq!(count_leases(&rig), 0);
+    // One that starts and is alone doesn't wait for those who were before.
+    next_export(&one, START);
+    two.drop_leases().unwrap();
+    assert_eq!(next_export(&two, START), Some(2));
+}
+
+/// Threads that compare meshes at once: each is compared, and by one of them.
+#[test]
+fn each_mesh_is_compared_once() {
+    const COUNT: u8 = 24;
+    let (rig, _) = with_sculptures(COUNT);
+    let done = Mutex::new(Vec::new());
+    std::thread::scope(|scope| {
+        for worker in 1..=3 {
+            let (booth, done) = (rig.booth.clone().as_worker(worker), &done);
+            scope.spawn(move || {
+                while let Some(id) = next_export(&booth, seconds(100)) {
+                    done.lock().unwrap().push(id);
+                    booth.note_export(&SculptureId([id; 16]), ExportState::Equal).unwrap();
+                }
+            });
+        }
+    });
+    let done = done.into_inner().unwrap();
+    assert_eq!(done.iter().collect::<BTreeSet<_>>().len(), usize::from(COUNT), "{done:?}");
+    assert_eq!(done.len(), usize::from(COUNT), "{done:?}");
+}
