@@ -9,6 +9,7 @@ use paros_booth_rules::{Booth, BoothPlan, Refusal};
 
 use crate::disk_files::DiskFiles;
 use crate::error::Error;
+use crate::files::Files;
 use crate::gate::Gate;
 use crate::keys::BoothKeys;
 use crate::metrics::Metrics;
@@ -62,7 +63,7 @@ pub(crate) struct App {
     /// What decides.
     pub booth: Booth,
     /// Where files are.
-    pub files: Arc<DiskFiles>,
+    pub files: Arc<dyn Files>,
     /// What is counted.
     pub metrics: Metrics,
     /// Tell threads of work.
@@ -100,7 +101,7 @@ pub(crate) struct OpenBooth {
     /// What decides.
     pub booth: Booth,
     /// Where files are.
-    pub files: Arc<DiskFiles>,
+    pub files: Arc<dyn Files>,
     /// Who it is.
     pub keys: BoothKeys,
 }
@@ -113,7 +114,7 @@ impl OpenBooth {
     pub(crate) fn open(folder: &Path, plan: BoothPlan, quota_bytes: u64) -> Result<Self, Error> {
         let files =
             DiskFiles::open(folder, quota_bytes).map_err(|error| Error::at(folder, error))?;
-        let files = Arc::new(files);
+        let files: Arc<dyn Files> = Arc::new(files);
         let database = folder.join("booth.sqlite");
         let keys = BoothKeys::load_or_draw(folder, !database.exists())?;
         let store = SqliteStore::open(&database).map_err(|error| Error::at(&database, error))?;
@@ -127,7 +128,7 @@ impl App {
     #[must_use]
     pub(crate) fn new(
         booth: Booth,
-        files: Arc<DiskFiles>,
+        files: Arc<dyn Files>,
         (wakers, printers): (Wakers, Vec<Printer>),
         logins: LoginGate,
         public_address: Option<PublicAddress>,

@@ -11,6 +11,7 @@ use paros_booth_rules::{BoothTime, Deletion, KeptName, KeptPart, ParcelFiles, Pa
 use paros_shell::durable;
 
 use crate::deletion_log::DeletionLog;
+use crate::files::Files;
 
 /// Locks by which pieces of a parcel come one after the other; two parcels seldom share one.
 const PARCEL_LOCKS: usize = 64;
@@ -55,12 +56,6 @@ impl DiskFiles {
         })
     }
 
-    /// Bytes of all kept files.
-    #[must_use]
-    pub fn used_bytes(&self) -> u64 {
-        self.used_bytes.load(Ordering::Relaxed)
-    }
-
     fn check_quota(&self, more: u64) -> io::Result<()> {
         if self.used_bytes().saturating_add(more) <= self.quota_bytes {
             return Ok(());
@@ -78,12 +73,7 @@ impl DiskFiles {
     }
 
     fn kept_path(&self, name: &KeptName) -> PathBuf {
-        let part = match name.part {
-            KeptPart::Sculpture => "sculpture",
-            KeptPart::Trace => "trace",
-            KeptPart::Picture => "png",
-        };
-        self.kept.join(format!("{}-{}.{part}", name.id, name.hash))
+        self.kept.join(kept_file_name(name))
     }
 
     fn lock_parcel(&self, parcel: &ParcelName) -> MutexGuard<'_, ()> {
@@ -183,6 +173,22 @@ impl ParcelFiles for DiskFiles {
     fn forget_deletions_before(&self, time: BoothTime) -> io::Result<()> {
         self.deletions.forget_before(time)
     }
+}
+
+impl Files for DiskFiles {
+    fn used_bytes(&self) -> u64 {
+        self.used_bytes.load(Ordering::Relaxed)
+    }
+}
+
+/// The name of a kept file, wherever it is.
+pub(crate) fn kept_file_name(name: &KeptName) -> String {
+    let part = match name.part {
+        KeptPart::Sculpture => "sculpture",
+        KeptPart::Trace => "trace",
+        KeptPart::Picture => "png",
+    };
+    format!("{}-{}.{part}", name.id, name.hash)
 }
 
 /// Removes a file, if there is one. Returns how many bytes it had.

@@ -15,6 +15,7 @@ mod disk_files;
 mod error;
 mod exporter;
 mod fleet_file;
+mod files;
 mod folder_lock;
 mod gate;
 mod glb;
@@ -37,6 +38,7 @@ mod rate;
 mod restore;
 mod routes;
 mod run;
+mod s3_files;
 mod server;
 mod settings;
 mod sqlite_store;
@@ -47,11 +49,13 @@ mod worker;
 
 pub use disk_files::DiskFiles;
 pub use error::Error;
+pub use files::Files;
 pub use mailer::{MailOptions, SmtpTls};
 pub use options::Options;
 pub use parcel_decode::check_parcel;
 pub use printing::SlicerOptions;
 pub use public::PublicOptions;
+pub use s3_files::S3Files;
 pub use sqlite_store::SqliteStore;
 
 /// Does what the command line asks. Returns output as whole lines.

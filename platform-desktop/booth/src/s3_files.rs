@@ -1,0 +1,371 @@
+//! Parcels and kept files in a bucket of an S3-compatible store, which several booths share. A kept file is an object.
+//! A parcel under way is a folder of pieces, each named by where it begins: nothing is added to an object.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use futures_util::{StreamExt as _, TryStreamExt as _};
+use object_store::aws::{AmazonS3, AmazonS3Builder, AmazonS3ConfigKey};
+use object_store::path::Path;
+use object_store::{
+    ClientConfigKey, ObjectMeta, ObjectStore as _, ObjectStoreExt as _, PutPayload, RetryConfig,
+};
+use paros_booth_rules::limits::MAX_CHUNK_BYTES;
+use paros_booth_rules::{BoothTime, Deletion, KeptName, ParcelFiles, ParcelName};
+use tokio::runtime::{Builder, Runtime};
+use tokio_rustls::rustls::crypto::ring::default_provider;
+
+use crate::disk_files::kept_file_name;
+use crate::error::Error;
+use crate::files::Files;
+
+/// Bytes of a piece: what comes in smaller ones is put together up to that. Of two pieces side by side one is longer
+/// than half of it, so that a parcel has 257 at most, however it comes.
+const PIECE_BYTES: u64 = MAX_CHUNK_BYTES as u64;
+
+/// How long after a request's begin it is tried again: whoever waits for it has a place that others wait for.
+const RETRY_TIMEOUT: Duration = Duration::from_secs(10);
+
+/// Files in a bucket.
+pub struct S3Files {
+    store: AmazonS3,
+    /// Before all names; `None` for none.
+    prefix: Option<String>,
+    quota_bytes: u64,
+    /// Of kept files, as they were last counted, and what this process has changed since.
+    used_bytes: AtomicU64,
+    /// `None` while it is dropped.
+    runtime: Option<Runtime>,
+}
+
+/// A piece of a parcel.
+struct Piece {
+    offset: u64,
+    bytes: u64,
+    path: Path,
+}
+
+impl S3Files {
+    /// The files of an address `s3://BUCKET/PREFIX`. Endpoint, region and keys are settings by the names that they
+    /// usually have in the environment, as `AWS_REGION`; others are passed over. Kept files take up to `quota_bytes`.
+    ///
+    /// # Errors
+    /// What is wrong with these, or what the store says.
+    pub fn open(
+        address: &str,
+        settings: impl IntoIterator<Item = (String, String)>,
+        quota_bytes: u64,
+    ) -> Result<Self, Error> {
+        let bad = |what: &str| Error::Input(format!("--files {address}: expected {what}"));
+        let rest = address.strip_prefix("s3://").ok_or_else(|| bad("s3://BUCKET/PREFIX"))?;
+        let (bucket, prefix) = rest.split_once('/').unwrap_or((rest, ""));
+        let is_plain = |name: &str, more: &[u8]| {
+            name.bytes().all(|byte| byte.is_ascii_alphanumeric() || more.contains(&byte))
+        };
+        let prefix = prefix.trim_matches('/');
+        if bucket.is_empty() || !is_plain(bucket, b".-") || !is_plain(prefix, b".-_/") {
+            return Err(bad("a bucket, and a prefix of letters, digits and . - _ /"));
+        }
+        let prefix = Some(prefix.to_owned()).filter(|prefix| !prefix.is_empty());
+        let runtime = Builder::new_multi_thread().worker_threads(1).enable_all().build();
+        let runtime = runtime.map_err(|error| Error::failure("threads", error))?;
+        let (store, used_bytes) = (build_store(bucket, settings)?, AtomicU64::new(0));
+        let files = S3Files { store, prefix, quota_bytes, used_bytes, runtime: Some(runtime) };
+        files.count_kept().map_err(|error| Error::failure(address, error))?;
+        Ok(files)
+    }
+
+    fn wait<T>(&self, work: impl Future<Output = Result<T, object_store::Error>>) -> io::Result<T> {
+        let runtime = self.runtime.as_ref().ok_or(io::ErrorKind::NotConnected)?;
+        runtime.block_on(work).map_err(io_error)
+    }
+
+    fn path(&self, name: &str) -> Path {
+        match &self.prefix {
+            Some(prefix) => Path::from(format!("{prefix}/{name}")),
+            None => Path::from(name),
+        }
+    }
+
+    fn parcel_path(&self, parcel: &ParcelName) -> Path {
+        self.path(&format!("parcels/{}/{}-{}", parcel.headset, parcel.id, parcel.hash))
+    }
+
+    fn kept_path(&self, name: &KeptName) -> Path {
+        self.path(&format!("sculptures/{}", kept_file_name(name)))
+    }
+
+    fn list(&self, folder: &Path) -> io::Result<Vec<ObjectMeta>> {
+        self.wait(self.store.list(Some(folder)).try_collect())
+    }
+
+    fn delete_all(&self, paths: Vec<Path>) -> io::Result<()> {
+        let paths = futures_util::stream::iter(paths.into_iter().map(Ok)).boxed();
+        let deleted = self.store.delete_stream(paths).try_for_each(|_| async { Ok(()) });
+        match self.wait(deleted) {
+            // Another process was faster.
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+            deleted => deleted,
+        }
+    }
+
+    fn get(&self, path: &Path) -> io::Result<Vec<u8>> {
+        let bytes = self.wait(async { self.store.get(path).await?.bytes().await })?;
+        Ok(bytes.into())
+    }
+
+    fn put(&self, path: &Path, bytes: Vec<u8>) -> io::Result<()> {
+        self.wait(self.store.put(path, PutPayload::from(bytes))).map(drop)
+    }
+
+    /// How long an object is; 0 where there is none.
+    fn length_of(&self, path: &Path) -> io::Result<u64> {
+        match self.wait(self.store.head(path)) {
+            Ok(found) => Ok(found.size),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(0),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// The pieces of a parcel from its beginning up to where one is missing.
+    fn list_pieces(&self, parcel: &ParcelName) -> io::Result<Vec<Piece>> {
+        let pieces = self.list(&self.parcel_path(parcel))?.into_iter().filter_map(|found| {
+            let offset = u64::from_str_radix(found.location.filename()?, 16).ok()?;
+            Some(Piece { offset, bytes: found.size, path: found.location })
+        });
+        let mut pieces: Vec<Piece> = pieces.collect();
+        pieces.sort_unstable_by_key(|piece| piece.offset);
+        let mut held = 0;
+        pieces.retain(|piece| {
+            // What two processes wrote at once may overlap: it is the same bytes.
+            let is_next = piece.offset == held;
+            held += if is_next { piece.bytes } else { 0 };
+            is_next
+        });
+        Ok(pieces)
+    }
+
+    /// Counts what all processes keep.
+    fn count_kept(&self) -> io::Result<()> {
+        let used = self.list(&self.path("sculptures"))?.iter().map(|found| found.size).sum();
+        self.used_bytes.store(used, Ordering::Relaxed);
+        Ok(())
+    }
+
+    fn check_quota(&self, more: u64) -> io::Result<()> {
+        if self.used_bytes().saturating_add(more) <= self.quota_bytes {
+            return Ok(());
+        }
+        let why = "as many bytes of sculptures are kept as may be";
+        Err(io::Error::new(io::ErrorKind::StorageFull, why))
+    }
+}
+
+impl ParcelFiles for S3Files {
+    fn held_bytes(&self, parcel: &ParcelName) -> io::Result<u64> {
+        Ok(end_of(&self.list_pieces(parcel)?))
+    }
+
+    fn append(&self, parcel: &ParcelName, offset: u64, bytes: &[u8]) -> io::Result<u64> {
+        self.check_quota(offset + bytes.len() as u64)?;
+        let pieces = self.list_pieces(parcel)?;
+        let held = end_of(&pieces);
+        if held != offset {
+            return Ok(held);
+        }
+        let is_short = |piece: &&Piece| piece.bytes + bytes.len() as u64 <= PIECE_BYTES;
+        match pieces.last().filter(is_short) {
+            Some(last) => {
+                let mut longer = self.get(&last.path)?;
+                if longer.len() as u64 != last.bytes {
+                    // Another process was faster: the headset asks again.
+                    return self.held_bytes(parcel);
+                }
+                longer.extend(bytes);
+                self.put(&last.path, longer)?;
+            }
+            None => {
+                let path = self.parcel_path(parcel).join(format!("{offset:08x}"));
+                self.put(&path, bytes.to_vec())?;
+            }
+        }
+        Ok(offset + bytes.len() as u64)
+    }
+
+    fn read_parcel(&self, parcel: &ParcelName) -> io::Result<Vec<u8>> {
+        let pieces = self.list_pieces(parcel)?;
+        if pieces.is_empty() {
+            return Err(io::ErrorKind::NotFound.into());
+        }
+        let mut bytes = Vec::with_capacity(end_of(&pieces) as usize);
+        for piece in pieces {
+            bytes.extend(self.get(&piece.path)?);
+        }
+        Ok(bytes)
+    }
+
+    fn drop_parcel(&self, parcel: &ParcelName) -> io::Result<()> {
+        let pieces = self.list(&self.parcel_path(parcel))?;
+        self.delete_all(pieces.into_iter().map(|found| found.location).collect())
+    }
+
+    fn make_room(&self, headset: u32, most: usize) -> io::Result<()> {
+        let parcels = group_by_parcel(self.list(&self.path(&format!("parcels/{headset}")))?);
+        let mut by_age: Vec<_> = parcels.into_values().collect();
+        by_age.sort_unstable();
+        let too_many = (by_age.len() + 1).saturating_sub(most);
+        let paths = by_age.into_iter().take(too_many).flat_map(|(_, pieces)| pieces);
+        self.delete_all(paths.collect())
+    }
+
+    /// Counts the kept files anew too: it is called now and then.
+    fn drop_parcels_before(&self, time: BoothTime) -> io::Result<()> {
+        let parcels = group_by_parcel(self.list(&self.path("parcels"))?);
+        let old = parcels.into_values().filter(|(changed_at, _)| *changed_at < time);
+        self.delete_all(old.flat_map(|(_, pieces)| pieces).collect())?;
+        self.count_kept()
+    }
+
+    fn keep(&self, name: &KeptName, bytes: &[u8]) -> io::Result<()> {
+        self.check_quota(bytes.len() as u64)?;
+        let path = self.kept_path(name);
+        let before = self.length_of(&path)?;
+        self.put(&path, bytes.to_vec())?;
+        self.used_bytes.fetch_add(bytes.len() as u64, Ordering::Relaxed);
+        subtract(&self.used_bytes, before);
+        Ok(())
+    }
+
+    fn read_kept(&self, name: &KeptName) -> io::Result<Vec<u8>> {
+        self.get(&self.kept_path(name))
+    }
+
+    fn remove_kept(&self, name: &KeptName) -> io::Result<()> {
+        let path = self.kept_path(name);
+        let before = self.length_of(&path)?;
+        self.delete_all(vec![path])?;
+        subtract(&self.used_bytes, before);
+        Ok(())
+    }
+
+    /// An object for each call, named by when its first was: nothing is added to an object.
+    fn log_deletions(&self, deletions: &[Deletion]) -> io::Result<()> {
+        let Some(first) = deletions.first() else { return Ok(()) };
+        let path = self.path(&format!("deletions/{:016x}-{}", first.deleted_at.0, first.id));
+        let lines: String = deletions.iter().map(Deletion::to_line).collect();
+        self.put(&path, lines.into_bytes())
+    }
+
+    fn forget_deletions_before(&self, time: BoothTime) -> io::Result<()> {
+        let is_old = |path: &Path| {
+            let name = path.filename().and_then(|name| name.split_once('-'));
+            let at = name.and_then(|(at, _)| u64::from_str_radix(at, 16).ok());
+            at.is_some_and(|at| at < time.0)
+        };
+        let found = self.list(&self.path("deletions"))?.into_iter();
+        self.delete_all(found.map(|found| found.location).filter(is_old).collect())
+    }
+}
+
+impl Files for S3Files {
+    fn used_bytes(&self) -> u64 {
+        self.used_bytes.load(Ordering::Relaxed)
+    }
+}
+
+impl Drop for S3Files {
+    fn drop(&mut self) {
+        // The last one who has it may be a task, which must not wait for threads.
+        if let Some(runtime) = self.runtime.take() {
+            runtime.shutdown_background();
+        }
+    }
+}
+
+fn build_store(
+    bucket: &str,
+    settings: impl IntoIterator<Item = (String, String)>,
+) -> Result<AmazonS3, Error> {
+    // Of the whole process; one that is there already stays.
+    let _ = default_provider().install_default();
+    let mut builder = AmazonS3Builder::new();
+    for (name, value) in settings.into_iter().filter(|(name, _)| name.starts_with("AWS_")) {
+        if let Ok(key) = name.to_ascii_lowercase().parse() {
+            builder = builder.with_config(key, value);
+        }
+    }
+    let mut builder = builder
+        .with_bucket_name(bucket)
+        .with_config(AmazonS3ConfigKey::Client(ClientConfigKey::ConnectTimeout), "5 seconds")
+        .with_config(AmazonS3ConfigKey::Client(ClientConfigKey::Timeout), "20 seconds")
+        .with_retry(RetryConfig {
+            max_retries: 3,
+            retry_timeout: RETRY_TIMEOUT,
+            ..RetryConfig::default()
+        });
+    let endpoint = [AmazonS3ConfigKey::S3Endpoint, AmazonS3ConfigKey::Endpoint]
+        .iter()
+        .find_map(|key| builder.get_config_value(key));
+    if endpoint.is_some_and(|endpoint| is_this_machine(&endpoint)) {
+        builder = builder.with_allow_http(true);
+    }
+    builder.build().map_err(|error| Error::Input(format!("--files: {error}")))
+}
+
+/// Whether what is said there doesn't leave the machine.
+fn is_this_machine(endpoint: &str) -> bool {
+    let host = endpoint.strip_prefix("http://").and_then(|rest| rest.split('/').next());
+    let host = host.map(|host| host.rsplit_once(':').map_or(host, |(host, _)| host));
+    host.is_some_and(|host| ["localhost", "127.0.0.1", "[::1]"].contains(&host))
+}
+
+fn io_error(error: object_store::Error) -> io::Error {
+    let kind = match error {
+        object_store::Error::NotFound { .. } => io::ErrorKind::NotFound,
+        _ => io::ErrorKind::Other,
+    };
+    io::Error::new(kind, error)
+}
+
+fn end_of(pieces: &[Piece]) -> u64 {
+    pieces.last().map_or(0, |piece| piece.offset + piece.bytes)
+}
+
+/// When something was last added to each parcel, and all its pieces.
+fn group_by_parcel(found: Vec<ObjectMeta>) -> BTreeMap<String, (BoothTime, Vec<Path>)> {
+    let mut parcels = BTreeMap::<String, (BoothTime, Vec<Path>)>::new();
+    for ObjectMeta { location, last_modified, .. } in found {
+        let folder = location.as_ref().rsplit_once('/').map_or("", |(folder, _)| folder);
+        let changed_at = BoothTime(u64::try_from(last_modified.timestamp_millis()).unwrap_or(0));
+        let parcel = parcels.entry(folder.to_owned()).or_insert((changed_at, Vec::new()));
+        parcel.0 = parcel.0.max(changed_at);
+        parcel.1.push(location);
+    }
+    parcels
+}
+
+/// Less so much, but not less than nothing: another process may have removed what this one counted.
+fn subtract(count: &AtomicU64, less: u64) {
+    let _ = count.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |count| {
+        Some(count.saturating_sub(less))
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_this_machine;
+
+    #[test]
+    fn http_is_for_this_machine_alone() {
+        for near in ["http://127.0.0.1:9000", "http://localhost", "http://[::1]:9000/x"] {
+            assert!(is_this_machine(near), "{near}");
+        }
+        for far in
+            ["http://127.0.0.1.example:80", "http://s3.example", "http://localhost@s3.example:80"]
+        {
+            assert!(!is_this_machine(far), "{far}");
+        }
+    }
+}
