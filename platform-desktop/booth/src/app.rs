@@ -5,9 +5,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use paros_booth_rules::{Booth, BoothPlan, Refusal};
+use paros_booth_rules::{Booth, BoothPlan, Refusal, Store};
 
-use crate::disk_files::DiskFiles;
 use crate::error::Error;
 use crate::files::Files;
 use crate::gate::Gate;
@@ -16,8 +15,10 @@ use crate::metrics::Metrics;
 use crate::places::Places;
 use crate::printing::Printer;
 use crate::public::{PublicAddress, PublicGate};
+use crate::random::random_bytes;
 use crate::rate::RateLimiter;
 use crate::settings::SiteFacts;
+use crate::shared::SharedOptions;
 use crate::sqlite_store::SqliteStore;
 use crate::staff::LoginGate;
 use crate::worker::Waker;
@@ -107,20 +108,33 @@ pub(crate) struct OpenBooth {
 }
 
 impl OpenBooth {
-    /// Opens a folder, and makes it at the first start.
+    /// Opens a folder, and makes it at the first start; or what several booths share.
     ///
     /// # Errors
-    /// What the disk or the database says, or that keys are damaged or missing.
-    pub(crate) fn open(folder: &Path, plan: BoothPlan, quota_bytes: u64) -> Result<Self, Error> {
-        let files =
-            DiskFiles::open(folder, quota_bytes).map_err(|error| Error::at(folder, error))?;
-        let files: Arc<dyn Files> = Arc::new(files);
-        let database = folder.join("booth.sqlite");
-        let keys = BoothKeys::load_or_draw(folder, !database.exists())?;
-        let store = SqliteStore::open(&database).map_err(|error| Error::at(&database, error))?;
-        let booth = Booth::new(Arc::new(store), files.clone(), keys.site.clone(), plan);
+    /// What disks, stores or the database say, or that keys are damaged or missing.
+    pub(crate) fn open(
+        folder: &Path,
+        shared: &SharedOptions,
+        plan: BoothPlan,
+        quota_bytes: u64,
+    ) -> Result<Self, Error> {
+        let files = shared.open_files(folder, quota_bytes)?;
+        let (store, keys): (Arc<dyn Store>, _) = match shared.open_database(folder)? {
+            Some((store, keys)) => (Arc::new(store), keys),
+            None => open_sqlite(folder)?,
+        };
+        let worker = random_bytes().map_err(|error| Error::failure("random bits", error))?;
+        let booth = Booth::new(store, files.clone(), keys.site.clone(), plan)
+            .as_worker(u64::from_le_bytes(worker));
         Ok(OpenBooth { booth, files, keys })
     }
+}
+
+fn open_sqlite(folder: &Path) -> Result<(Arc<dyn Store>, BoothKeys), Error> {
+    let database = folder.join("booth.sqlite");
+    let keys = BoothKeys::load_or_draw(folder, !database.exists())?;
+    let store = SqliteStore::open(&database).map_err(|error| Error::at(&database, error))?;
+    Ok((Arc::new(store), keys))
 }
 
 impl App {

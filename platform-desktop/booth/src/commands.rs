@@ -1,7 +1,6 @@
 //! What the program does beside serving: to be called while it serves too, as the store takes several processes.
 
 use std::fmt::Write as _;
-use std::path::Path;
 
 use paros_booth_rules::BoothPlan;
 use paros_core::badge::{Language, Pictogram};
@@ -11,7 +10,7 @@ use crate::backup::back_up;
 use crate::clock::booth_time;
 use crate::error::Error;
 use crate::fleet_file::{FleetToken, make_fleet_file};
-use crate::options::BoothCommand;
+use crate::options::{BoothCommand, FolderOption};
 use crate::restore::restore;
 
 /// Who does what is done from the command line.
@@ -24,33 +23,33 @@ const CONSOLE: &str = "console";
 pub(crate) fn run(command: &BoothCommand) -> Result<String, Error> {
     match command {
         BoothCommand::FleetFile { folder, address, uses, days } => {
-            let OpenBooth { booth, keys, .. } = open(folder.path())?;
+            let OpenBooth { booth, keys, .. } = open(folder)?;
             let token = FleetToken { address, uses: *uses, days: *days, note: "fleet file" };
             Ok(make_fleet_file(&booth, &keys.ca_pem, &token, CONSOLE, booth_time())?)
         }
-        BoothCommand::Backup { folder, file } => back_up(folder.path(), file),
+        BoothCommand::Backup { folder, file } => back_up(folder.path_alone()?, file),
         BoothCommand::Restore { folder, file, deletions } => {
-            restore(file, folder.path(), deletions.as_deref())
+            restore(file, folder.path_alone()?, deletions.as_deref())
         }
-        BoothCommand::Attempts { folder } => list_attempts(folder.path()),
+        BoothCommand::Attempts { folder } => list_attempts(folder),
         BoothCommand::Accept { folder, attempt, headset } => {
-            let booth = open(folder.path())?.booth;
+            let booth = open(folder)?.booth;
             let headset = booth.accept_attempt(*attempt, *headset, CONSOLE, booth_time())?;
             Ok(format!("headset {headset}\n"))
         }
         BoothCommand::Decline { folder, attempt } => {
-            open(folder.path())?.booth.decline_attempt(*attempt, CONSOLE, booth_time())?;
+            open(folder)?.booth.decline_attempt(*attempt, CONSOLE, booth_time())?;
             Ok("declined\n".into())
         }
     }
 }
 
-fn open(folder: &Path) -> Result<OpenBooth, Error> {
+fn open(folder: &FolderOption) -> Result<OpenBooth, Error> {
     // Nothing is kept here that a plan or a quota is about.
-    OpenBooth::open(folder, BoothPlan::default(), u64::MAX)
+    OpenBooth::open(folder.path(), &folder.shared, BoothPlan::default(), u64::MAX)
 }
 
-fn list_attempts(folder: &Path) -> Result<String, Error> {
+fn list_attempts(folder: &FolderOption) -> Result<String, Error> {
     let mut list = String::new();
     for attempt in open(folder)?.booth.list_attempts(booth_time())? {
         let shown = attempt.pictograms.map(|number| {

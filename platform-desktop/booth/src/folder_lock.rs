@@ -1,7 +1,7 @@
 //! One process serves a folder: two would each count bytes, memory and logins without the other.
 
 use std::fs::{File, OpenOptions};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use paros_shell::durable;
 use rustix::fs::{FlockOperation, flock};
@@ -22,10 +22,7 @@ impl FolderLock {
     /// # Errors
     /// [`Error::Input`] where another process serves it; or what the disk says.
     pub(crate) fn take(folder: &Path) -> Result<Self, Error> {
-        durable::make_folder(folder).map_err(|error| Error::at(folder, error))?;
-        let path = folder.join("lock");
-        let file = OpenOptions::new().write(true).create(true).truncate(false).open(&path);
-        let file = file.map_err(|error| Error::at(&path, error))?;
+        let (path, file) = open_lock(folder)?;
         match flock(&file, FlockOperation::NonBlockingLockExclusive) {
             Ok(()) => Ok(FolderLock { _file: file }),
             Err(Errno::WOULDBLOCK) => {
@@ -35,4 +32,22 @@ impl FolderLock {
             Err(error) => Err(Error::at(&path, error)),
         }
     }
+
+    /// Waits until no other process has the folder, which is made where there is none.
+    ///
+    /// # Errors
+    /// What the disk says.
+    pub(crate) fn wait(folder: &Path) -> Result<Self, Error> {
+        let (path, file) = open_lock(folder)?;
+        flock(&file, FlockOperation::LockExclusive).map_err(|error| Error::at(&path, error))?;
+        Ok(FolderLock { _file: file })
+    }
+}
+
+fn open_lock(folder: &Path) -> Result<(PathBuf, File), Error> {
+    durable::make_folder(folder).map_err(|error| Error::at(folder, error))?;
+    let path = folder.join("lock");
+    let file = OpenOptions::new().write(true).create(true).truncate(false).open(&path);
+    let file = file.map_err(|error| Error::at(&path, error))?;
+    Ok((path, file))
 }

@@ -43,7 +43,7 @@ impl BoothKeys {
         let secrets = folder.join("site.key");
         if !secrets.exists() {
             if !is_new {
-                let why = "its keys are missing; bring them back from a backup";
+                let why = "its keys are missing; bring them back from a backup, or copy those of another booth of the site";
                 return Err(Error::Input(format!("{}: {why}", secrets.display())));
             }
             draw(&folder)?;

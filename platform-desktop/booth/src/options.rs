@@ -6,9 +6,11 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Parser, Subcommand};
 use paros_booth_rules::BoothPlan;
 
+use crate::error::Error;
 use crate::mailer::MailOptions;
 use crate::printing::SlicerOptions;
 use crate::public::PublicOptions;
+use crate::shared::SharedOptions;
 
 /// Keeps what headsets send, and lets staff find it by its badge.
 #[derive(Debug, Parser)]
@@ -65,6 +67,9 @@ pub struct FolderOption {
     /// Where everything is kept: `paros-booth-data` where none is named. It is made at the first start.
     #[arg(long, value_name = "FOLDER")]
     pub folder: Option<PathBuf>,
+    /// What others share.
+    #[command(flatten)]
+    pub shared: SharedOptions,
 }
 
 impl FolderOption {
@@ -72,6 +77,18 @@ impl FolderOption {
     #[must_use]
     pub fn path(&self) -> &Path {
         self.folder.as_deref().unwrap_or(Path::new("paros-booth-data"))
+    }
+
+    /// The folder, of a booth that keeps everything there.
+    ///
+    /// # Errors
+    /// Where something is kept elsewhere.
+    pub(crate) fn path_alone(&self) -> Result<&Path, Error> {
+        if self.shared.database.is_none() && self.shared.files.is_none() {
+            return Ok(self.path());
+        }
+        let why = "backups are of a booth whose folder has everything; database and store have tools of their own";
+        Err(Error::Input(why.to_owned()))
     }
 }
 

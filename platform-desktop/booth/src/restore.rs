@@ -43,7 +43,7 @@ pub(crate) fn restore(
     let log = part.path.join(DELETIONS);
     let mut deletions = if log.is_file() { read_deletions(&log)? } else { Vec::new() };
     deletions.extend(since);
-    let open = OpenBooth::open(&part.path, BoothPlan::default(), u64::MAX)?;
+    let open = OpenBooth::open(&part.path, &SharedOptions::default(), BoothPlan::default(), u64::MAX)?;
     let report = open.booth.make_restored(&deletions, copied_at, booth_time());
     let report = report.map_err(|refusal| bad(archive, &refusal))?;
     drop(open);

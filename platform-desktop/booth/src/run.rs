@@ -53,8 +53,12 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     let quota = u64::from(options.quota_gb) * 1_000_000_000;
     let demo = DemoFolder::make(options)?;
     let folder = demo.as_ref().map_or(options.folder.path(), |demo| demo.path());
-    let _lock = FolderLock::take(folder)?;
-    let open = OpenBooth::open(folder, plan, quota)?;
+    let shared = &options.folder.shared;
+    let _lock = shared.is_alone().then(|| FolderLock::take(folder)).transpose()?;
+    let open = OpenBooth::open(folder, shared, plan, quota)?;
+    if shared.is_alone() {
+        open.booth.drop_leases()?;
+    }
     if options.demo {
         add_demo(&open.booth, booth_time())?;
     }

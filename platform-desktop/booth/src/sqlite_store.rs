@@ -172,8 +172,8 @@ pub(crate) fn open_plain(path: &Path) -> Result<Connection, StoreError> {
     open_connection(path, OpenFlags::SQLITE_OPEN_READ_WRITE)
 }
 
-fn lock(connection: &Mutex<Connection>) -> MutexGuard<'_, Connection> {
-    connection.lock().unwrap_or_else(PoisonError::into_inner)
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 pub(crate) fn store_error(error: rusqlite::Error) -> StoreError {
@@ -184,15 +184,15 @@ pub(crate) fn store_error(error: rusqlite::Error) -> StoreError {
 }
 
 /// A name in quotes: all come from the program, and some are words of SQL.
-fn quote(name: &str) -> String {
+pub(crate) fn quote(name: &str) -> String {
     format!("\"{name}\"")
 }
 
-fn name(table: &Table) -> String {
+pub(crate) fn name(table: &Table) -> String {
     quote(table.name)
 }
 
-fn columns(table: &Table) -> String {
+pub(crate) fn columns(table: &Table) -> String {
     let names: Vec<String> = table.columns.iter().map(|column| quote(column.name)).collect();
     names.join(", ")
 }
@@ -203,7 +203,7 @@ fn key_of(table: &Table) -> String {
     equal.join(" AND ")
 }
 
-fn check_column(table: &Table, column: &str) -> Result<(), StoreError> {
+pub(crate) fn check_column(table: &Table, column: &str) -> Result<(), StoreError> {
     let unknown = || StoreError::Failed(format!("table {}: no column {column}", table.name).into());
     table.find_column(column).map(drop).ok_or_else(unknown)
 }

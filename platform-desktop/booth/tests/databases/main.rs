@@ -1,6 +1,43 @@
-//! Folders and buckets keep the files of a booth.
+//! What is decided over a store in memory is decided over databases too; and a database of PostgreSQL, a bucket and a
+//! folder do what they have to.
 
+#[path = "../common/postgres_server.rs"]
+mod postgres_server;
 #[path = "../common/s3_server.rs"]
 mod s3_server;
 
 mod files;
+mod postgres_store;
+mod rules;
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use paros_booth::{PostgresAddress, PostgresStore, SqliteStore};
+use paros_booth_rules::Store;
+
+/// Courses of events that a test tries: a database takes its time.
+pub(crate) const PLAYS: u32 = 12;
+
+/// Names a database of PostgreSQL to the process that runs the tests of `rules` over it.
+pub(crate) const DATABASE: &str = "PAROS_TEST_DATABASE";
+
+/// A store without rows: of SQLite, or of PostgreSQL where a database is named.
+pub(crate) fn new_store() -> Arc<dyn Store> {
+    static COUNT: AtomicU32 = AtomicU32::new(0);
+    let number = COUNT.fetch_add(1, Ordering::Relaxed);
+    if let Ok(database) = std::env::var(DATABASE) {
+        let schema = format!("rules_{number}");
+        let mut client =
+            postgres::Client::connect(&database, postgres::NoTls).expect("it is there");
+        client.batch_execute(&format!("CREATE SCHEMA {schema}")).expect("a new name");
+        let address = format!("{database}&options=-csearch_path%3D{schema}");
+        let address = PostgresAddress::new(&address, None, None).expect("an address");
+        return Arc::new(PostgresStore::open(address).expect("a new schema"));
+    }
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("rules-{number}"));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("room on the disk");
+    Arc::new(SqliteStore::open(&folder.join("booth.sqlite")).expect("a new database"))
+}

@@ -1,0 +1,330 @@
+//! The store of several booths: a database of PostgreSQL, which all of them change as if one came after the other.
+
+use std::collections::HashMap;
+use std::error::Error as _;
+use std::fmt;
+use std::sync::{Mutex, MutexGuard};
+use std::thread;
+use std::time::Duration;
+
+use bytes::BytesMut;
+use paros_booth_rules::{Access, Query, Row, Store, StoreError, Table, Transaction, Value};
+use postgres::error::SqlState;
+use postgres::types::{IsNull, ToSql, Type, to_sql_checked};
+use postgres::{Client, Statement};
+
+use crate::postgres_link::PostgresAddress;
+use crate::postgres_schema::{SiteRow, claim_site, migrate, read_site};
+use crate::postgres_sql::{has_nul, key_is, read_row, write_conditions, write_order, write_put};
+use crate::random::random_bytes;
+use crate::sqlite_store::{columns, lock, name};
+
+/// The longest pause after a conflict: a transaction takes a few milliseconds, and two that tried again at once would
+/// be in conflict again.
+const MAX_PAUSE_MS: u16 = 16;
+
+/// A store in a database of PostgreSQL. Several processes may have it open.
+///
+/// Transactions that change something take turns within a process, as they do in SQLite: more of them at once would
+/// mostly be in conflict. Between processes PostgreSQL finds conflicts.
+pub struct PostgresStore {
+    address: PostgresAddress,
+    /// Links that nobody uses: as many as there were transactions at once.
+    idle: Mutex<Vec<Link>>,
+    writers: Mutex<()>,
+}
+
+/// A link to the database, with the statements that it has prepared.
+struct Link {
+    client: Client,
+    statements: HashMap<String, Statement>,
+}
+
+struct PostgresTransaction<'a> {
+    store: &'a PostgresStore,
+    /// `None` once it is over.
+    link: Option<Link>,
+    has_conflict: bool,
+    /// After that PostgreSQL takes no more calls, and COMMIT would roll back and call that a success.
+    has_failed: bool,
+    turn: Option<MutexGuard<'a, ()>>,
+}
+
+impl PostgresStore {
+    /// Connects, makes tables where there are none, and brings them to this version.
+    ///
+    /// # Errors
+    /// What PostgreSQL says, or that a newer version made them.
+    pub fn open(address: PostgresAddress) -> Result<Self, StoreError> {
+        let store = PostgresStore { address, idle: Mutex::default(), writers: Mutex::default() };
+        let mut link = store.connect()?;
+        migrate(&mut link.client).map_err(|error| error.or_else(store_error))?;
+        store.give_back(link);
+        Ok(store)
+    }
+
+    /// The site whose records these are; `None` where no booth has claimed them yet.
+    ///
+    /// # Errors
+    /// What PostgreSQL says.
+    pub(crate) fn site(&self) -> Result<Option<SiteRow>, StoreError> {
+        let mut link = self.connect()?;
+        let site = read_site(&mut link.client).map_err(store_error)?;
+        self.give_back(link);
+        Ok(site)
+    }
+
+    /// Claims the records for a site, unless one has; and returns whose they are.
+    ///
+    /// # Errors
+    /// What PostgreSQL says.
+    pub(crate) fn claim_site(&self, site: &SiteRow) -> Result<SiteRow, StoreError> {
+        let mut link = self.connect()?;
+        let claimed = claim_site(&mut link.client, site).map_err(store_error)?;
+        self.give_back(link);
+        Ok(claimed)
+    }
+
+    fn connect(&self) -> Result<Link, StoreError> {
+        let client = self.address.connect().map_err(store_error)?;
+        Ok(Link { client, statements: HashMap::new() })
+    }
+
+    fn give_back(&self, link: Link) {
+        lock(&self.idle).push(link);
+    }
+
+    /// A link on which a transaction has begun: one that stood idle, if its other end is there still.
+    fn begin_on_link(&self, begin: &str) -> Result<Link, StoreError> {
+        // Not by `while let`: that would hold the lock meanwhile.
+        loop {
+            let Some(mut link) = lock(&self.idle).pop() else { break };
+            match link.client.batch_execute(begin) {
+                Ok(()) => return Ok(link),
+                Err(error) if is_link_broken(&error, &link.client) => {}
+                Err(error) => return Err(store_error(error)),
+            }
+        }
+        let mut link = self.connect()?;
+        link.client.batch_execute(begin).map_err(store_error)?;
+        Ok(link)
+    }
+}
+
+impl Store for PostgresStore {
+    fn begin(&self, access: Access) -> Result<Box<dyn Transaction + '_>, StoreError> {
+        let (begin, turn) = match access {
+            // What it sees was there at once, and it is never in conflict.
+            Access::Read => ("BEGIN ISOLATION LEVEL REPEATABLE READ, READ ONLY", None),
+            Access::Write => {
+                ("BEGIN ISOLATION LEVEL SERIALIZABLE, READ WRITE", Some(lock(&self.writers)))
+            }
+        };
+        let link = Some(self.begin_on_link(begin)?);
+        let (has_conflict, has_failed) = (false, false);
+        Ok(Box::new(PostgresTransaction { store: self, link, has_conflict, has_failed, turn }))
+    }
+}
+
+impl PostgresTransaction<'_> {
+    fn query(&mut self, sql: &str, values: &[&Value]) -> Result<Vec<postgres::Row>, StoreError> {
+        let Some(link) = &mut self.link else {
+            return Err(StoreError::Failed("a conflict ended this transaction".into()));
+        };
+        let bound: Vec<Bound<'_>> = values.iter().copied().map(Bound).collect();
+        let bound: Vec<_> = bound.iter().map(|value| value as &(dyn ToSql + Sync)).collect();
+        let found = link.prepare(sql).and_then(|statement| link.client.query(&statement, &bound));
+        found.map_err(|error| self.fail(error))
+    }
+
+    /// Notes that the database said no.
+    fn fail(&mut self, error: postgres::Error) -> StoreError {
+        let error = store_error(error);
+        self.has_failed = true;
+        if matches!(error, StoreError::Conflict) {
+            self.has_conflict = true;
+            // Others go on before it is tried again.
+            self.roll_back();
+            self.turn = None;
+            pause();
+        }
+        error
+    }
+
+    fn roll_back(&mut self) {
+        if let Some(mut link) = self.link.take()
+            && link.client.batch_execute("ROLLBACK").is_ok()
+        {
+            self.store.give_back(link);
+        }
+    }
+}
+
+impl Transaction for PostgresTransaction<'_> {
+    fn get_row(&mut self, table: &'static Table, key: &[Value]) -> Result<Option<Row>, StoreError> {
+        if key.iter().any(has_nul) {
+            return Ok(None);
+        }
+        let key_is = key_is(table);
+        let sql = format!("SELECT {} FROM {} WHERE {key_is}", columns(table), name(table));
+        let rows = self.query(&sql, &key.iter().collect::<Vec<_>>())?;
+        rows.first().map(|row| read_row(table, row)).transpose()
+    }
+
+    fn find_rows(&mut self, query: &Query) -> Result<Vec<Row>, StoreError> {
+        let Some((condition, mut values)) = write_conditions(query)? else {
+            return Ok(Vec::new());
+        };
+        let limit = Value::Number(i64::try_from(query.limit).unwrap_or(i64::MAX));
+        values.push(&limit);
+        let table = query.table;
+        let sql = format!(
+            "SELECT {} FROM {} WHERE {condition} ORDER BY {} LIMIT ${}",
+            columns(table),
+            name(table),
+            write_order(query)?,
+            values.len()
+        );
+        let rows = self.query(&sql, &values)?;
+        rows.iter().map(|row| read_row(table, row)).collect()
+    }
+
+    fn count_rows(&mut self, query: &Query) -> Result<u64, StoreError> {
+        let Some((condition, values)) = write_conditions(query)? else {
+            return Ok(0);
+        };
+        let sql = format!("SELECT count(*) FROM {} WHERE {condition}", name(query.table));
+        let rows = self.query(&sql, &values)?;
+        let count = rows.first().map(|row| row.try_get::<_, i64>(0)).transpose();
+        Ok(count.map_err(store_error)?.unwrap_or(0).cast_unsigned())
+    }
+
+    fn put_row(&mut self, table: &'static Table, row: Row) -> Result<(), StoreError> {
+        if !table.fits(&row) {
+            return Err(StoreError::Failed(format!("table {}: no row of it", table.name).into()));
+        }
+        self.query(&write_put(table), &row.iter().collect::<Vec<_>>()).map(drop)
+    }
+
+    fn remove_row(&mut self, table: &'static Table, key: &[Value]) -> Result<(), StoreError> {
+        if key.iter().any(has_nul) {
+            return Ok(());
+        }
+        let sql = format!("DELETE FROM {} WHERE {}", name(table), key_is(table));
+        self.query(&sql, &key.iter().collect::<Vec<_>>()).map(drop)
+    }
+
+    fn commit(mut self: Box<Self>) -> Result<(), StoreError> {
+        if self.has_conflict {
+            return Err(StoreError::Conflict);
+        }
+        let Some(mut link) = self.link.take_if(|_| !self.has_failed) else {
+            return Err(StoreError::Failed("a call of this transaction failed before".into()));
+        };
+        match link.client.batch_execute("COMMIT") {
+            Ok(()) => {
+                self.store.give_back(link);
+                Ok(())
+            }
+            Err(error) => {
+                self.link = Some(link);
+                Err(self.fail(error))
+            }
+        }
+    }
+
+    fn is_in_conflict(&self) -> bool {
+        self.has_conflict
+    }
+}
+
+impl Drop for PostgresTransaction<'_> {
+    fn drop(&mut self) {
+        self.roll_back();
+    }
+}
+
+impl Link {
+    fn prepare(&mut self, sql: &str) -> Result<Statement, postgres::Error> {
+        if let Some(statement) = self.statements.get(sql) {
+            return Ok(statement.clone());
+        }
+        let statement = self.client.prepare(sql)?;
+        self.statements.insert(sql.to_owned(), statement.clone());
+        Ok(statement)
+    }
+}
+
+/// A value as PostgreSQL takes it.
+struct Bound<'a>(&'a Value);
+
+impl ToSql for Bound<'_> {
+    fn to_sql(
+        &self,
+        kind: &Type,
+        out: &mut BytesMut,
+    ) -> Result<IsNull, Box<dyn std::error::Error + Sync + Send>> {
+        match self.0 {
+            Value::Null => Ok(IsNull::Yes),
+            Value::Number(number) => number.to_sql_checked(kind, out),
+            Value::Bytes(bytes) => bytes.to_sql_checked(kind, out),
+            Value::Text(text) => text.to_sql_checked(kind, out),
+        }
+    }
+
+    /// Each value looks at that by itself.
+    fn accepts(_kind: &Type) -> bool {
+        true
+    }
+
+    to_sql_checked!();
+}
+
+/// What the database says, with its reasons. It never names the password.
+#[derive(Debug)]
+struct DatabaseError(postgres::Error);
+
+impl fmt::Display for DatabaseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.0)?;
+        let mut source = self.0.source();
+        while let Some(why) = source {
+            write!(f, ": {why}")?;
+            source = why.source();
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for DatabaseError {}
+
+impl fmt::Debug for Bound<'_> {
+    /// A value may be an address: it is in no log.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a value")
+    }
+}
+
+/// What the database says, as a store's error.
+pub(crate) fn store_error(error: postgres::Error) -> StoreError {
+    let conflicts = [
+        SqlState::T_R_SERIALIZATION_FAILURE,
+        SqlState::T_R_DEADLOCK_DETECTED,
+        SqlState::LOCK_NOT_AVAILABLE,
+    ];
+    if error.code().is_some_and(|code| conflicts.contains(code)) {
+        return StoreError::Conflict;
+    }
+    StoreError::Failed(Box::new(DatabaseError(error)))
+}
+
+/// Whether nobody is at a link's other end, as after the database was started anew.
+fn is_link_broken(error: &postgres::Error, client: &Client) -> bool {
+    let is_ending = error.code().is_some_and(|code| code.code().starts_with("57P"));
+    is_ending || error.code().is_none() || client.is_closed()
+}
+
+fn pause() {
+    let bits = random_bytes::<2>().map_or(MAX_PAUSE_MS, u16::from_le_bytes);
+    thread::sleep(Duration::from_millis(u64::from(bits % (MAX_PAUSE_MS + 1))));
+}

@@ -1,0 +1,131 @@
+//! What several booths share, where an exhibition outgrows one machine: a database of PostgreSQL, an S3-compatible
+//! store, and the site's keys, of which each has a copy in its folder.
+
+use std::convert::Infallible;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::Arc;
+
+use clap::Args;
+use paros_booth_rules::SiteKeys;
+
+use crate::disk_files::DiskFiles;
+use crate::error::Error;
+use crate::files::Files;
+use crate::folder_lock::FolderLock;
+use crate::keys::BoothKeys;
+use crate::postgres_link::PostgresAddress;
+use crate::postgres_schema::SiteRow;
+use crate::postgres_store::PostgresStore;
+use crate::s3_files::S3Files;
+
+/// Where what several booths share is. Without it everything is in the folder of one.
+#[derive(Clone, Default, Debug, Args)]
+pub struct SharedOptions {
+    /// A database of PostgreSQL that several booths share, instead of one in the folder. They share --files too, and
+    /// each has a copy of the first one's FOLDER/keys.
+    #[arg(long, value_name = "postgres://USER@HOST/NAME", requires = "files")]
+    pub database: Option<DatabaseUrl>,
+    /// A file with the database's password in its first line.
+    #[arg(long, value_name = "FILE", requires = "database")]
+    pub database_password_file: Option<PathBuf>,
+    /// Certificate authorities in PEM that the database is checked by, instead of the system's.
+    #[arg(long, value_name = "FILE", requires = "database")]
+    pub database_ca: Option<PathBuf>,
+    /// An S3-compatible store for sculptures, instead of the folder. The environment says where it is and by which keys:
+    /// AWS_ENDPOINT_URL, AWS_REGION, AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY.
+    #[arg(long, value_name = "s3://BUCKET/PREFIX")]
+    pub files: Option<String>,
+}
+
+/// A database's address. A password may be in it: it is never shown.
+#[derive(Clone)]
+pub struct DatabaseUrl(String);
+
+impl SharedOptions {
+    /// Whether nobody else has the same records.
+    #[must_use]
+    pub(crate) const fn is_alone(&self) -> bool {
+        self.database.is_none()
+    }
+
+    /// Opens the files of a booth in a folder.
+    ///
+    /// # Errors
+    /// What the disk or the store says.
+    pub(crate) fn open_files(&self, folder: &Path, quota: u64) -> Result<Arc<dyn Files>, Error> {
+        Ok(match &self.files {
+            None => {
+                Arc::new(DiskFiles::open(folder, quota).map_err(|error| Error::at(folder, error))?)
+            }
+            Some(address) => {
+                let settings = std::env::vars_os();
+                let settings = settings.filter_map(|(name, value)| {
+                    Some((name.into_string().ok()?, value.into_string().ok()?))
+                });
+                Arc::new(S3Files::open(address, settings, quota)?)
+            }
+        })
+    }
+
+    /// Opens the database that others have too, if there is one, and loads the site's keys. The first of all draws
+    /// them.
+    ///
+    /// # Errors
+    /// What the database or the disk says, or that the database is another site's.
+    pub(crate) fn open_database(
+        &self,
+        folder: &Path,
+    ) -> Result<Option<(PostgresStore, BoothKeys)>, Error> {
+        let Some(DatabaseUrl(url)) = &self.database else { return Ok(None) };
+        let (password, ca) = (self.database_password_file.as_deref(), self.database_ca.as_deref());
+        let failure = |error| Error::failure("--database", error);
+        let store =
+            PostgresStore::open(PostgresAddress::new(url, password, ca)?).map_err(failure)?;
+        // Of several in one folder the first draws keys, and the others load them.
+        let _one_at_a_time = FolderLock::wait(folder)?;
+        let keys = BoothKeys::load_or_draw(folder, store.site().map_err(failure)?.is_none())?;
+        let files = self.files.as_deref().unwrap_or_default();
+        let own = site_row(&keys.site, files);
+        let found = store.claim_site(&own).map_err(failure)?;
+        if found != own {
+            let what = match found.files == own.files || found.site != own.site {
+                true => {
+                    let keys = folder.join("keys");
+                    format!(
+                        "of another site than {}: copy the keys of its first booth",
+                        keys.display()
+                    )
+                }
+                false => format!("of a site whose files are in {}, not in {files}", found.files),
+            };
+            return Err(Error::Input(format!("--database: it is {what}")));
+        }
+        Ok(Some((store, keys)))
+    }
+}
+
+fn site_row(keys: &SiteKeys, files: &str) -> SiteRow {
+    SiteRow {
+        site: keys.site.0.to_vec(),
+        receipt_key: keys.receipt_key().0.to_vec(),
+        ca_hash: keys.ca_hash.0.to_vec(),
+        files: files.trim_end_matches('/').to_owned(),
+    }
+}
+
+impl FromStr for DatabaseUrl {
+    type Err = Infallible;
+
+    /// Looked at later: what clap says of a bad value has it in full.
+    fn from_str(text: &str) -> Result<Self, Infallible> {
+        Ok(DatabaseUrl(text.to_owned()))
+    }
+}
+
+impl fmt::Debug for DatabaseUrl {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an address")
+    }
+}

@@ -1,0 +1,160 @@
+//! A server of PostgreSQL of a test's own: on a socket in a folder of the tests, and on a port with TLS and a password.
+#![allow(dead_code)] // each test uses its part of it
+
+use std::fs;
+use std::net::TcpListener;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::mpsc::sync_channel;
+use std::time::{Duration, Instant};
+
+use paros_shell::require::require_or_skip;
+
+pub(crate) const PASSWORD: &str = "correct horse";
+
+/// A running server. It ends when it is dropped, or with the test's process.
+pub(crate) struct PostgresServer {
+    process: Child,
+    folder: PathBuf,
+    port: u16,
+    schemas: AtomicU32,
+}
+
+impl PostgresServer {
+    /// Starts one in a new folder, where PostgreSQL is installed.
+    pub(crate) fn start(name: &str) -> Option<Self> {
+        let programs = require_or_skip(find_programs()).expect("PostgreSQL")?;
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).expect("room on the disk");
+        fs::write(folder.join("password"), PASSWORD).expect("room on the disk");
+        write_certificate(&folder);
+        if rustix::process::getuid().is_root() {
+            let owned = Command::new("chown").args(["-R", "postgres:"]).arg(&folder).status();
+            assert!(owned.expect("chown").success());
+        }
+        let mut initdb = as_unprivileged(&programs.join("initdb"));
+        initdb.args(["--auth-local=trust", "--auth-host=scram-sha-256", "--username=booth"]);
+        initdb.args([
+            "--no-sync",
+            "--no-instructions",
+            "--encoding=UTF8",
+            "--locale=C",
+            "--pgdata",
+        ]);
+        initdb.arg(folder.join("data")).arg("--pwfile").arg(folder.join("password"));
+        let made = initdb.current_dir(&folder).output().expect("initdb");
+        assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+        let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let process = spawn_server(&programs, &folder, port);
+        let server = PostgresServer { process, folder, port, schemas: AtomicU32::new(0) };
+        let start = Instant::now();
+        while server.connect().is_err() {
+            assert!(start.elapsed() < Duration::from_secs(60), "{}", server.log());
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        Some(server)
+    }
+
+    /// The address of a new schema without tables.
+    pub(crate) fn new_schema(&self) -> String {
+        let schema = format!("test_{}", self.schemas.fetch_add(1, Ordering::Relaxed));
+        let mut client = self.connect().expect("a connection");
+        client.batch_execute(&format!("CREATE SCHEMA {schema}")).expect("a new name");
+        self.address_of(&schema)
+    }
+
+    /// The address of a schema, over the socket.
+    pub(crate) fn address_of(&self, schema: &str) -> String {
+        let (folder, port) = (self.folder.display(), self.port);
+        format!(
+            "postgres://booth@/postgres?host={folder}&port={port}&options=-csearch_path%3D{schema}"
+        )
+    }
+
+    /// The address over the network, by TLS, without a password.
+    pub(crate) fn address_by_tls(&self) -> String {
+        format!("postgres://booth@localhost:{}/postgres?sslmode=require", self.port)
+    }
+
+    /// The authority that signed its certificate.
+    pub(crate) fn ca_file(&self) -> PathBuf {
+        self.folder.join("server.crt")
+    }
+
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    pub(crate) fn connect(&self) -> Result<postgres::Client, postgres::Error> {
+        postgres::Client::connect(&self.address_of("public"), postgres::NoTls)
+    }
+
+    fn log(&self) -> String {
+        fs::read_to_string(self.folder.join("log")).unwrap_or_default()
+    }
+}
+
+impl Drop for PostgresServer {
+    fn drop(&mut self) {
+        let _ = Command::new("kill").args(["-INT", &self.process.id().to_string()]).status();
+        let _ = self.process.wait();
+    }
+}
+
+/// Where `initdb` and `postgres` are: Debian keeps them by version, beside the path.
+fn find_programs() -> Result<PathBuf, String> {
+    let versions = fs::read_dir("/usr/lib/postgresql").into_iter().flatten().flatten();
+    let mut folders: Vec<PathBuf> = versions.map(|version| version.path().join("bin")).collect();
+    folders.sort();
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    folders.extend(std::env::split_paths(&path));
+    let found = folders.into_iter().rev().find(|folder| folder.join("initdb").exists());
+    found.ok_or_else(|| "PostgreSQL's server isn't installed".to_owned())
+}
+
+/// PostgreSQL refuses to run as root.
+fn as_unprivileged(program: &Path) -> Command {
+    let mut command = Command::new("setpriv");
+    if rustix::process::getuid().is_root() {
+        command.args(["--reuid=postgres", "--regid=postgres", "--clear-groups"]);
+    }
+    command.args(["--pdeathsig=INT", "--"]).arg(program);
+    command
+}
+
+/// The server ends with the thread that started it: that is one that lasts as long as the process.
+fn spawn_server(programs: &Path, folder: &Path, port: u16) -> Child {
+    let mut server = as_unprivileged(&programs.join("postgres"));
+    server.arg("-D").arg(folder.join("data")).arg("-k").arg(folder);
+    server.args(["-p", &port.to_string(), "-h", "127.0.0.1"]);
+    for (name, value) in [
+        ("ssl", "on".to_owned()),
+        ("ssl_cert_file", folder.join("server.crt").display().to_string()),
+        ("ssl_key_file", folder.join("server.key").display().to_string()),
+        // Power cuts are PostgreSQL's own matter.
+        ("fsync", "off".to_owned()),
+    ] {
+        server.args(["-c", &format!("{name}={value}")]);
+    }
+    let log = fs::File::create(folder.join("log")).expect("room on the disk");
+    server.current_dir(folder).stdout(Stdio::null()).stderr(log);
+    let (send, spawned) = sync_channel(1);
+    std::thread::spawn(move || {
+        send.send(server.spawn().expect("postgres")).expect("it is waited for");
+        loop {
+            std::thread::park();
+        }
+    });
+    spawned.recv().expect("it was started")
+}
+
+fn write_certificate(folder: &Path) {
+    let made = rcgen::generate_simple_self_signed(["localhost".to_owned()]).expect("a certificate");
+    fs::write(folder.join("server.crt"), made.cert.pem()).expect("room on the disk");
+    let key = folder.join("server.key");
+    fs::write(&key, made.signing_key.serialize_pem()).expect("room on the disk");
+    let mode = std::os::unix::fs::PermissionsExt::from_mode(0o600);
+    fs::set_permissions(key, mode).expect("its own");
+}

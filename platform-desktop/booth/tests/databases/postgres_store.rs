@@ -1,0 +1,274 @@
+//! PostgreSQL as a store.
+
+use std::sync::OnceLock;
+
+use paros_booth::{PostgresAddress, PostgresStore};
+use paros_booth_rules::records::{Device, LedgerSave, MailOrder, MailState, TABLES};
+use paros_booth_rules::{
+    Access, BoothTime, ColumnKind, Field as _, Query, Store, StoreError, check_store, update, view,
+};
+
+use crate::postgres_server::{PASSWORD, PostgresServer};
+
+/// One for all tests.
+fn server() -> Option<&'static PostgresServer> {
+    static SERVER: OnceLock<Option<PostgresServer>> = OnceLock::new();
+    SERVER.get_or_init(|| PostgresServer::start("postgres")).as_ref()
+}
+
+fn open(address: &str) -> PostgresStore {
+    let address = PostgresAddress::new(address, None, None).expect("an address");
+    PostgresStore::open(address).expect("a database")
+}
+
+fn client(address: &str) -> postgres::Client {
+    postgres::Client::connect(address, postgres::NoTls).expect("a database")
+}
+
+fn device(headset: u32) -> Device {
+    Device {
+        headset,
+        token_hash: [1; 32],
+        hint: [2; 16],
+        name: "Κουέστ".into(),
+        enrolled_at: BoothTime(5),
+        revoked_at: None,
+        wiped_at: None,
+        seen_at: None,
+        status: vec![1, 0, 2],
+    }
+}
+
+#[test]
+fn postgres_is_a_store() {
+    let Some(server) = server() else { return };
+    check_store(|| open(&server.new_schema()));
+}
+
+/// The tests of the decisions, in a process of their own.
+#[test]
+fn the_rules_hold_over_postgres_too() {
+    let Some(server) = server() else { return };
+    let address = server.address_of("public").split("&options").next().map(str::to_owned);
+    let done = std::process::Command::new(std::env::current_exe().expect("this program"))
+        .args(["rules::", "--test-threads=2"])
+        .env(crate::DATABASE, address.expect("an address"))
+        .output()
+        .expect("this program");
+    let told = String::from_utf8_lossy(&done.stdout);
+    assert!(done.status.success(), "{told}");
+    assert!(
+        told.contains("rules::upload::a_parcel_is_signed_for_once_it_is_kept ... ok"),
+        "{told}"
+    );
+    let mut client = server.connect().unwrap();
+    let schemas = "SELECT count(*) FROM pg_namespace WHERE nspname LIKE 'rules_%'";
+    let schemas: i64 = client.query_one(schemas, &[]).unwrap().get(0);
+    assert!(schemas > 30, "they ran over something else");
+}
+
+#[test]
+fn the_tables_are_those_of_the_records() {
+    let Some(server) = server() else { return };
+    let address = server.new_schema();
+    open(&address);
+    let mut client = client(&address);
+    let made = "SELECT count(*) FROM pg_tables WHERE schemaname = current_schema()";
+    let made: i64 = client.query_one(made, &[]).unwrap().get(0);
+    assert_eq!(made as usize, TABLES.len() + 1);
+    for table in TABLES {
+        let columns =
+            "SELECT column_name::text, data_type::text, is_nullable = 'YES', collation_name::text
+            FROM information_schema.columns WHERE table_schema = current_schema()
+            AND table_name = $1 ORDER BY ordinal_position";
+        let found: Vec<(String, String, bool, Option<String>)> = client
+            .query(columns, &[&table.name])
+            .unwrap()
+            .iter()
+            .map(|row| (row.get(0), row.get(1), row.get(2), row.get(3)))
+            .collect();
+        let expected: Vec<_> = table
+            .columns
+            .iter()
+            .map(|column| {
+                let (kind, collation) = match column.kind {
+                    ColumnKind::Number => ("bigint", None),
+                    ColumnKind::Bytes => ("bytea", None),
+                    ColumnKind::Text => ("text", Some("C".to_owned())),
+                };
+                (column.name.to_owned(), kind.to_owned(), column.is_nullable, collation)
+            })
+            .collect();
+        assert_eq!(found, expected, "table {}", table.name);
+        let indexes = "SELECT count(*) FROM pg_indexes WHERE schemaname = current_schema()
+            AND tablename = $1";
+        let indexes: i64 = client.query_one(indexes, &[&table.name]).unwrap().get(0);
+        assert_eq!(indexes as usize, table.indexed.len() + 1, "table {}", table.name);
+    }
+}
+
+/// Tables of a program that knew fewer columns and tables, with rows.
+#[test]
+fn an_older_version_is_brought_to_this_one() {
+    let Some(server) = server() else { return };
+    let address = server.new_schema();
+    let order = MailOrder {
+        order: u64::MAX,
+        sculpture: [1; 16],
+        address: Some("ana@example.org".into()),
+        language: 1,
+        asked_at: BoothTime(7),
+        state: MailState::Queued,
+        tries: 2,
+        next_try_at: BoothTime(9),
+        why: String::new(),
+    };
+    update(&open(&address), |tx| tx.put(&order)).unwrap();
+    let mut old = client(&address);
+    old.batch_execute(
+        "ALTER TABLE mail_orders DROP COLUMN why; DROP TABLE work_leases;
+        DROP INDEX mail_orders_state; UPDATE paros_booth SET version = 1",
+    )
+    .unwrap();
+    // Two that start at once.
+    let stores = std::thread::scope(|scope| {
+        [scope.spawn(|| open(&address)), scope.spawn(|| open(&address))]
+            .map(|store| store.join().expect("it is brought to this version"))
+    });
+    for store in &stores {
+        let found: Vec<MailOrder> = view(store, |tx| tx.find(&Query::all::<MailOrder>())).unwrap();
+        assert_eq!(found, std::slice::from_ref(&order));
+        update(store, |tx| tx.put(&order)).unwrap();
+    }
+    let version: i64 = old.query_one("SELECT version FROM paros_booth", &[]).unwrap().get(0);
+    assert!(version > 1, "{version}");
+}
+
+#[test]
+fn a_newer_version_is_left_alone() {
+    let Some(server) = server() else { return };
+    let address = server.new_schema();
+    open(&address);
+    let mut newer = client(&address);
+    newer.batch_execute("UPDATE paros_booth SET version = 1000; DROP TABLE work_leases").unwrap();
+    let opened = PostgresStore::open(PostgresAddress::new(&address, None, None).unwrap());
+    let error = opened.err().expect("it is unknown").to_string();
+    assert!(error.contains("version 1000"), "{error}");
+    assert!(newer.query("SELECT 1 FROM work_leases", &[]).is_err(), "a table was made");
+}
+
+#[test]
+fn a_broken_link_is_made_anew() {
+    let Some(server) = server() else { return };
+    let address = server.new_schema();
+    let store = open(&format!("{address}&application_name=broken"));
+    update(&store, |tx| tx.put(&device(1))).unwrap();
+    let end_all = || {
+        let mut client = client(&address);
+        let end = "SELECT pg_terminate_backend(pid) FROM pg_stat_activity
+            WHERE application_name = 'broken'";
+        assert!(!client.query(end, &[]).unwrap().is_empty(), "nobody was there");
+    };
+    for headset in 2..5 {
+        end_all();
+        update(&store, |tx| tx.put(&device(headset))).expect("a new link");
+        end_all();
+        assert!(view(&store, |tx| tx.get::<Device>(&[headset.to_value()])).unwrap().is_some());
+    }
+    // In the middle of a transaction it fails, and leaves nothing.
+    let cut = update(&store, |tx| {
+        tx.put(&device(9))?;
+        end_all();
+        tx.put(&device(10))
+    });
+    assert!(cut.is_err());
+    assert_eq!(view(&store, |tx| tx.count_rows(&Query::all::<Device>())).unwrap(), 4);
+}
+
+/// Two processes: what each reads, the other changes. One of them has to begin anew.
+#[test]
+fn what_could_not_come_one_after_the_other_is_a_conflict() {
+    let Some(server) = server() else { return };
+    let address = server.new_schema();
+    let (one, two) = (open(&address), open(&address));
+    for row in [1u8, 2] {
+        update(&one, |tx| tx.put(&LedgerSave { row, bytes: vec![0] })).unwrap();
+    }
+    let mut first = one.begin(Access::Write).unwrap();
+    let mut second = two.begin(Access::Write).unwrap();
+    let read = |tx: &mut (dyn paros_booth_rules::Transaction + '_), row: u8| {
+        tx.get::<LedgerSave>(&[row.to_value()]).unwrap().expect("it was put").bytes
+    };
+    assert_eq!((read(first.as_mut(), 1), read(second.as_mut(), 2)), (vec![0], vec![0]));
+    first.put(&LedgerSave { row: 2, bytes: vec![1] }).unwrap();
+    let put = second.put(&LedgerSave { row: 1, bytes: vec![1] });
+    first.commit().expect("it was first");
+    let lost = put.and_then(|()| second.commit());
+    assert!(matches!(lost, Err(StoreError::Conflict)), "{lost:?}");
+}
+
+/// Processes that count up the same number: none is lost, though they are in each other's way all the time.
+#[test]
+fn processes_count_in_turn() {
+    const PROCESSES: usize = 3;
+    const COUNTS: usize = 25;
+    let Some(server) = server() else { return };
+    let address = server.new_schema();
+    let first = open(&address);
+    update(&first, |tx| tx.put(&LedgerSave { row: 0, bytes: vec![0] })).unwrap();
+    std::thread::scope(|scope| {
+        for _ in 0..PROCESSES {
+            scope.spawn(|| {
+                let store = open(&address);
+                for _ in 0..COUNTS {
+                    let counted: Result<(), StoreError> = update(&store, |tx| {
+                        let save = tx.get::<LedgerSave>(&[0u8.to_value()])?;
+                        let mut save = save.expect("it was put");
+                        save.bytes[0] += 1;
+                        tx.put(&save)
+                    });
+                    counted.expect("it is tried again");
+                }
+            });
+        }
+    });
+    let save = view(&first, |tx| tx.get::<LedgerSave>(&[0u8.to_value()])).unwrap();
+    assert_eq!(usize::from(save.expect("it was put").bytes[0]), PROCESSES * COUNTS);
+}
+
+/// A call that failed can't be passed over: PostgreSQL would roll back, and call that a success.
+#[test]
+fn nothing_is_committed_after_a_failure() {
+    let Some(server) = server() else { return };
+    let address = server.new_schema();
+    let store = open(&address);
+    let done: Result<(), StoreError> = update(&store, |tx| {
+        tx.put(&device(1))?;
+        // A value of another kind.
+        let _ = tx.get_row(TABLES[0], &["one".to_owned().to_value()]);
+        Ok(())
+    });
+    assert!(done.is_err());
+    assert_eq!(view(&store, |tx| tx.count_rows(&Query::all::<Device>())).unwrap(), 0);
+}
+
+#[test]
+fn over_the_network_certificate_and_password_are_checked() {
+    let Some(server) = server() else { return };
+    let address = server.address_by_tls();
+    let connect = |password: &str, ca: &std::path::Path| {
+        let file = server.folder().join(format!("password-{}", password.len()));
+        std::fs::write(&file, format!("{password}\nanything\n")).unwrap();
+        let address = PostgresAddress::new(&address, Some(&file), Some(ca)).expect("files");
+        PostgresStore::open(address).map(drop).map_err(|error| error.to_string())
+    };
+    connect(PASSWORD, &server.ca_file()).expect("the right ones");
+    let error = connect("hunter2", &server.ca_file()).unwrap_err();
+    assert!(error.contains("password authentication failed"), "{error}");
+    assert!(!error.contains("hunter2"), "{error}");
+    let other = server.folder().join("other.crt");
+    let made = rcgen::generate_simple_self_signed(["localhost".to_owned()]).unwrap();
+    std::fs::write(&other, made.cert.pem()).unwrap();
+    let error = connect(PASSWORD, &other).unwrap_err();
+    assert!(error.contains("certificate"), "{error}");
+}

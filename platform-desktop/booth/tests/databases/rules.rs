@@ -1,0 +1,21 @@
+//! The tests of the decisions, which their own crate runs over a store in memory: here over `crate::new_store`.
+#![allow(clippy::duplicate_mod)] // there each is a program of its own, with the same rig
+
+#[path = "../../rules/tests/enrol.rs"]
+mod enrol;
+#[path = "../../rules/tests/find.rs"]
+mod find;
+#[path = "../../rules/tests/heartbeat.rs"]
+mod heartbeat;
+#[path = "../../rules/tests/lifecycle.rs"]
+mod lifecycle;
+#[path = "../../rules/tests/mail.rs"]
+mod mail;
+#[path = "../../rules/tests/promises.rs"]
+mod promises;
+#[path = "../../rules/tests/staff.rs"]
+mod staff;
+#[path = "../../rules/tests/upload.rs"]
+mod upload;
+#[path = "../../rules/tests/work.rs"]
+mod work;
