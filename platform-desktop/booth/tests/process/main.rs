@@ -1,5 +1,10 @@
 //! The real program, over real TLS, on a real disk.
 
+#[path = "../common/postgres_server.rs"]
+mod postgres_server;
+#[path = "../common/s3_server.rs"]
+mod s3_server;
+
 mod admin;
 mod attacks;
 mod backup;
@@ -16,6 +21,7 @@ mod prints;
 mod privacy;
 mod rig;
 mod running;
+mod several;
 mod smtp_sink;
 mod staff;
 mod uploads;

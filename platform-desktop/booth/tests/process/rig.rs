@@ -21,7 +21,11 @@ pub(crate) use crate::parcels::{Parcel, deflate, figure, heartbeat};
 pub(crate) const PIECE: usize = 64 << 10;
 
 /// A booth in a folder of its own.
-pub(crate) struct BoothFolder(PathBuf);
+pub(crate) struct BoothFolder {
+    folder: PathBuf,
+    /// What it shares with others: arguments, and what the environment says.
+    shared: (Vec<String>, Vec<(String, String)>),
+}
 
 impl BoothFolder {
     /// An empty one.
@@ -29,11 +33,25 @@ impl BoothFolder {
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
         let _ = fs::remove_dir_all(&folder);
         fs::create_dir_all(&folder).expect("room on the disk");
-        BoothFolder(folder)
+        BoothFolder { folder, shared: Default::default() }
+    }
+
+    /// The same, of a booth that shares database and files with others.
+    pub(crate) fn sharing(mut self, arguments: &[&str], settings: Vec<(String, String)>) -> Self {
+        self.shared = (arguments.iter().map(|&text| text.to_owned()).collect(), settings);
+        self
+    }
+
+    /// A process of the program, here.
+    pub(crate) fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_paros-booth"));
+        command.args(arguments).arg("--folder").arg(self.path());
+        command.args(&self.shared.0).envs(self.shared.1.iter().cloned());
+        command
     }
 
     pub(crate) fn path(&self) -> PathBuf {
-        self.0.join("data")
+        self.folder.join("data")
     }
 
     /// Starts a booth in it, and waits until it can be reached.
@@ -42,10 +60,9 @@ impl BoothFolder {
     }
 
     pub(crate) fn start_with(&self, arguments: &[&str]) -> BoothProcess {
-        let log = File::options().append(true).create(true).open(self.0.join("log")).unwrap();
-        let mut process = Command::new(env!("CARGO_BIN_EXE_paros-booth"))
-            .args(["--listen", "127.0.0.1:0", "--folder"])
-            .arg(self.path())
+        let log = File::options().append(true).create(true).open(self.folder.join("log")).unwrap();
+        let mut process = self
+            .command(&["--listen", "127.0.0.1:0"])
             .args(arguments)
             .stdout(Stdio::piped())
             .stderr(log)
@@ -60,9 +77,13 @@ impl BoothFolder {
         let ca = CertificateDer::from_pem_slice(&ca).expect("PEM");
         assert_eq!(fingerprint, hash_of(&ca).to_string());
         // Where there is no account yet, a line more.
-        let database = rusqlite::Connection::open(self.path().join("booth.sqlite")).unwrap();
-        let accounts: u32 =
-            database.query_row("SELECT count(*) FROM accounts", [], |row| row.get(0)).unwrap();
+        let database = self.path().join("booth.sqlite");
+        let accounts: u32 = if database.exists() {
+            let database = rusqlite::Connection::open(database).unwrap();
+            database.query_row("SELECT count(*) FROM accounts", [], |row| row.get(0)).unwrap()
+        } else {
+            0
+        };
         let first = (accounts == 0).then(line);
         let first_code = first.and_then(|line| Some(line.rsplit(' ').next()?.to_owned()));
         BoothProcess { process, first_code, client: Client::new(address, ca) }
@@ -70,12 +91,7 @@ impl BoothFolder {
 
     /// Runs one of the program's commands.
     pub(crate) fn run(&self, arguments: &[&str]) -> Result<String, String> {
-        let done = Command::new(env!("CARGO_BIN_EXE_paros-booth"))
-            .args(arguments)
-            .arg("--folder")
-            .arg(self.path())
-            .output()
-            .expect("the program");
+        let done = self.command(arguments).output().expect("the program");
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
         if done.status.success() { Ok(text(done.stdout)) } else { Err(text(done.stderr)) }
     }
@@ -90,7 +106,7 @@ impl BoothFolder {
     }
 
     pub(crate) fn log(&self) -> String {
-        fs::read_to_string(self.0.join("log")).expect("a log")
+        fs::read_to_string(self.folder.join("log")).expect("a log")
     }
 
     /// Names of the files in one of its folders.

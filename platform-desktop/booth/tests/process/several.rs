@@ -1,0 +1,220 @@
+//! Two booths that share a database of PostgreSQL and a bucket, and headsets that speak to both.
+
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use paros_core::outbox::messages::*;
+
+use crate::postgres_server::PostgresServer;
+use crate::rig::{BoothFolder, Client, Headset, Parcel};
+use crate::s3_server::S3Server;
+
+const HEADSETS: u8 = 50;
+const PARCELS_EACH: u32 = 2;
+
+/// After so many receipts one of the two is killed.
+const RECEIPTS_BEFORE_KILL: usize = 30;
+
+/// What booths share.
+struct Shared {
+    database: PostgresServer,
+    bucket: S3Server,
+    address: String,
+}
+
+impl Shared {
+    fn start(name: &str) -> Option<Self> {
+        let database = PostgresServer::start(&format!("{name}-postgres"))?;
+        let address = database.new_schema();
+        Some(Shared { database, bucket: S3Server::start(&format!("{name}-s3")), address })
+    }
+
+    /// A booth's folder, without keys.
+    fn folder(&self, name: &str, files: &str) -> BoothFolder {
+        let shared = ["--database", &self.address, "--files", files];
+        BoothFolder::new(name).sharing(&shared, self.bucket.settings())
+    }
+}
+
+/// Gives a booth the keys of another.
+fn copy_keys(from: &BoothFolder, to: &BoothFolder) {
+    let keys = to.path().join("keys");
+    let _ = std::fs::remove_dir_all(&keys);
+    std::fs::create_dir_all(&keys).expect("room on the disk");
+    for name in ["site.key", "ca.key", "ca.pem"] {
+        std::fs::copy(from.path().join("keys").join(name), keys.join(name))
+            .expect("they were made");
+    }
+}
+
+fn kill(id: u32) {
+    let killed = std::process::Command::new("kill").args(["-KILL", &id.to_string()]).status();
+    assert!(killed.expect("kill").success());
+}
+
+/// What was signed for, by the sculpture's number.
+type Signed = Mutex<BTreeMap<u32, (Parcel, SignedReceipt)>>;
+
+/// Sends a parcel, each piece to another booth, as a balancer of load does, and around the one that is dead.
+fn send(clients: &[Client; 2], headset: &Headset, parcel: &Parcel) -> SignedReceipt {
+    let (mut offset, mut tries) = (0, 0);
+    loop {
+        tries += 1;
+        assert!(tries < 200, "it never comes");
+        let rest = parcel.bytes.get(offset..).unwrap_or_default();
+        let piece = &rest[..rest.len().min(100_000)];
+        let client = &clients[(headset.number as usize + tries) % 2];
+        let Ok(answer) = headset.put(client, parcel, offset as u64, piece) else { continue };
+        match answer.status {
+            200 => return headset.verify(parcel, &answer.body),
+            202 => offset = u64::from_le_bytes(answer.body[..].try_into().unwrap()) as usize,
+            // What one does that is killed the other finds half done; and a line has its end.
+            429 | 503 => std::thread::sleep(Duration::from_millis(200)),
+            _ => panic!("{answer:?}"),
+        }
+    }
+}
+
+/// The sculptures whose meshes were compared, as a booth's log has them.
+fn compared(folder: &BoothFolder) -> Vec<String> {
+    let log = folder.log();
+    let lines = log.lines().filter(|line| line.contains("mesh compared"));
+    lines.filter_map(|line| Some(line.split("id=").nth(1)?.split(' ').next()?.to_owned())).collect()
+}
+
+#[test]
+fn two_share_the_load_and_one_that_is_killed_loses_nothing() {
+    let Some(shared) = Shared::start("several") else { return };
+    let folders = ["several-1", "several-2"].map(|name| shared.folder(name, "s3://booth/site"));
+    let one = folders[0].start();
+    copy_keys(&folders[0], &folders[1]);
+    let mut two = folders[1].start();
+    let clients = [one.client.clone(), two.client.clone()];
+    let fleet = folders[1].fleet_token();
+    let headsets: Vec<Headset> = (1..=HEADSETS)
+        .map(|byte| Headset::enrol(&clients[usize::from(byte) % 2], fleet, byte))
+        .collect();
+    let (signed, receipts, start) = (Signed::default(), AtomicUsize::new(0), Instant::now());
+    std::thread::scope(|scope| {
+        for headset in &headsets {
+            let (clients, signed, receipts) = (&clients, &signed, &receipts);
+            scope.spawn(move || {
+                for k in 0..PARCELS_EACH {
+                    let number = headset.number * PARCELS_EACH + k;
+                    let kind = if number.is_multiple_of(10) {
+                        ParcelKind::Mesh
+                    } else {
+                        ParcelKind::Volume
+                    };
+                    let parcel = Parcel::new(headset.number, number, kind);
+                    let receipt = send(clients, headset, &parcel);
+                    signed.lock().unwrap().insert(number, (parcel, receipt));
+                    receipts.fetch_add(1, Ordering::Relaxed);
+                }
+            });
+        }
+        while receipts.load(Ordering::Relaxed) < RECEIPTS_BEFORE_KILL {
+            assert!(start.elapsed() < Duration::from_secs(120), "nothing goes on");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        kill(two.id());
+        two.wait();
+    });
+    let seconds = start.elapsed().as_secs_f64();
+    let signed = signed.into_inner().unwrap();
+    assert_eq!(signed.len(), usize::from(HEADSETS) * PARCELS_EACH as usize);
+    assert_eq!(
+        one.client.metric("paros_booth_sculptures"),
+        signed.len() as u64,
+        "one is there twice"
+    );
+    // One more of them, which has nothing of its own, knows all.
+    let three = folders[1].start();
+    for (parcel, receipt) in signed.values() {
+        let headset = headsets.iter().find(|headset| headset.number == parcel.facts.headset);
+        let answer = headset.expect("its own").put(&three.client, parcel, 0, &[]).unwrap();
+        assert_eq!((answer.status, answer.body), (200, receipt.to_bytes().into()));
+        let name = format!("site/sculptures/{}-{}.sculpture", parcel.facts.id, parcel.hash);
+        let kept = std::fs::read(shared.bucket.folder(&name)).expect("it is kept");
+        assert!(kept == parcel.bytes, "{name}");
+    }
+    check_exports(&folders);
+    println!("{} receipts in {seconds:.1} s", signed.len());
+}
+
+/// Meshes are compared by both, each by one of them.
+fn check_exports(folders: &[BoothFolder; 2]) {
+    let (start, before) = (Instant::now(), compared(&folders[1]).len());
+    let mut all = loop {
+        let [one, two] = [compared(&folders[0]), compared(&folders[1])];
+        // The one that was started last has done some too.
+        if one.len() >= 8 && two.len() >= before + 4 {
+            break [one, two].concat();
+        }
+        assert!(start.elapsed() < Duration::from_secs(120), "the exporters stand still");
+        std::thread::sleep(Duration::from_millis(100));
+    };
+    all.sort();
+    let count = all.len();
+    all.dedup();
+    assert_eq!(all.len(), count, "one was compared twice");
+}
+
+/// The first line of what a booth says that doesn't start, and its exit code.
+fn refused(folder: &BoothFolder) -> (Option<i32>, String) {
+    let done = folder.command(&["--listen", "127.0.0.1:0"]).output().expect("the program");
+    assert!(done.stdout.is_empty());
+    (done.status.code(), String::from_utf8(done.stderr).expect("text"))
+}
+
+#[test]
+fn a_booth_that_does_not_belong_to_the_others_does_not_start() {
+    let Some(shared) = Shared::start("strangers") else { return };
+    let first = shared.folder("strangers-1", "s3://booth/site");
+    drop(first.start());
+    let other = shared.folder("strangers-2", "s3://booth/site");
+    let (code, told) = refused(&other);
+    assert_eq!(code, Some(2), "{told}");
+    assert!(told.contains("its keys are missing"), "{told}");
+    let alone = BoothFolder::new("strangers-alone");
+    drop(alone.start());
+    copy_keys(&alone, &other);
+    let (code, told) = refused(&other);
+    assert_eq!(code, Some(2), "{told}");
+    assert!(told.contains("of another site"), "{told}");
+    let elsewhere = shared.folder("strangers-3", "s3://booth/elsewhere");
+    copy_keys(&first, &elsewhere);
+    let (code, told) = refused(&elsewhere);
+    assert_eq!(code, Some(2), "{told}");
+    assert!(
+        told.contains("whose files are in s3://booth/site, not in s3://booth/elsewhere"),
+        "{told}"
+    );
+    // With the same keys it does, in the same folder too.
+    copy_keys(&first, &other);
+    let (one, two) = (other.start(), other.start());
+    assert_eq!((one.client.get("/healthz").status, two.client.get("/healthz").status), (200, 200));
+    assert!(shared.database.connect().is_ok());
+}
+
+/// What a database's address says is in no message: a password may be in it.
+#[test]
+fn a_password_is_never_told() {
+    let bucket = S3Server::start("password-s3");
+    let settings = bucket.settings();
+    let bad =
+        ["postgres://ana:hunter2@127.0.0.1:1/booth", "postgres://ana:hunter2@[/booth", "hunter2"];
+    for address in bad {
+        let arguments = ["--database", address, "--files", "s3://booth/site"];
+        let folder = BoothFolder::new("password").sharing(&arguments, settings.clone());
+        let (code, told) = refused(&folder);
+        assert!(matches!(code, Some(1 | 2)), "{told}");
+        assert!(told.contains("--database") && !told.contains("hunter2"), "{told}");
+    }
+    let folder = BoothFolder::new("password").sharing(&["--database", bad[0]], settings);
+    let (code, told) = refused(&folder);
+    assert_eq!(code, Some(2), "{told}");
+    assert!(told.contains("--files") && !told.contains("hunter2"), "{told}");
+}
