@@ -26,7 +26,7 @@ const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 const PAUSE_AFTER_REFUSAL: Duration = Duration::from_secs(600);
 
 /// What a headset tells of itself.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct HeadsetNames {
     /// By which staff find it again once it was wiped; none where the system has no such name.
     pub hint: Option<DeviceHint>,

@@ -18,7 +18,7 @@ pub struct JavaError {
     /// The member that was called; none where the thread could not be attached to the VM.
     pub member: Option<JavaMember>,
     /// The class of the exception that was thrown, where one was: `java.net.SocketTimeoutException`, say.
-    pub thrown: Option<String>,
+    pub thrown: Option<Box<str>>,
     /// Whether that, or what caused it, is about keys and certificates.
     pub is_about_trust: bool,
     /// Why it failed: the exception's class and message, say.
@@ -271,7 +271,7 @@ impl<'env, 'local> JavaCaller<'env, 'local> {
         match told {
             Ok((name, message)) => {
                 let why = format!("{name}: {message}");
-                JavaError { member, thrown: Some(name), is_about_trust, why }
+                JavaError { member, thrown: Some(name.into()), is_about_trust, why }
             }
             Err(unread) => {
                 let why = format!("{error}, and its exception can't be read: {unread}");

@@ -13,7 +13,9 @@ type Answer = Result<HttpAnswer, LinkFault>;
 
 /// Gives these answers, then that the booth can't be reached, and keeps what it was asked.
 #[derive(Clone)]
-struct Booth(Arc<Mutex<(Vec<Answer>, Vec<Vec<u8>>)>>);
+struct Booth(Arc<Mutex<Exchange>>);
+
+type Exchange = (Vec<Answer>, Vec<Vec<u8>>);
 
 impl EnrolLink for Booth {
     fn post(&mut self, path: &str, body: &[u8]) -> Answer {
