@@ -16,6 +16,7 @@ use crate::clock::booth_time;
 use crate::deletion_log::{DELETIONS, read_deletions};
 use crate::error::Error;
 use crate::own_file::OwnPart;
+use crate::shared::SharedOptions;
 
 /// Makes a booth of a backup, in a new folder. What `deletions` names beside what the backup does is deleted again.
 /// Returns what it says of it.
@@ -43,7 +44,8 @@ pub(crate) fn restore(
     let log = part.path.join(DELETIONS);
     let mut deletions = if log.is_file() { read_deletions(&log)? } else { Vec::new() };
     deletions.extend(since);
-    let open = OpenBooth::open(&part.path, &SharedOptions::default(), BoothPlan::default(), u64::MAX)?;
+    let open =
+        OpenBooth::open(&part.path, &SharedOptions::default(), BoothPlan::default(), u64::MAX)?;
     let report = open.booth.make_restored(&deletions, copied_at, booth_time());
     let report = report.map_err(|refusal| bad(archive, &refusal))?;
     drop(open);

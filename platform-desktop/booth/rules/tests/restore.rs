@@ -38,7 +38,7 @@ fn what_was_deleted_since_is_deleted_and_the_rest_is_as_it_was() {
         rig.upload(&device, parcel, START).unwrap();
     }
     let kept = rig.booth.find_sculpture(&parcels[0].id, START).unwrap();
-    let copy = rig.store.copy();
+    let copy = copy_of(rig.store.as_ref());
     rig.booth.delete(&parcels[1].id, "ana", seconds(5)).unwrap();
     rig.upload(&device, &parcels[3], seconds(6)).unwrap();
     rig.booth.delete(&parcels[3].id, "ana", seconds(7)).unwrap();
@@ -67,7 +67,7 @@ fn a_copy_that_lacks_a_file_is_refused_unless_it_was_deleted() {
     let device = rig.enrol(1);
     let parcel = Parcel::with_trace(device.headset, 1);
     rig.upload(&device, &parcel, START).unwrap();
-    let copy = rig.store.copy();
+    let copy = copy_of(rig.store.as_ref());
     rig.booth.delete(&parcel.id, "ana", START).unwrap();
     let again = restored(copy.copy(), rig.files.clone());
     assert_eq!(status(again.booth.make_restored(&[], START, START)), 409);
@@ -77,7 +77,7 @@ fn a_copy_that_lacks_a_file_is_refused_unless_it_was_deleted() {
     let other = Rig::new();
     let device = other.enrol(1);
     other.upload(&device, &parcel, START).unwrap();
-    let copy = other.store.copy();
+    let copy = copy_of(other.store.as_ref());
     other.booth.sweep(days(20)).unwrap();
     let again = restored(copy, other.files.clone());
     again.booth.make_restored(&[], START, days(20)).unwrap();
@@ -161,7 +161,7 @@ fn logins_tokens_and_waiting_mails_are_over() {
     let bits = SessionBits { cookie: [1; 32], form_token: [2; 16] };
     rig.booth.log_in("ana", &bits, START).unwrap();
     rig.booth.ask_mail(&parcel.id, ("eleni@example.org", false), 5, "ana", START).unwrap();
-    let again = restored(rig.store.copy(), rig.files.clone());
+    let again = restored(copy_of(rig.store.as_ref()), rig.files.clone());
     let report = again.booth.make_restored(&[], START, seconds(1)).unwrap();
     assert_eq!((report.mails, report.tokens), (1, 1));
     assert_eq!(status(again.booth.find_login(&bits.cookie, START)), 401);
@@ -199,7 +199,7 @@ fn no_number_that_was_handed_out_since_the_copy_is_handed_out_again() {
         }
     };
     show(&rig, &mut leases, START);
-    let (copy, copied_at) = (rig.store.copy(), START);
+    let (copy, copied_at) = (copy_of(rig.store.as_ref()), START);
     for hour in 1..30 {
         show(&rig, &mut leases, seconds(3600 * hour));
     }

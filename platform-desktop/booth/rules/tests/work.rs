@@ -67,7 +67,7 @@ fn a_mail_is_sent_by_one_process() {
     let (rig, [one, two]) = with_sculptures(2);
     for order in [7, 8] {
         let id = SculptureId([order as u8 - 6; 16]);
-        one.ask_mail(&id, "ana@example.org", order, "bob", seconds(order)).unwrap();
+        one.ask_mail(&id, ("ana@example.org", false), order, "bob", seconds(order)).unwrap();
     }
     let next = |booth: &Booth, now| booth.next_mail(now).unwrap().map(|job| job.order);
     assert_eq!(next(&one, seconds(9)), Some(7));

@@ -122,11 +122,12 @@ fn an_older_version_is_brought_to_this_one() {
         tries: 2,
         next_try_at: BoothTime(9),
         why: String::new(),
+        keeps_address: false,
     };
     update(&open(&address), |tx| tx.put(&order)).unwrap();
     let mut old = client(&address);
     old.batch_execute(
-        "ALTER TABLE mail_orders DROP COLUMN why; DROP TABLE work_leases;
+        "ALTER TABLE mail_orders DROP COLUMN why, DROP COLUMN keeps_address; DROP TABLE work_leases;
         DROP INDEX mail_orders_state; UPDATE paros_booth SET version = 1",
     )
     .unwrap();

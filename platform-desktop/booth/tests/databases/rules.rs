@@ -11,8 +11,16 @@ mod heartbeat;
 mod lifecycle;
 #[path = "../../rules/tests/mail.rs"]
 mod mail;
+#[path = "../../rules/tests/printers.rs"]
+mod printers;
+#[path = "../../rules/tests/prints.rs"]
+mod prints;
+#[path = "../../rules/tests/privacy.rs"]
+mod privacy;
 #[path = "../../rules/tests/promises.rs"]
 mod promises;
+#[path = "../../rules/tests/restore.rs"]
+mod restore;
 #[path = "../../rules/tests/staff.rs"]
 mod staff;
 #[path = "../../rules/tests/upload.rs"]

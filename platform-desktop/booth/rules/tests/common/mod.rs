@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
-use paros_booth_rules::records::{BlockGrant, Device, LedgerSave};
+use paros_booth_rules::records::{BlockGrant, Device, LedgerSave, TABLES};
 use paros_booth_rules::{
-    Booth, BoothPlan, BoothTime, Chunk, Field as _, MemoryFiles, MemoryStore, ParcelProgress,
-    Refusal, SiteKeys, Store, hash_of,
+    Access, Booth, BoothPlan, BoothTime, Chunk, Field as _, MemoryFiles, MemoryStore,
+    ParcelProgress, Query, Refusal, SiteKeys, Store, hash_of,
 };
 use paros_booth_rules::{update, view};
 use paros_core::badge::{BadgeLedger, BadgeNumber, LeaseReport};
@@ -31,6 +31,21 @@ pub(crate) fn days(count: u64) -> BoothTime {
 /// A store without rows. `crate::new_store` is another where these tests run on another store.
 pub(crate) fn new_store() -> Arc<dyn Store> {
     Arc::new(MemoryStore::new())
+}
+
+/// All that a store holds, in memory.
+pub(crate) fn copy_of(store: &dyn Store) -> MemoryStore {
+    let copy = MemoryStore::new();
+    let mut from = store.begin(Access::Read).expect("a store");
+    let mut to = copy.begin(Access::Write).expect("a store");
+    for table in TABLES {
+        let all = Query { table, conditions: Vec::new(), order: None, limit: usize::MAX };
+        for row in from.find_rows(&all).expect("rows") {
+            to.put_row(table, row).expect("room");
+        }
+    }
+    to.commit().expect("room");
+    copy
 }
 
 /// Courses of events that a test tries.
