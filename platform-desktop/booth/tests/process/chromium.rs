@@ -197,10 +197,7 @@ impl Chromium {
     /// A picture of a part of the page: left, top, width, height. It is kept as a file beside the tests' others.
     pub(crate) fn picture(&mut self, name: &str, [x, y, width, height]: [f64; 4]) -> Picture {
         let clip = json!({ "x": x, "y": y, "width": width, "height": height, "scale": 1 });
-        let shot = self.call(
-            "Page.captureScreenshot",
-            &json!({ "format": "png", "clip": clip, "captureBeyondViewport": true }),
-        );
+        let shot = self.call("Page.captureScreenshot", &json!({ "format": "png", "clip": clip }));
         let png = STANDARD.decode(shot["data"].as_str().expect("a picture")).expect("base64");
         let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.png"));
         fs::write(path, &png).expect("room on the disk");
