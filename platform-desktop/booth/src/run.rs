@@ -28,7 +28,7 @@ use crate::printing::{Printer, Slicer, slice_next, start_printers};
 use crate::public::{self, PublicAddress};
 use crate::random::random_bytes;
 use crate::routes;
-use crate::server::serve;
+use crate::server::{MakeRouter, serve};
 use crate::settings::{SiteFacts, list_settings};
 use crate::staff::LoginGate;
 use crate::worker::Worker;
@@ -113,22 +113,32 @@ impl Serving {
         let listener = listener.map_err(|error| Error::failure(listen, error))?;
         let listen = listener.local_addr().map_err(|error| Error::failure("socket", error))?;
         let visitors = listen_for_visitors(public.as_ref()).await?;
-        let end = end_of_program()?;
+        let ends = (end_of_program()?, end_of_program()?);
         let hangup = signal(SignalKind::hangup());
         let hangup = hangup.map_err(|error| Error::failure("signals", error))?;
         tell_address(listen, &fingerprint.to_string(), first_code.as_deref());
         tokio::spawn(keep_leaf(leaf, names, hangup));
         tokio::spawn(sweep_now_and_then(app.clone()));
-        let staff = serve(app.clone(), listener, (Some(tls), routes::router), end);
-        match visitors {
-            Some((listener, tls)) => {
-                let end = end_of_program()?;
-                let visitors = serve(app.clone(), listener, (tls, public::router), end);
-                tokio::join!(staff, visitors);
-            }
-            None => staff.await,
-        }
+        serve_all(&app, (listener, tls), visitors, ends).await;
         Ok(())
+    }
+}
+
+/// Serves headsets and staff, and visitors where they have pages, until each end is there.
+async fn serve_all(
+    app: &Arc<App>,
+    (listener, tls): (TcpListener, TlsAcceptor),
+    visitors: Option<(TcpListener, Option<TlsAcceptor>)>,
+    (end, end_of_visitors): (impl Future<Output = ()>, impl Future<Output = ()>),
+) {
+    let staff = serve(app.clone(), listener, (Some(tls), routes::router), end);
+    match visitors {
+        Some((listener, tls)) => {
+            let routes = (tls, public::router as MakeRouter);
+            let visitors = serve(app.clone(), listener, routes, end_of_visitors);
+            tokio::join!(staff, visitors);
+        }
+        None => staff.await,
     }
 }
 

@@ -1,13 +1,14 @@
 //! Prints: the slicer that tells their time and material, and printers on the network.
 
 mod gcode;
+mod options;
 mod printer_file;
 mod printer_link;
 mod printer_thread;
 mod slicer;
 mod slices;
 
-pub use slicer::SlicerOptions;
+pub use options::SlicerOptions;
 
 pub(crate) use printer_link::Activity;
 pub(crate) use printer_thread::{Printer, PrinterView, start_printers};

@@ -10,10 +10,10 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use clap::Args;
 use rustix::process::{Pid, Resource, Rlimit, Signal, kill_process_group, prlimit};
 
 use super::gcode::{Estimate, read_estimate};
+use super::options::SlicerOptions;
 use crate::error::Error;
 
 /// How long a slice may take: a sculpture at 256 takes some twenty seconds of a small processor.
@@ -33,20 +33,6 @@ const PLA_DENSITY: &str = "1.24";
 
 /// How often it is looked at.
 const LOOK_AGAIN: Duration = Duration::from_millis(30);
-
-/// Which slicer tells a print's time and material.
-#[derive(Clone, Debug, Default, Args)]
-pub struct SlicerOptions {
-    /// PrusaSlicer's program, which tells a print's time and material; `none` for none. Otherwise it is looked for.
-    #[arg(long, value_name = "PROGRAM")]
-    pub slicer: Option<PathBuf>,
-    /// A file of PrusaSlicer's settings, as its "Export Config" writes it. Otherwise its own defaults and PLA.
-    #[arg(long, value_name = "FILE")]
-    pub slicer_profile: Option<PathBuf>,
-    /// A file that names printers on the network, which prints are sent to from the page.
-    #[arg(long, value_name = "FILE")]
-    pub printers: Option<PathBuf>,
-}
 
 /// PrusaSlicer.
 pub(crate) struct Slicer {
