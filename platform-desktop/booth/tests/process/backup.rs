@@ -51,6 +51,32 @@ fn delete(booth: &BoothProcess, cookie: &str, parcel: &Parcel) {
     assert_eq!(browser.click(&at, &format!("{at}/delete")).status, 303);
 }
 
+/// Backs a booth up while sculptures come and go.
+fn back_up_under_way(
+    folder: &BoothFolder,
+    booth: &BoothProcess,
+    cookie: &str,
+    headset: &Headset,
+    parcels: &[Parcel],
+) -> PathBuf {
+    let is_over = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let is_over = &is_over;
+        let sent = scope.spawn(move || {
+            for parcel in parcels.iter().cycle().take_while(|_| !is_over.load(Ordering::Relaxed)) {
+                let receipt = headset.upload(&booth.client, parcel).unwrap().expect("a receipt");
+                if receipt.receipt.outcome == ReceiptOutcome::Kept {
+                    delete(booth, cookie, parcel);
+                }
+            }
+        });
+        let file = back_up(folder);
+        is_over.store(true, Ordering::Relaxed);
+        sent.join().expect("nothing fails");
+        file
+    })
+}
+
 #[test]
 fn a_backup_while_it_serves_comes_back_without_what_was_deleted_since() {
     let folder = BoothFolder::new("backup");
@@ -70,23 +96,7 @@ fn a_backup_while_it_serves_comes_back_without_what_was_deleted_since() {
     let send = |parcel: &Parcel| headset.upload(&client, parcel).unwrap().expect("a receipt");
     let before: Vec<_> = parcels[..4].iter().map(send).collect();
     delete(&booth, &cookie, &parcels[0]);
-    // Others come and go while the copy is made.
-    let is_over = AtomicBool::new(false);
-    let file = std::thread::scope(|scope| {
-        let (is_over, send, cookie, booth) = (&is_over, &send, &cookie, &booth);
-        let rest = &parcels[4..39];
-        let sent = scope.spawn(move || {
-            for parcel in rest.iter().cycle().take_while(|_| !is_over.load(Ordering::Relaxed)) {
-                if send(parcel).receipt.outcome == ReceiptOutcome::Kept {
-                    delete(booth, cookie, parcel);
-                }
-            }
-        });
-        let file = back_up(&folder);
-        is_over.store(true, Ordering::Relaxed);
-        sent.join().expect("nothing fails");
-        file
-    });
+    let file = back_up_under_way(&folder, &booth, &cookie, headset, &parcels[4..39]);
     assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
     // After it: one more is kept, one is deleted, badges go out.
     let last = send(&parcels[39]);

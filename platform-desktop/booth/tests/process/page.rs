@@ -55,6 +55,16 @@ fn start(folder: &BoothFolder, sink: &SmtpSink) -> BoothProcess {
     booth
 }
 
+/// Makes the first account, and is logged in by that.
+fn add_first_account(browser: &mut Chromium, booth: &BoothProcess) {
+    browser.open(&format!("https://{}", booth.client.address));
+    look_at(browser, "first");
+    browser.fill("input[name=code]", &booth.first_code().expect("a code"));
+    browser.fill("input[name=name]", "ana");
+    browser.fill("input[name=password]", "correct horse battery");
+    browser.follow("main button");
+}
+
 #[test]
 fn staff_log_in_find_by_badge_mail_withdraw_and_undo_in_a_browser() {
     let Some(mut browser) = Chromium::start("staff") else { return };
@@ -62,12 +72,7 @@ fn staff_log_in_find_by_badge_mail_withdraw_and_undo_in_a_browser() {
     let booth = start(&folder, &sink);
     let at = format!("https://{}", booth.client.address);
     browser.resize(PHONE, true);
-    browser.open(&at);
-    look_at(&mut browser, "first");
-    browser.fill("input[name=code]", &booth.first_code().expect("a code"));
-    browser.fill("input[name=name]", "ana");
-    browser.fill("input[name=password]", "correct horse battery");
-    browser.follow("main button");
+    add_first_account(&mut browser, &booth);
     browser.follow("header form button");
     look_at(&mut browser, "login");
     browser.fill("input[name=name]", "ana");
@@ -128,11 +133,7 @@ fn every_page_is_for_everybody_on_a_phone_and_a_tablet() {
     let at = format!("https://{}", booth.client.address);
     let (number, _) = a_badge(&folder);
     browser.resize(TABLET, false);
-    browser.open(&at);
-    browser.fill("input[name=code]", &booth.first_code().expect("a code"));
-    browser.fill("input[name=name]", "ana");
-    browser.fill("input[name=password]", "correct horse battery");
-    browser.follow("main button");
+    add_first_account(&mut browser, &booth);
     folder.fleet_token();
     // What looks for faults finds one that is there.
     browser.ask("document.querySelector('main').append(document.createElement('img'))");
