@@ -1,7 +1,9 @@
 //! One process serves a folder: two would each count bytes, memory and logins without the other.
 
 use std::fs::{File, OpenOptions};
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::thread;
+use std::time::Duration;
 
 use paros_shell::durable;
 use rustix::fs::{FlockOperation, flock};
@@ -22,7 +24,10 @@ impl FolderLock {
     /// # Errors
     /// [`Error::Input`] where another process serves it; or what the disk says.
     pub(crate) fn take(folder: &Path) -> Result<Self, Error> {
-        let (path, file) = open_lock(folder)?;
+        durable::make_folder(folder).map_err(|error| Error::at(folder, error))?;
+        let path = folder.join("lock");
+        let file = OpenOptions::new().write(true).create(true).truncate(false).open(&path);
+        let file = file.map_err(|error| Error::at(&path, error))?;
         match flock(&file, FlockOperation::NonBlockingLockExclusive) {
             Ok(()) => Ok(FolderLock { _file: file }),
             Err(Errno::WOULDBLOCK) => {
@@ -33,21 +38,17 @@ impl FolderLock {
         }
     }
 
-    /// Waits until no other process has the folder, which is made where there is none.
+    /// The same, for a moment: waits for others who take it for a moment too.
     ///
     /// # Errors
-    /// What the disk says.
-    pub(crate) fn wait(folder: &Path) -> Result<Self, Error> {
-        let (path, file) = open_lock(folder)?;
-        flock(&file, FlockOperation::LockExclusive).map_err(|error| Error::at(&path, error))?;
-        Ok(FolderLock { _file: file })
+    /// Those of [`FolderLock::take`].
+    pub(crate) fn take_in_turn(folder: &Path) -> Result<Self, Error> {
+        for _ in 0..100 {
+            match FolderLock::take(folder) {
+                Err(Error::Input(_)) => thread::sleep(Duration::from_millis(100)),
+                taken => return taken,
+            }
+        }
+        FolderLock::take(folder)
     }
-}
-
-fn open_lock(folder: &Path) -> Result<(PathBuf, File), Error> {
-    durable::make_folder(folder).map_err(|error| Error::at(folder, error))?;
-    let path = folder.join("lock");
-    let file = OpenOptions::new().write(true).create(true).truncate(false).open(&path);
-    let file = file.map_err(|error| Error::at(&path, error))?;
-    Ok((path, file))
 }

@@ -308,7 +308,14 @@ fn build_store(
     let endpoint = [AmazonS3ConfigKey::S3Endpoint, AmazonS3ConfigKey::Endpoint]
         .iter()
         .find_map(|key| builder.get_config_value(key));
-    if endpoint.is_some_and(|endpoint| is_this_machine(&endpoint)) {
+    let allows_http = AmazonS3ConfigKey::Client(ClientConfigKey::AllowHttp);
+    let allows_http = builder.get_config_value(&allows_http).is_some_and(|value| value == "true");
+    if let Some(endpoint) = endpoint.filter(|endpoint| endpoint.starts_with("http://")) {
+        if !allows_http && !is_this_machine(&endpoint) {
+            let expected =
+                "AWS_ENDPOINT_URL with https://, or on this machine, or AWS_ALLOW_HTTP=true";
+            return Err(Error::Input(format!("--files: expected {expected}")));
+        }
         builder = builder.with_allow_http(true);
     }
     builder.build().map_err(|error| Error::Input(format!("--files: {error}")))

@@ -84,7 +84,7 @@ impl SharedOptions {
         let store =
             PostgresStore::open(PostgresAddress::new(url, password, ca)?).map_err(failure)?;
         // Of several in one folder the first draws keys, and the others load them.
-        let _one_at_a_time = FolderLock::wait(folder)?;
+        let _one_at_a_time = FolderLock::take_in_turn(folder)?;
         let keys = BoothKeys::load_or_draw(folder, store.site().map_err(failure)?.is_none())?;
         let files = self.files.as_deref().unwrap_or_default();
         let own = site_row(&keys.site, files);
@@ -127,5 +127,16 @@ impl FromStr for DatabaseUrl {
 impl fmt::Debug for DatabaseUrl {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("an address")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::DatabaseUrl;
+
+    #[test]
+    fn an_address_is_never_shown() {
+        let Ok(url) = "postgres://ana:hunter2@host/booth".parse::<DatabaseUrl>();
+        assert_eq!(format!("{url:?}"), "an address");
     }
 }

@@ -107,10 +107,12 @@ impl Drop for PostgresServer {
 fn find_programs() -> Result<PathBuf, String> {
     let versions = fs::read_dir("/usr/lib/postgresql").into_iter().flatten().flatten();
     let mut folders: Vec<PathBuf> = versions.map(|version| version.path().join("bin")).collect();
+    // The newest first.
     folders.sort();
+    folders.reverse();
     let path = std::env::var_os("PATH").unwrap_or_default();
     folders.extend(std::env::split_paths(&path));
-    let found = folders.into_iter().rev().find(|folder| folder.join("initdb").exists());
+    let found = folders.into_iter().find(|folder| folder.join("initdb").exists());
     found.ok_or_else(|| "PostgreSQL's server isn't installed".to_owned())
 }
 

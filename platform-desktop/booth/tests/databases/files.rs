@@ -189,6 +189,10 @@ fn what_is_wrong_with_a_bucket_is_told() {
         assert!(error.contains("expected"), "{error}");
     }
     assert!(!open("s3://nowhere/site", server.settings()).is_empty());
+    let mut far = server.settings();
+    far[0].1 = "http://s3.example".into();
+    let error = open("s3://booth/site", far);
+    assert!(error.contains("expected AWS_ENDPOINT_URL with https://"), "{error}");
     let mut wrong = server.settings();
     wrong[2].1 = "hunter2".into();
     let error = open("s3://booth/site", wrong);

@@ -1,6 +1,7 @@
 //! Two booths that share a database of PostgreSQL and a bucket, and headsets that speak to both.
 
 use std::collections::BTreeMap;
+use std::process::Stdio;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -162,9 +163,41 @@ fn check_exports(folders: &[BoothFolder; 2]) {
     assert_eq!(all.len(), count, "one was compared twice");
 }
 
-/// The first line of what a booth says that doesn't start, and its exit code.
+/// One that is alone may keep its files in a bucket, and still has its folder for itself.
+#[test]
+fn a_booth_alone_may_keep_its_files_in_a_bucket() {
+    let bucket = S3Server::start("bucket-alone-s3");
+    let folder = BoothFolder::new("bucket-alone");
+    let folder = folder.sharing(&["--files", "s3://booth/site"], bucket.settings());
+    let booth = folder.start();
+    let headset = Headset::enrol(&booth.client, folder.fleet_token(), 1);
+    let parcel = Parcel::new(headset.number, 1, ParcelKind::Volume);
+    let receipt = headset.upload(&booth.client, &parcel).unwrap().expect("a receipt");
+    let name = format!("site/sculptures/{}-{}.sculpture", parcel.facts.id, parcel.hash);
+    assert!(std::fs::read(bucket.folder(&name)).expect("it is kept") == parcel.bytes);
+    assert!(!folder.path().join("sculptures").exists());
+    let (code, told) = refused(&folder);
+    assert_eq!(code, Some(2), "{told}");
+    assert!(told.contains("another booth runs in this folder"), "{told}");
+    drop(booth);
+    let booth = folder.start();
+    assert_eq!(headset.upload(&booth.client, &parcel).unwrap().expect("the same"), receipt);
+}
+
+/// The exit code of a booth that doesn't start, and what it says.
 fn refused(folder: &BoothFolder) -> (Option<i32>, String) {
-    let done = folder.command(&["--listen", "127.0.0.1:0"]).output().expect("the program");
+    let mut process = folder.command(&["--listen", "127.0.0.1:0"]);
+    let process = process.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+    let mut process = process.expect("the program");
+    let start = Instant::now();
+    while process.try_wait().expect("it is there").is_none() {
+        if start.elapsed() > Duration::from_secs(60) {
+            process.kill().expect("it is there");
+            panic!("it serves");
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let done = process.wait_with_output().expect("it has ended");
     assert!(done.stdout.is_empty());
     (done.status.code(), String::from_utf8(done.stderr).expect("text"))
 }
