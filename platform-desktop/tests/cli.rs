@@ -267,7 +267,7 @@ fn a_window_for_what_is_no_stone_is_refused() {
 fn a_display_that_is_not_there_is_told_without_a_path_of_the_source() {
     let folder = TestFolder::new("no-server");
     let mut paros = folder.command(&["window"]);
-    let output = paros.env("DISPLAY", ":77").output().unwrap();
+    let output = paros.env("DISPLAY", ":59999").output().unwrap();
     let errors = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{errors}");
     assert!(errors.contains("no window can be opened: "), "{errors}");
