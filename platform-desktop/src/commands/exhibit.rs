@@ -9,6 +9,7 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread;
+use std::time::{Duration, Instant};
 
 use paros_core::outbox::messages::DeviceName;
 use paros_headless::Error;
@@ -38,6 +39,12 @@ pub(super) struct Args {
     window: Vec<OsString>,
 }
 
+/// How often it is looked whether window and booth are there.
+const LOOK_EVERY: Duration = Duration::from_millis(100);
+
+/// The least time between two starts of a booth that ends.
+const RESTART_EVERY: Duration = Duration::from_secs(5);
+
 /// The folders of an exhibition.
 struct Places {
     booth: PathBuf,
@@ -52,6 +59,8 @@ struct RunningBooth {
     process: Child,
     /// Where this machine reaches it.
     address: String,
+    /// Where it listens, by the port that it has.
+    listen: SocketAddr,
 }
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
@@ -66,17 +75,43 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
         mails: folder.join("mails"),
     };
     let sink = args.demo.then(|| MailSink::start(&places.mails)).transpose()?;
-    let booth = RunningBooth::start(&program, args, &places, sink.as_ref())?;
+    let start = |listen| RunningBooth::start(&program, listen, &places, sink.as_ref());
+    let booth = start(args.listen)?;
     enrol(&program, &places, &booth.address)?;
     let window = Command::new(env::current_exe().map_err(Error::failure)?)
         .args(["window", "--visits", "--folder"])
         .arg(&places.sculptures)
         .args(&args.window)
         .env("XDG_DATA_HOME", &places.data)
-        .status()
+        .spawn()
         .map_err(Error::failure)?;
-    drop(booth);
-    end_of_window(window, &folder)
+    end_of_window(wait_for_window(window, booth, start)?, &folder)
+}
+
+/// Waits for the window's end. A booth that ends before it is said, and started again where it was.
+fn wait_for_window(
+    mut window: Child,
+    booth: RunningBooth,
+    start: impl Fn(SocketAddr) -> Result<RunningBooth, Error>,
+) -> Result<ExitStatus, Error> {
+    let listen = booth.listen;
+    let mut booth = Some(booth);
+    let mut next_start = Instant::now();
+    loop {
+        if let Some(status) = window.try_wait().map_err(Error::failure)? {
+            return Ok(status);
+        }
+        if let Some(status) = booth.as_mut().and_then(|booth| booth.process.try_wait().ok()?) {
+            print_line(&format!("booth: it has ended ({status}); it is started again"));
+            booth = None;
+        }
+        if booth.is_none() && next_start <= Instant::now() {
+            next_start = Instant::now() + RESTART_EVERY;
+            // Why it can't be is told by the booth itself; the window goes on without.
+            booth = start(listen).ok();
+        }
+        thread::sleep(LOOK_EVERY);
+    }
 }
 
 fn end_of_window(window: ExitStatus, folder: &Path) -> Result<String, Error> {
@@ -104,12 +139,12 @@ impl RunningBooth {
     /// Starts it, and passes on what it prints: its address, its fingerprint, the first account's code.
     fn start(
         program: &Path,
-        args: &Args,
+        listen: SocketAddr,
         places: &Places,
         sink: Option<&MailSink>,
     ) -> Result<Self, Error> {
         let mut command = Command::new(program);
-        command.arg("--listen").arg(args.listen.to_string()).arg("--folder").arg(&places.booth);
+        command.arg("--listen").arg(listen.to_string()).arg("--folder").arg(&places.booth);
         // By whatever name the page is asked, this machine's studio asks by this one.
         command.args(["--name", "127.0.0.1"]);
         if let Some(sink) = sink {
@@ -122,19 +157,20 @@ impl RunningBooth {
             started.map_err(|error| Error::Failure(format!("{}: {error}", program.display())))?;
         let mut lines =
             process.stdout.take().map(BufReader::new).into_iter().flat_map(|out| out.lines());
-        let mut booth = RunningBooth { process, address: String::new() };
+        let mut booth = RunningBooth { process, address: String::new(), listen };
         let first = lines.next().and_then(Result::ok).unwrap_or_default();
         let port = first.rsplit_once(':').and_then(|(_, port)| port.trim().parse::<u16>().ok());
         let port = port.filter(|_| first.starts_with("https://"));
         let Some(port) = port else {
             return Err(Error::Failure("the booth has told above why it doesn't serve".into()));
         };
-        let host = match args.listen.ip() {
+        let host = match listen.ip() {
             ip if ip.is_unspecified() => "127.0.0.1".to_owned(),
             ip if ip.is_ipv6() => format!("[{ip}]"),
             ip => ip.to_string(),
         };
         booth.address = format!("https://{host}:{port}");
+        booth.listen.set_port(port);
         print_line(&format!("booth: {first}"));
         thread::spawn(move || {
             lines.map_while(Result::ok).for_each(|line| print_line(&format!("booth: {line}")));

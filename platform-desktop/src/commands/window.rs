@@ -102,7 +102,6 @@ fn open_window(args: &Args) -> Result<String, WindowError> {
     let size_choice = is_chosen.then(|| SizeChoice::choose(args.folder.as_deref()));
     let size = size.or(size_choice.map(|choice| choice.grid_side));
     let visits = settings.visits.as_ref().map(VisitOptions::of_settings);
-    let visits = visits.or_else(|| args.visits.then(VisitOptions::default));
     let options = WindowOptions {
         size_choice,
         file: args.file.clone(),
@@ -123,18 +122,48 @@ fn open_window(args: &Args) -> Result<String, WindowError> {
 /// Reads the settings, and says on standard error what they are and what is wrong with them. A script's are no user's.
 fn load_settings(args: &Args) -> Result<LoadedSettings, WindowError> {
     let default = || args.script.is_none().then(settings::default_file);
+    // As a setting, so that a file's others hold beside it.
+    let of_flags = args.visits.then(|| SettingsLayer::parse_toml("--visits", "visits = true", &[]));
     let Some(path) = args.settings.clone().or_else(default) else {
-        return Ok(LoadedSettings::merge(&[]));
+        return Ok(LoadedSettings::merge(&Vec::from_iter(of_flags)));
     };
     let layer = SettingsLayer::read_file(&path, &[]);
     if layer.is_none() && args.settings.is_some() {
         return Err(WindowError::Failed(settings::missing_file(&path)));
     }
-    let mut loaded = LoadedSettings::merge(&Vec::from_iter(layer));
+    let layers: Vec<_> = layer.into_iter().chain(of_flags).collect();
+    let mut loaded = LoadedSettings::merge(&layers);
     loaded.resolve_record(path.parent().unwrap_or(Path::new("")), &[]);
     for line in loaded.log_lines() {
         // Standard error may be closed.
         let _ = writeln!(io::stderr(), "paros: {line}");
     }
     Ok(loaded)
+}
+
+#[cfg(test)]
+mod tests {
+    use paros_core::session::SessionMode;
+
+    use super::*;
+
+    /// Visits of a command line alone, and with a file's settings that doesn't ask for visits itself.
+    #[test]
+    fn visits_that_are_asked_for_have_the_settings_of_a_file() {
+        let file = std::env::temp_dir().join(format!("paros-visits-{}.toml", std::process::id()));
+        let text = "staff_pin = \"4711\"\nstarts = [\"free\"]\n";
+        paros_shell::durable::write_file(&file, text.as_bytes()).expect("room on the disk");
+        let load = |visits, settings| {
+            let script = Some(PathBuf::from("-"));
+            let args = Args { visits, settings, script, ..Args::default() };
+            let loaded = load_settings(&args).ok().expect("settings");
+            loaded.settings.visits.as_ref().map(VisitOptions::of_settings)
+        };
+        let of_file = load(true, Some(file.clone())).expect("visits");
+        assert!(of_file.staff_pin.is_some());
+        assert_eq!(of_file.starts, [SessionMode::FreeForm]);
+        assert_eq!(load(true, None), Some(VisitOptions::default()));
+        assert_eq!(load(false, Some(file.clone())), None);
+        std::fs::remove_file(file).expect("it is there");
+    }
 }

@@ -248,19 +248,27 @@ impl Booth {
     /// # Errors
     /// Those of the store.
     pub fn next_slice(&self) -> Result<Option<PrintJob>, Refusal> {
-        let waiting = Query::all::<PrintOrder>()
-            .equal("state", &PrintState::Ordered)
-            .equal("estimate", &EstimateState::Waiting)
-            .ordered("changed_at", Order::Ascending);
+        let waiting = |state: &PrintState| {
+            Query::all::<PrintOrder>()
+                .equal("state", state)
+                .equal("estimate", &EstimateState::Waiting)
+                .ordered("changed_at", Order::Ascending)
+        };
         self.view(|tx| {
-            let Some(order) = tx.find_first::<PrintOrder>(waiting)? else { return Ok(None) };
+            let mut order = tx.find_first::<PrintOrder>(waiting(&PrintState::Ordered))?;
+            if order.is_none() {
+                // Begun by hand before its turn came.
+                order = tx.find_first(waiting(&PrintState::Printing))?;
+            }
+            let Some(order) = order else { return Ok(None) };
             let sculpture = tx.get::<Sculpture>(&[order.sculpture.to_value()])?;
             Ok(sculpture.map(|sculpture| PrintJob { order, sculpture }))
         })
     }
 
-    /// Notes what the slicer tells of a print; nothing where its order is gone or went on meanwhile. Where the size was
-    /// to be found by time, a print without an estimate fails; otherwise it can be started by hand.
+    /// Notes what the slicer tells of a print; nothing where its order is gone, or has ended. One that was begun by hand
+    /// meanwhile gets its estimate all the same. Where the size was to be found by time, a print without an estimate
+    /// fails; otherwise it can be started by hand.
     ///
     /// # Errors
     /// Those of the store.
@@ -273,19 +281,24 @@ impl Booth {
         self.update(|tx| {
             let found: Option<PrintOrder> = tx.get(&[order.to_value()])?;
             let is_waiting = |order: &PrintOrder| {
-                order.state == PrintState::Ordered && order.estimate == EstimateState::Waiting
+                matches!(order.state, PrintState::Ordered | PrintState::Printing)
+                    && order.estimate == EstimateState::Waiting
             };
             let Some(mut order) = found.filter(is_waiting) else { return Ok(()) };
+            let is_begun = order.state == PrintState::Printing;
             match outcome {
                 SliceOutcome::Known { height, minutes, tenths_gram } => {
                     order.height_tenths_mm = *height;
                     order.estimate = EstimateState::Known;
                     (order.minutes, order.tenths_gram) = (Some(*minutes), Some(*tenths_gram));
+                    if is_begun {
+                        return Ok(tx.put(&order)?);
+                    }
                     take_step(tx, &mut order, PrintStep::Slice, "", now)
                 }
                 SliceOutcome::Unknown(why) => {
                     order.estimate = EstimateState::Unknown;
-                    if order.most_minutes.is_some() {
+                    if order.most_minutes.is_some() && !is_begun {
                         return take_step(tx, &mut order, PrintStep::Fail, why, now);
                     }
                     order.why.clone_from(why);

@@ -149,6 +149,23 @@ fn a_slicer_that_fails_fails_what_needs_it_alone() {
 }
 
 #[test]
+fn a_print_that_is_begun_before_it_is_sliced_is_still_estimated() {
+    let (rig, id) = with_sculpture();
+    let booth = &rig.booth;
+    let outcomes = [KNOWN, SliceOutcome::Unknown("it took too long".into())];
+    for (number, outcome) in (7..).zip(outcomes) {
+        booth.ask_print(&id, &wish(TALL), (number, true), "bob", START).unwrap();
+        booth.step_print(number, (PrintStep::Start, true), "bob", START).unwrap();
+        assert_eq!(booth.next_slice().unwrap().map(|job| job.order.order), Some(number));
+        booth.note_slice(number, &outcome, seconds(10)).unwrap();
+        let order = booth.find_print(number).unwrap().order;
+        assert_eq!(order.state, PrintState::Printing);
+        assert_eq!(order.minutes.is_some(), outcome == KNOWN);
+        assert_eq!(booth.next_slice().unwrap(), None, "nobody waits for it any more");
+    }
+}
+
+#[test]
 fn the_queue_shows_what_is_open_first() {
     let (rig, id) = with_sculpture();
     let booth = &rig.booth;
