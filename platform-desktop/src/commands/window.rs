@@ -156,7 +156,7 @@ mod tests {
         let load = |visits, settings| {
             let script = Some(PathBuf::from("-"));
             let args = Args { visits, settings, script, ..Args::default() };
-            let loaded = load_settings(&args).ok().expect("settings");
+            let Ok(loaded) = load_settings(&args) else { panic!("settings") };
             loaded.settings.visits.as_ref().map(VisitOptions::of_settings)
         };
         let of_file = load(true, Some(file.clone())).expect("visits");
