@@ -2,26 +2,20 @@
 
 use std::sync::Arc;
 
-use axum::extract::{Extension, Form, State};
-use axum::http::HeaderMap;
+use axum::extract::{Extension, State};
 use axum::response::Response;
 use maud::html;
-use paros_booth_rules::{LoggedIn, Refusal};
+use paros_booth_rules::Refusal;
 
 use super::admin_texts::AdminTexts;
 use super::login::{MIN_PASSWORD_CHARS, begin_session, hash_password, verify_password};
-use super::page::{Fields, StaffAnswer, form_token, page};
-use super::texts::Texts;
+use super::page::{StaffAnswer, StaffForm, StaffView, form_token, page};
 use crate::app::App;
 use crate::clock::booth_time;
 use crate::routes::Peer;
 
 /// `GET /staff/account`.
-pub(crate) async fn show_account(
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
-) -> Response {
-    let texts = Texts::of_request(&headers);
+pub(crate) async fn show_account(StaffView { login, texts }: StaffView) -> Response {
     let words = AdminTexts::of(texts);
     let body = html! {
         p { (login.account) ", " (words.role_name(login.role)) }
@@ -41,12 +35,9 @@ pub(crate) async fn show_account(
 pub(crate) async fn change_password(
     State(app): State<Arc<App>>,
     Extension(Peer(peer)): Extension<Peer>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
-    Form(fields): Form<Fields>,
+    StaffForm { login, texts, fields }: StaffForm,
 ) -> Result<Response, StaffAnswer> {
-    let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
-    fields.check(&login).map_err(fail)?;
+    let fail = |refusal| StaffAnswer(texts, refusal);
     let name = login.account;
     // Whoever found a tablet logged in guesses no faster than at the door.
     app.logins.take_turn(&name, peer).map_err(fail)?;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use axum::extract::{Extension, Form, Path, Query, Request, State};
+use axum::extract::{Extension, Path, Query, Request, State};
 use axum::http::{HeaderMap, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Redirect, Response};
@@ -13,7 +13,7 @@ use paros_core::outbox::messages::{ContentHash, SculptureId};
 
 use super::admin_texts::AdminTexts;
 use super::login::{MIN_PASSWORD_CHARS, hash_password};
-use super::page::{Fields, StaffAnswer, action_button, form_token, page};
+use super::page::{Fields, StaffAnswer, StaffForm, StaffView, action_button, form_token, page};
 use super::sculptures::utc;
 use super::texts::Texts;
 use crate::app::App;
@@ -43,10 +43,9 @@ pub(crate) async fn require_admin(
 /// `GET /staff/admin`.
 pub(crate) async fn show_admin(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
+    StaffView { login, texts }: StaffView,
     headers: HeaderMap,
 ) -> Answer {
-    let texts = Texts::of_request(&headers);
     let words = AdminTexts::of(texts);
     let found = app.run(|app| Ok((app.booth.list_accounts()?, app.booth.list_enrol_tokens()?)));
     let (accounts, tokens) = found.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
@@ -76,12 +75,9 @@ pub(crate) async fn show_admin(
 /// `POST /staff/admin/accounts`.
 pub(crate) async fn add_account(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
-    Form(fields): Form<Fields>,
+    StaffForm { login, texts, fields }: StaffForm,
 ) -> Answer {
-    let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
-    fields.check(&login).map_err(fail)?;
+    let fail = |refusal| StaffAnswer(texts, refusal);
     let role = match fields.get("role").as_str() {
         "attendant" => StaffRole::Attendant,
         "admin" => StaffRole::Admin,
@@ -99,13 +95,10 @@ pub(crate) async fn add_account(
 /// `POST /staff/admin/accounts/{name}/{action}`: `disable` or `enable`.
 pub(crate) async fn change_account(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
     Path((name, action)): Path<(String, String)>,
-    Form(fields): Form<Fields>,
+    StaffForm { login, texts, .. }: StaffForm,
 ) -> Answer {
-    let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
-    fields.check(&login).map_err(fail)?;
+    let fail = |refusal| StaffAnswer(texts, refusal);
     let is_disabled = match action.as_str() {
         "disable" => true,
         "enable" => false,
@@ -121,12 +114,9 @@ pub(crate) async fn change_account(
 /// `POST /staff/admin/tokens`: makes one, and sends the fleet's file, which is all that ever shows it.
 pub(crate) async fn add_token(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
-    Form(fields): Form<Fields>,
+    StaffForm { login, texts, fields }: StaffForm,
 ) -> Answer {
-    let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
-    fields.check(&login).map_err(fail)?;
+    let fail = |refusal| StaffAnswer(texts, refusal);
     let (uses, days) = (fields.get("uses").parse().ok(), fields.get("days").parse().ok());
     let uses = uses.filter(|uses| (1..=MAX_USES).contains(uses));
     let days = days.filter(|days| (1..=MAX_DAYS).contains(days));
@@ -151,13 +141,10 @@ pub(crate) async fn add_token(
 /// `POST /staff/admin/tokens/{hash}/revoke`.
 pub(crate) async fn revoke_token(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
     Path(hash): Path<String>,
-    Form(fields): Form<Fields>,
+    StaffForm { login, texts, .. }: StaffForm,
 ) -> Answer {
-    let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
-    fields.check(&login).map_err(fail)?;
+    let fail = |refusal| StaffAnswer(texts, refusal);
     let hash = ContentHash::parse_hex(&hash);
     let hash = hash.ok_or(fail(Refusal::NotFound("no such enrolment token")))?;
     let done = app
@@ -170,11 +157,9 @@ pub(crate) async fn revoke_token(
 /// `GET /staff/audit?before=MILLISECONDS`.
 pub(crate) async fn show_audit(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
+    StaffView { login, texts }: StaffView,
     Query(fields): Query<Fields>,
 ) -> Answer {
-    let texts = Texts::of_request(&headers);
     let words = AdminTexts::of(texts);
     let before = fields.get("before").parse().map_or(BoothTime(u64::MAX), BoothTime);
     let found = app.run(move |app| app.booth.list_audit_before(before, LISTED_ENTRIES)).await;

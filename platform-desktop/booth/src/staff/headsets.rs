@@ -3,8 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use axum::extract::{Extension, Form, Path, State};
-use axum::http::HeaderMap;
+use axum::extract::{Path, State};
 use axum::response::{IntoResponse, Redirect, Response};
 use maud::{Markup, html};
 use paros_booth_rules::records::{Command, Device};
@@ -12,7 +11,7 @@ use paros_booth_rules::{AttemptView, BoothTime, LoggedIn, Refusal, device_status
 use paros_core::badge::Pictogram;
 use paros_core::outbox::messages::{CommandKind, Heartbeat};
 
-use super::page::{Fields, StaffAnswer, action_button, page};
+use super::page::{StaffAnswer, StaffForm, StaffView, action_button, page};
 use super::svg::draw_pictogram;
 use super::texts::Texts;
 use crate::app::App;
@@ -33,10 +32,8 @@ struct HeadsetView {
 /// `GET /staff/headsets`.
 pub(crate) async fn show_headsets(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
+    StaffView { login, texts }: StaffView,
 ) -> Answer {
-    let texts = Texts::of_request(&headers);
     let now = booth_time();
     let found = app.run(move |app| {
         let mut views = Vec::new();
@@ -63,13 +60,10 @@ pub(crate) async fn show_headsets(
 /// `POST /staff/headsets/{number}/{command}`.
 pub(crate) async fn ask_command(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
     Path((headset, kind)): Path<(u32, u8)>,
-    Form(fields): Form<Fields>,
+    StaffForm { login, texts, .. }: StaffForm,
 ) -> Answer {
-    let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
-    fields.check(&login).map_err(fail)?;
+    let fail = |refusal| StaffAnswer(texts, refusal);
     let kind = CommandKind::ALL.get(usize::from(kind)).copied();
     let kind = kind.ok_or(fail(Refusal::NotFound("no such command")))?;
     let done =
@@ -81,13 +75,11 @@ pub(crate) async fn ask_command(
 /// `POST /staff/attempts/{number}/{action}`: `accept`, `decline`, or the number of the headset that it is.
 pub(crate) async fn decide_attempt(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
     Path((attempt, action)): Path<(u64, String)>,
-    Form(fields): Form<Fields>,
+    StaffForm { login, texts, .. }: StaffForm,
 ) -> Answer {
-    let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
-    fields.check(&login).and_then(|()| login.check_admin()).map_err(fail)?;
+    let fail = |refusal| StaffAnswer(texts, refusal);
+    login.check_admin().map_err(fail)?;
     let done = app.run(move |app| {
         let (booth, by, now) = (&app.booth, login.account.as_str(), booth_time());
         match (action.as_str(), action.parse()) {

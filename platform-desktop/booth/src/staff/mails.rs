@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use axum::extract::{Extension, Form, Path, State};
-use axum::http::HeaderMap;
+use axum::extract::{Path, State};
 use axum::response::{IntoResponse, Redirect, Response};
 use maud::{Markup, html};
 use paros_booth_rules::records::{MailOrder, MailState, Sculpture};
@@ -11,7 +10,7 @@ use paros_booth_rules::{LoggedIn, Refusal};
 use paros_core::outbox::messages::{AgeGroup, SculptureId, UploadFacts};
 
 use super::admin_texts::AdminTexts;
-use super::page::{Fields, StaffAnswer, form_token};
+use super::page::{StaffAnswer, StaffForm, form_token};
 use super::sculptures::utc;
 use super::texts::Texts;
 use crate::app::App;
@@ -21,13 +20,10 @@ use crate::random::random_bytes;
 /// `POST /staff/sculptures/{id}/mail`.
 pub(crate) async fn ask_mail(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
     Path(id): Path<String>,
-    Form(fields): Form<Fields>,
+    StaffForm { login, texts, fields }: StaffForm,
 ) -> Result<Response, StaffAnswer> {
-    let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
-    fields.check(&login).map_err(fail)?;
+    let fail = |refusal| StaffAnswer(texts, refusal);
     let id = SculptureId::parse_hex(&id).ok_or(fail(Refusal::NotFound("no such sculpture")))?;
     let Some(waker) = app.wakers.mails.clone() else {
         return Err(fail(Refusal::NotFound("no mail server was set")));

@@ -22,13 +22,14 @@ use axum::extract::{Path, Request};
 use axum::http::{HeaderName, HeaderValue, header};
 use axum::middleware::{Next, from_fn, from_fn_with_state};
 use axum::response::{IntoResponse, Redirect, Response};
-use axum::routing::{get, post};
+use axum::routing::{MethodRouter, get, post};
 
 pub(crate) use login::LoginGate;
 pub(crate) use sculptures::utc;
 pub(crate) use svg::draw_badge;
 
 use crate::app::App;
+use crate::model::ModelFormat;
 use crate::viewer;
 
 /// What browsers are told of every page: nothing is taken from elsewhere, nothing runs but the script, nobody frames it,
@@ -68,9 +69,9 @@ pub(crate) fn router(app: &Arc<App>) -> Router<Arc<App>> {
         .route("/staff/find", get(sculptures::find))
         .route("/staff/sculptures/{id}", get(sculptures::show))
         .route("/staff/sculptures/{id}/picture.png", get(sculptures::send_picture))
-        .route("/staff/sculptures/{id}/model.stl", get(sculptures::send_stl))
-        .route("/staff/sculptures/{id}/model.3mf", get(sculptures::send_3mf))
-        .route("/staff/sculptures/{id}/model.glb", get(sculptures::send_glb))
+        .route("/staff/sculptures/{id}/model.stl", send_model(ModelFormat::Stl))
+        .route("/staff/sculptures/{id}/model.3mf", send_model(ModelFormat::Mf))
+        .route("/staff/sculptures/{id}/model.glb", send_model(ModelFormat::Glb))
         .route("/staff/sculptures/{id}/mail", post(mails::ask_mail))
         .route("/staff/sculptures/{id}/print", post(prints::ask_print))
         .route("/staff/sculptures/{id}/slip", get(slip::show_slip))
@@ -98,6 +99,10 @@ pub(crate) fn router(app: &Arc<App>) -> Router<Arc<App>> {
         )
         .route_layer(from_fn(guard))
         .merge(viewer::router())
+}
+
+fn send_model(format: ModelFormat) -> MethodRouter<Arc<App>> {
+    get(move |app, view, id| sculptures::send_model(app, view, id, format))
 }
 
 async fn guard(request: Request, next: Next) -> Response {

@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 
+use axum::extract::{Extension, Form, FromRequest, FromRequestParts, Request};
+use axum::http::request::Parts;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{Html, IntoResponse, Response};
 use maud::{DOCTYPE, Markup, html};
@@ -25,13 +27,48 @@ impl Fields {
     }
 
     /// Checks that the form was made for this login.
-    ///
-    /// # Errors
-    /// [`Refusal::Forbidden`] where it wasn't.
-    pub(crate) fn check(&self, login: &LoggedIn) -> Result<(), Refusal> {
+    fn check(&self, login: &LoggedIn) -> Result<(), Refusal> {
         // The form's token has the form of an id.
         let token = paros_core::outbox::messages::SculptureId::parse_hex(&self.get("form"));
         login.check_form(&token.map_or([0; 16], |token| token.0))
+    }
+}
+
+/// Who asks for a page, and in which language it is.
+pub(crate) struct StaffView {
+    pub(crate) login: LoggedIn,
+    pub(crate) texts: &'static Texts,
+}
+
+/// A form that was made for who sends it: no handler sees another one.
+pub(crate) struct StaffForm {
+    pub(crate) login: LoggedIn,
+    pub(crate) texts: &'static Texts,
+    pub(crate) fields: Fields,
+}
+
+impl<S: Send + Sync> FromRequestParts<S> for StaffView {
+    type Rejection = Response;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Response> {
+        let login = Extension::from_request_parts(parts, state).await;
+        let Extension(login) = login.map_err(IntoResponse::into_response)?;
+        Ok(StaffView { login, texts: Texts::of_request(&parts.headers) })
+    }
+}
+
+impl<S: Send + Sync> FromRequest<S> for StaffForm {
+    type Rejection = Response;
+
+    async fn from_request(request: Request, state: &S) -> Result<Self, Response> {
+        let (mut parts, body) = request.into_parts();
+        let StaffView { login, texts } = StaffView::from_request_parts(&mut parts, state).await?;
+        let form = Form::from_request(Request::from_parts(parts, body), state).await;
+        let Form(fields): Form<Fields> = form.map_err(IntoResponse::into_response)?;
+        match fields.check(&login) {
+            Ok(()) => Ok(StaffForm { login, texts, fields }),
+            Err(refusal) => Err(StaffAnswer(texts, refusal).into_response()),
+        }
     }
 }
 

@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use axum::extract::{Extension, Form, Path, State};
-use axum::http::HeaderMap;
+use axum::extract::{Path, State};
 use axum::response::{IntoResponse, Redirect, Response};
 use maud::{Markup, html};
 use paros_booth_rules::limits::{
@@ -14,7 +13,7 @@ use paros_booth_rules::{LoggedIn, PrintJob, PrintSize, PrintStep, PrintWish, Ref
 use paros_core::badge::BadgeNumber;
 use paros_core::outbox::messages::{SculptureId, UploadFacts};
 
-use super::page::{Fields, StaffAnswer, action_button, form_token, page};
+use super::page::{StaffAnswer, StaffForm, StaffView, action_button, form_token, page};
 use super::print_texts::PrintTexts;
 use super::sculptures::utc;
 use super::svg::draw_badge;
@@ -38,10 +37,8 @@ type Answer = Result<Response, StaffAnswer>;
 /// `GET /staff/prints`: all that is open, then what is over.
 pub(crate) async fn show_queue(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
+    StaffView { login, texts }: StaffView,
 ) -> Answer {
-    let texts = Texts::of_request(&headers);
     let jobs = app.run(|app| app.booth.list_print_queue()).await;
     let jobs = jobs.map_err(|refusal| StaffAnswer(texts, refusal))?;
     let printers: Vec<PrinterView> = app.printers.iter().map(Printer::view).collect();
@@ -67,13 +64,10 @@ pub(crate) async fn show_queue(
 /// `POST /staff/sculptures/{id}/print`.
 pub(crate) async fn ask_print(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
     Path(id): Path<String>,
-    Form(fields): Form<Fields>,
+    StaffForm { login, texts, fields }: StaffForm,
 ) -> Answer {
-    let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
-    fields.check(&login).map_err(fail)?;
+    let fail = |refusal| StaffAnswer(texts, refusal);
     let id = SculptureId::parse_hex(&id).ok_or(fail(Refusal::NotFound("no such sculpture")))?;
     let size = read_size(&fields.get("height"), &fields.get("minutes")).map_err(fail)?;
     let wish = PrintWish { size, filament: fields.get("filament"), note: fields.get("note") };
@@ -91,13 +85,10 @@ pub(crate) async fn ask_print(
 /// `POST /staff/prints/{order}/{step}`.
 pub(crate) async fn step_print(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
     Path((order, step)): Path<(u64, String)>,
-    Form(fields): Form<Fields>,
+    StaffForm { login, texts, .. }: StaffForm,
 ) -> Answer {
-    let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
-    fields.check(&login).map_err(fail)?;
+    let fail = |refusal| StaffAnswer(texts, refusal);
     let step = STEPS.into_iter().find(|(_, name)| *name == step);
     let (step, _) = step.ok_or(fail(Refusal::NotFound("no such action")))?;
     let step = (step, app.wakers.slices.is_some());
@@ -113,13 +104,10 @@ pub(crate) async fn step_print(
 /// `POST /staff/prints/{order}/send/{printer}`, by the printer's place in the list.
 pub(crate) async fn send_print(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
     Path((order, printer)): Path<(u64, usize)>,
-    Form(fields): Form<Fields>,
+    StaffForm { login, texts, .. }: StaffForm,
 ) -> Answer {
-    let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
-    fields.check(&login).map_err(fail)?;
+    let fail = |refusal| StaffAnswer(texts, refusal);
     let done = app.run(move |app| {
         let printer = app.printers.get(printer).ok_or(Refusal::NotFound("no such printer"))?;
         app.booth.send_print(order, printer.name(), &login.account, booth_time())?;

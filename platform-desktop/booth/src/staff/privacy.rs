@@ -3,17 +3,17 @@
 use std::sync::Arc;
 
 use axum::body::Body;
-use axum::extract::{Extension, Form, Path, State};
+use axum::extract::{Path, State};
 use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Redirect, Response};
 use maud::{Markup, html};
 use paros_booth_rules::records::{BadgeClaim, MailOrder};
-use paros_booth_rules::{BadgeRecords, LoggedIn, Refusal, SculptureRecords};
+use paros_booth_rules::{BadgeRecords, Refusal, SculptureRecords};
 use paros_core::badge::BadgeNumber;
 use paros_core::outbox::messages::SculptureId;
 
 use super::admin_texts::AdminTexts;
-use super::page::{Fields, StaffAnswer, action_button, page};
+use super::page::{StaffAnswer, StaffForm, StaffView, action_button, page};
 use super::sculptures::utc;
 use super::svg::draw_badge;
 use super::texts::Texts;
@@ -36,11 +36,9 @@ pub(crate) async fn show_privacy(State(app): State<Arc<App>>, headers: HeaderMap
 /// `GET /staff/badges/{number}`: all that is known under a badge.
 pub(crate) async fn show_known(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
+    StaffView { login, texts }: StaffView,
     Path(number): Path<u32>,
 ) -> Answer {
-    let texts = Texts::of_request(&headers);
     let words = AdminTexts::of(texts);
     let fail = |refusal| StaffAnswer(texts, refusal);
     let badge = find_badge(number).map_err(fail)?;
@@ -71,10 +69,10 @@ pub(crate) async fn show_known(
 /// `GET /staff/badges/{number}/export.zip`.
 pub(crate) async fn send_export(
     State(app): State<Arc<App>>,
-    headers: HeaderMap,
+    StaffView { texts, .. }: StaffView,
     Path(number): Path<u32>,
 ) -> Answer {
-    let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
+    let fail = |refusal| StaffAnswer(texts, refusal);
     let badge = find_badge(number).map_err(fail)?;
     let made = app.run_decode(move |app| write_export(&app.booth, badge)).await;
     let head = [
@@ -87,13 +85,10 @@ pub(crate) async fn send_export(
 /// `POST /staff/badges/{number}/delete`.
 pub(crate) async fn delete_known(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
     Path(number): Path<u32>,
-    Form(fields): Form<Fields>,
+    StaffForm { login, texts, .. }: StaffForm,
 ) -> Answer {
-    let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
-    fields.check(&login).map_err(fail)?;
+    let fail = |refusal| StaffAnswer(texts, refusal);
     let badge = find_badge(number).map_err(fail)?;
     let done = app.run(move |app| app.booth.delete_known(badge, &login.account, booth_time()));
     done.await.map_err(fail)?;

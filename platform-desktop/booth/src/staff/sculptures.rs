@@ -3,20 +3,20 @@
 use std::sync::Arc;
 
 use axum::body::Body;
-use axum::extract::{Extension, Form, Path, Query, State};
-use axum::http::{HeaderMap, StatusCode, header};
+use axum::extract::{Path, Query, State};
+use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Redirect, Response};
 use maud::{Markup, html};
 use paros_booth_rules::records::{Announcement, Sculpture};
 use paros_booth_rules::{
-    BadgeMatches, BoothTime, FoundByBadge, LoggedIn, MissingSculpture, Refusal, parse_badge_words,
+    BadgeMatches, BoothTime, FoundByBadge, MissingSculpture, Refusal, parse_badge_words,
 };
 use paros_core::badge::{Badge, BadgeColour, BadgeNumber, Pictogram};
 use paros_core::outbox::messages::SculptureId;
 
 use super::admin_texts::AdminTexts;
 use super::mails::mails_of;
-use super::page::{Fields, StaffAnswer, action_button, page};
+use super::page::{Fields, StaffAnswer, StaffForm, StaffView, action_button, page};
 use super::print_texts::PrintTexts;
 use super::prints::prints_of;
 use super::slip::link_actions;
@@ -35,10 +35,8 @@ type Answer = Result<Response, StaffAnswer>;
 /// `GET /staff`: the newest.
 pub(crate) async fn show_newest(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
+    StaffView { login, texts }: StaffView,
 ) -> Answer {
-    let texts = Texts::of_request(&headers);
     let found = app.run(|app| app.booth.list_newest(LISTED, booth_time())).await;
     let found = found.map_err(|refusal| StaffAnswer(texts, refusal))?;
     Ok(page(texts, Some(&login), texts.newest, &cards(texts, &found)))
@@ -47,10 +45,8 @@ pub(crate) async fn show_newest(
 /// `GET /staff/withdrawn`.
 pub(crate) async fn show_withdrawn(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
+    StaffView { login, texts }: StaffView,
 ) -> Answer {
-    let texts = Texts::of_request(&headers);
     let found = app.run(|app| app.booth.list_withdrawn(LISTED, booth_time())).await;
     let found = found.map_err(|refusal| StaffAnswer(texts, refusal))?;
     Ok(page(texts, Some(&login), texts.withdrawn, &cards(texts, &found)))
@@ -59,10 +55,8 @@ pub(crate) async fn show_withdrawn(
 /// `GET /staff/missing`: what was announced and hasn't come.
 pub(crate) async fn show_missing(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
+    StaffView { login, texts }: StaffView,
 ) -> Answer {
-    let texts = Texts::of_request(&headers);
     let found = app.run(|app| app.booth.list_missing(LISTED)).await;
     let found = found.map_err(|refusal| StaffAnswer(texts, refusal))?;
     let body = html! {
@@ -79,11 +73,9 @@ pub(crate) async fn show_missing(
 /// `GET /staff/find`: by words, or by the numbers of a colour and four pictograms.
 pub(crate) async fn find(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
+    StaffView { login, texts }: StaffView,
     Query(fields): Query<Fields>,
 ) -> Answer {
-    let texts = Texts::of_request(&headers);
     let (words, colour) = (fields.get("words"), fields.get("colour"));
     let asked = if !words.is_empty() {
         Some(parse_badge_words(&words).map_err(|fault| fault.to_string()))
@@ -133,11 +125,9 @@ pub(crate) async fn find(
 /// `GET /staff/sculptures/{id}`.
 pub(crate) async fn show(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
+    StaffView { login, texts }: StaffView,
     Path(id): Path<String>,
 ) -> Answer {
-    let texts = Texts::of_request(&headers);
     let found = find_sculpture(&app, &id).await.map_err(|refusal| StaffAnswer(texts, refusal))?;
     let id = SculptureId(found.id);
     let orders = app.run(move |app| Ok((app.booth.list_mails(&id)?, app.booth.list_prints(&id)?)));
@@ -189,10 +179,10 @@ pub(crate) async fn show(
 /// `GET /staff/sculptures/{id}/picture.png`.
 pub(crate) async fn send_picture(
     State(app): State<Arc<App>>,
-    headers: HeaderMap,
+    StaffView { texts, .. }: StaffView,
     Path(id): Path<String>,
 ) -> Answer {
-    let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
+    let fail = |refusal| StaffAnswer(texts, refusal);
     let found = find_sculpture(&app, &id).await.map_err(fail)?;
     match app.run(move |app| app.booth.read_picture(&found)).await.map_err(fail)? {
         Some(png) => Ok(([(header::CONTENT_TYPE, "image/png")], Body::from(png)).into_response()),
@@ -200,28 +190,14 @@ pub(crate) async fn send_picture(
     }
 }
 
-/// `GET /staff/sculptures/{id}/model.stl`.
-pub(crate) async fn send_stl(app: State<Arc<App>>, headers: HeaderMap, id: Path<String>) -> Answer {
-    send_model(app, headers, id, ModelFormat::Stl).await
-}
-
-/// `GET /staff/sculptures/{id}/model.3mf`.
-pub(crate) async fn send_3mf(app: State<Arc<App>>, headers: HeaderMap, id: Path<String>) -> Answer {
-    send_model(app, headers, id, ModelFormat::Mf).await
-}
-
-/// `GET /staff/sculptures/{id}/model.glb`.
-pub(crate) async fn send_glb(app: State<Arc<App>>, headers: HeaderMap, id: Path<String>) -> Answer {
-    send_model(app, headers, id, ModelFormat::Glb).await
-}
-
-async fn send_model(
+/// `GET /staff/sculptures/{id}/model.stl`, `.3mf` and `.glb`.
+pub(crate) async fn send_model(
     State(app): State<Arc<App>>,
-    headers: HeaderMap,
+    StaffView { texts, .. }: StaffView,
     Path(id): Path<String>,
     format: ModelFormat,
 ) -> Answer {
-    let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
+    let fail = |refusal| StaffAnswer(texts, refusal);
     let found = find_sculpture(&app, &id).await.map_err(fail)?;
     let head = format.headers(&format!("paros-{}", SculptureId(found.id)));
     let model = app.run_model(move |app| format.make(&app.booth, &found)).await.map_err(fail)?;
@@ -231,13 +207,10 @@ async fn send_model(
 /// `POST /staff/sculptures/{id}/{action}`.
 pub(crate) async fn change(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
     Path((id, action)): Path<(String, String)>,
-    Form(fields): Form<Fields>,
+    StaffForm { login, texts, .. }: StaffForm,
 ) -> Answer {
-    let fail = |refusal| StaffAnswer(Texts::of_request(&headers), refusal);
-    fields.check(&login).map_err(fail)?;
+    let fail = |refusal| StaffAnswer(texts, refusal);
     let id = SculptureId::parse_hex(&id).ok_or(fail(Refusal::NotFound("no such sculpture")))?;
     let to =
         if action == "delete" { "/staff".to_owned() } else { format!("/staff/sculptures/{id}") };

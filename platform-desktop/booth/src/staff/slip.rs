@@ -3,8 +3,7 @@
 
 use std::sync::Arc;
 
-use axum::extract::{Extension, Path, State};
-use axum::http::HeaderMap;
+use axum::extract::{Path, State};
 use axum::response::Response;
 use maud::{Markup, html};
 use paros_booth_rules::records::{PrintOrder, Sculpture};
@@ -12,7 +11,7 @@ use paros_booth_rules::{LoggedIn, PrintJob, Refusal};
 use paros_core::badge::BadgeNumber;
 use paros_core::outbox::messages::SculptureId;
 
-use super::page::{StaffAnswer, action_button, page};
+use super::page::{StaffAnswer, StaffView, action_button, page};
 use super::print_texts::PrintTexts;
 use super::prints::order_facts;
 use super::sculptures::utc;
@@ -27,11 +26,9 @@ type Answer = Result<Response, StaffAnswer>;
 /// `GET /staff/sculptures/{id}/slip`.
 pub(crate) async fn show_slip(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
+    StaffView { login, texts }: StaffView,
     Path(id): Path<String>,
 ) -> Answer {
-    let texts = Texts::of_request(&headers);
     let found = app.run(move |app| {
         let id = SculptureId::parse_hex(&id).ok_or(Refusal::NotFound("no such sculpture"))?;
         let sculpture = app.booth.find_sculpture(&id, booth_time())?;
@@ -44,11 +41,9 @@ pub(crate) async fn show_slip(
 /// `GET /staff/prints/{order}/slip`.
 pub(crate) async fn show_order_slip(
     State(app): State<Arc<App>>,
-    Extension(login): Extension<LoggedIn>,
-    headers: HeaderMap,
+    StaffView { login, texts }: StaffView,
     Path(order): Path<u64>,
 ) -> Answer {
-    let texts = Texts::of_request(&headers);
     let found = app.run(move |app| {
         let PrintJob { order, sculpture } = app.booth.find_print(order)?;
         Ok(slip(app, &sculpture, Some(&order)))
