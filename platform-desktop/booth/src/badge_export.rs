@@ -5,7 +5,7 @@ use std::io::{Cursor, Read as _, Write as _};
 use flate2::read::DeflateDecoder;
 use paros_booth_rules::limits::MAX_EXPORTED;
 use paros_booth_rules::records::{MailState, Sculpture};
-use paros_booth_rules::{BadgeRecords, Booth, Refusal, SculptureRecords};
+use paros_booth_rules::{BadgeRecords, Booth, BoothTime, Refusal, SculptureRecords};
 use paros_core::badge::{BadgeNumber, Language, write_words};
 use paros_core::outbox::messages::{SculptureId, UploadFacts};
 use serde_json::{Value, json};
@@ -97,7 +97,7 @@ fn tell_sculpture(known: &SculptureRecords) -> Value {
         "id": SculptureId(*id).to_string(),
         "headset": headset,
         "received_at": received_at.0,
-        "kept_until": 86_400_000 * (u64::from(*keep_day) + 1),
+        "kept_until": BoothTime::of_day(keep_day.saturating_add(1)).0,
         "withdrawn_at": withdrawn_at.map(|at| at.0),
         "has_trace": has_trace,
         "visit": UploadFacts::from_bytes(&known.sculpture.facts).ok().map(|facts| tell_facts(&facts)),

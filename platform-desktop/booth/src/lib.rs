@@ -28,6 +28,7 @@ mod migrations;
 mod model;
 mod options;
 mod own_file;
+mod page_guard;
 mod parcel_decode;
 mod picture;
 mod places;

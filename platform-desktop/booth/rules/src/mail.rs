@@ -5,7 +5,7 @@
 use std::time::Duration;
 
 use paros_core::badge::Language;
-use paros_core::outbox::messages::{SculptureId, UploadFacts};
+use paros_core::outbox::messages::SculptureId;
 
 use crate::audit::note;
 use crate::booth::{Booth, Tx};
@@ -78,14 +78,11 @@ impl Booth {
             if is_full || tx.get::<MailOrder>(&key)?.is_some() {
                 return Err(Refusal::Conflict("as many mails of this sculpture as may be"));
             }
-            let facts = UploadFacts::from_bytes(&sculpture.facts);
-            let is_greek = facts.is_ok_and(|facts| &facts.language == b"el");
-            let language = if is_greek { Language::Greek } else { Language::English };
             tx.put(&MailOrder {
                 order,
                 sculpture: id.0,
                 address: Some(address.to_owned()),
-                language: language as u8,
+                language: sculpture.visit_language() as u8,
                 asked_at: now,
                 state: MailState::Queued,
                 tries: 0,

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use paros_core::badge::BadgeLedger;
+use paros_core::badge::{BadgeLedger, DAY_SECONDS};
 
 use crate::value::{ColumnKind, Field, Value};
 
@@ -21,6 +21,12 @@ impl BoothTime {
     #[must_use]
     pub const fn day(self) -> u32 {
         BadgeLedger::day_of(self.seconds())
+    }
+
+    /// The beginning of a day.
+    #[must_use]
+    pub const fn of_day(day: u32) -> Self {
+        BoothTime(day as u64 * DAY_SECONDS * 1000)
     }
 
     /// So much later.

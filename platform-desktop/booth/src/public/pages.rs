@@ -17,7 +17,7 @@ use maud::{DOCTYPE, Markup, html};
 use paros_booth_rules::records::Sculpture;
 use paros_booth_rules::{BoothTime, LinkToken, Refusal};
 use paros_core::badge::{BadgeNumber, Language};
-use paros_core::outbox::messages::{SculptureId, UploadFacts};
+use paros_core::outbox::messages::SculptureId;
 use tracing::warn;
 
 use super::address::path_of;
@@ -25,6 +25,7 @@ use super::texts::PublicTexts;
 use crate::app::App;
 use crate::clock::booth_time;
 use crate::model::ModelFormat;
+use crate::page_guard::guard;
 use crate::rate::RateLimiter;
 use crate::routes::{Peer, bound_and_count};
 use crate::staff::{draw_badge, utc};
@@ -32,21 +33,6 @@ use crate::viewer::{self, draw_viewer};
 
 /// Bytes of a form: a word.
 const MAX_FORM_BYTES: usize = 4 << 10;
-
-/// What browsers are told of every page: nothing is taken from elsewhere, nobody keeps it, and nobody is told where
-/// one came from, as the address is the key.
-const HEADERS: [(HeaderName, &str); 6] = [
-    (
-        header::CONTENT_SECURITY_POLICY,
-        "default-src 'none'; img-src 'self'; style-src 'self'; script-src 'self'; connect-src 'self'; \
-         form-action 'self'; base-uri 'none'; frame-ancestors 'none'",
-    ),
-    (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
-    (header::REFERRER_POLICY, "no-referrer"),
-    (header::CACHE_CONTROL, "no-store"),
-    (header::X_FRAME_OPTIONS, "DENY"),
-    (HeaderName::from_static("x-robots-tag"), "noindex, nofollow"),
-];
 
 /// Who guesses, and who downloads.
 pub(crate) struct PublicGate {
@@ -115,6 +101,7 @@ pub(crate) fn router(app: &Arc<App>) -> Router {
         .fallback(|headers: HeaderMap| async move {
             PublicAnswer(texts_of_browser(&headers), Refusal::NotFound("")).into_response()
         })
+        .layer(from_fn(hide_from_robots))
         .layer(from_fn(guard));
     Router::new()
         .merge(of_visit)
@@ -124,11 +111,11 @@ pub(crate) fn router(app: &Arc<App>) -> Router {
         .with_state(app.clone())
 }
 
-async fn guard(request: Request, next: Next) -> Response {
+/// As the address is the key, no search engine is to have it.
+async fn hide_from_robots(request: Request, next: Next) -> Response {
     let mut answer = next.run(request).await;
-    for (name, value) in HEADERS {
-        answer.headers_mut().insert(name, HeaderValue::from_static(value));
-    }
+    let robots = HeaderName::from_static("x-robots-tag");
+    answer.headers_mut().insert(robots, HeaderValue::from_static("noindex, nofollow"));
     answer
 }
 
@@ -163,7 +150,7 @@ impl FromRequestParts<Arc<App>> for Visit {
         let texts = match parts.uri.query() {
             Some("language=el") => PublicTexts::of(Language::Greek),
             Some("language=en") => PublicTexts::of(Language::English),
-            _ => texts_of_visit(&sculpture),
+            _ => PublicTexts::of(sculpture.visit_language()),
         };
         Ok(Visit { sculpture, token, texts })
     }
@@ -183,7 +170,7 @@ impl Visit {
 async fn show(visit: Visit) -> Response {
     let Visit { texts, ref sculpture, .. } = visit;
     let at = visit.path();
-    let last_day = utc(BoothTime(u64::from(sculpture.keep_day) * 86_400_000));
+    let last_day = utc(BoothTime::of_day(sculpture.keep_day));
     page(
         texts,
         Some(&at),
@@ -314,12 +301,6 @@ impl IntoResponse for PublicAnswer {
         }
         answer
     }
-}
-
-fn texts_of_visit(sculpture: &Sculpture) -> &'static PublicTexts {
-    let facts = UploadFacts::from_bytes(&sculpture.facts);
-    let is_greek = facts.is_ok_and(|facts| &facts.language == b"el");
-    PublicTexts::of(if is_greek { Language::Greek } else { Language::English })
 }
 
 /// Without a sculpture there is the browser's language.

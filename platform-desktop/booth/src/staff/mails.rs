@@ -11,11 +11,11 @@ use paros_core::outbox::messages::{AgeGroup, SculptureId, UploadFacts};
 
 use super::admin_texts::AdminTexts;
 use super::page::{StaffAnswer, StaffForm, form_token};
-use super::sculptures::utc;
+use super::sculptures::{parse_id, utc};
 use super::texts::Texts;
 use crate::app::App;
 use crate::clock::booth_time;
-use crate::random::random_bytes;
+use crate::random::random_number;
 
 /// `POST /staff/sculptures/{id}/mail`.
 pub(crate) async fn ask_mail(
@@ -24,13 +24,11 @@ pub(crate) async fn ask_mail(
     StaffForm { login, texts, fields }: StaffForm,
 ) -> Result<Response, StaffAnswer> {
     let fail = |refusal| StaffAnswer(texts, refusal);
-    let id = SculptureId::parse_hex(&id).ok_or(fail(Refusal::NotFound("no such sculpture")))?;
+    let id = parse_id(&id).map_err(fail)?;
     let Some(waker) = app.wakers.mails.clone() else {
         return Err(fail(Refusal::NotFound("no mail server was set")));
     };
-    let order = u64::from_le_bytes(random_bytes().map_err(|error| fail(error.into()))?);
-    // A column of SQLite has a sign.
-    let order = order >> 1;
+    let order = random_number().map_err(|error| fail(error.into()))?;
     let asked = app.run(move |app| {
         let address = fields.get("address");
         let keeps_address = !fields.get("keep").is_empty();

@@ -18,9 +18,9 @@ mod texts;
 use std::sync::Arc;
 
 use axum::Router;
-use axum::extract::{Path, Request};
-use axum::http::{HeaderName, HeaderValue, header};
-use axum::middleware::{Next, from_fn, from_fn_with_state};
+use axum::extract::Path;
+use axum::http::header;
+use axum::middleware::{from_fn, from_fn_with_state};
 use axum::response::{IntoResponse, Redirect, Response};
 use axum::routing::{MethodRouter, get, post};
 
@@ -30,21 +30,8 @@ pub(crate) use svg::draw_badge;
 
 use crate::app::App;
 use crate::model::ModelFormat;
+use crate::page_guard::guard;
 use crate::viewer;
-
-/// What browsers are told of every page: nothing is taken from elsewhere, nothing runs but the script, nobody frames it,
-/// nobody keeps it, and nobody is told where one came from.
-const HEADERS: [(HeaderName, &str); 5] = [
-    (
-        header::CONTENT_SECURITY_POLICY,
-        "default-src 'none'; img-src 'self'; style-src 'self'; script-src 'self'; connect-src 'self'; \
-         form-action 'self'; base-uri 'none'; frame-ancestors 'none'",
-    ),
-    (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
-    (header::REFERRER_POLICY, "no-referrer"),
-    (header::CACHE_CONTROL, "no-store"),
-    (header::X_FRAME_OPTIONS, "DENY"),
-];
 
 /// The routes of the staff page.
 pub(crate) fn router(app: &Arc<App>) -> Router<Arc<App>> {
@@ -103,14 +90,6 @@ pub(crate) fn router(app: &Arc<App>) -> Router<Arc<App>> {
 
 fn send_model(format: ModelFormat) -> MethodRouter<Arc<App>> {
     get(move |app, view, id| sculptures::send_model(app, view, id, format))
-}
-
-async fn guard(request: Request, next: Next) -> Response {
-    let mut answer = next.run(request).await;
-    for (name, value) in HEADERS {
-        answer.headers_mut().insert(name, HeaderValue::from_static(value));
-    }
-    answer
 }
 
 fn asset(kind: &'static str, text: &'static str) -> Response {

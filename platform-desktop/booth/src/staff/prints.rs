@@ -10,18 +10,16 @@ use paros_booth_rules::limits::{
 };
 use paros_booth_rules::records::{EstimateState, PrintOrder, PrintState, Sculpture};
 use paros_booth_rules::{LoggedIn, PrintJob, PrintSize, PrintStep, PrintWish, Refusal};
-use paros_core::badge::BadgeNumber;
 use paros_core::outbox::messages::{SculptureId, UploadFacts};
 
 use super::page::{StaffAnswer, StaffForm, StaffView, action_button, form_token, page};
 use super::print_texts::PrintTexts;
-use super::sculptures::utc;
-use super::svg::draw_badge;
+use super::sculptures::{badge_of, parse_id, utc};
 use super::texts::Texts;
 use crate::app::App;
 use crate::clock::booth_time;
 use crate::printing::{Printer, PrinterView};
-use crate::random::random_bytes;
+use crate::random::random_number;
 
 /// The steps that staff take by hand, and how a form's address has them.
 const STEPS: [(PrintStep, &str); 5] = [
@@ -49,7 +47,7 @@ pub(crate) async fn show_queue(
             @for PrintJob { order, sculpture } in &jobs {
                 li class="card" {
                     a href={ "/staff/sculptures/" (SculptureId(sculpture.id)) } {
-                        (badge_of(texts, sculpture))
+                        (badge_of(texts, sculpture.badge))
                     }
                     (order_facts(texts, order))
                     (order_actions(texts, &login, order))
@@ -68,12 +66,11 @@ pub(crate) async fn ask_print(
     StaffForm { login, texts, fields }: StaffForm,
 ) -> Answer {
     let fail = |refusal| StaffAnswer(texts, refusal);
-    let id = SculptureId::parse_hex(&id).ok_or(fail(Refusal::NotFound("no such sculpture")))?;
+    let id = parse_id(&id).map_err(fail)?;
     let size = read_size(&fields.get("height"), &fields.get("minutes")).map_err(fail)?;
     let wish = PrintWish { size, filament: fields.get("filament"), note: fields.get("note") };
-    let order = u64::from_le_bytes(random_bytes().map_err(|error| fail(error.into()))?);
-    // A column of SQLite has a sign.
-    let order = (order >> 1, app.wakers.slices.is_some());
+    let order = random_number().map_err(|error| fail(error.into()))?;
+    let order = (order, app.wakers.slices.is_some());
     let asked = app
         .run(move |app| app.booth.ask_print(&id, &wish, order, &login.account, booth_time()))
         .await;
@@ -266,13 +263,6 @@ fn printers_of(texts: &Texts, printers: &[PrinterView]) -> Markup {
                 }
             }
         }
-    }
-}
-
-fn badge_of(texts: &Texts, sculpture: &Sculpture) -> Markup {
-    match sculpture.badge.and_then(BadgeNumber::new) {
-        Some(number) => draw_badge(&number.badge(), texts.language),
-        None => html! { p { (texts.no_badge) } },
     }
 }
 

@@ -8,7 +8,7 @@ use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Redirect, Response};
 use maud::{Markup, html};
 use paros_booth_rules::records::{BadgeClaim, MailOrder};
-use paros_booth_rules::{BadgeRecords, Refusal, SculptureRecords};
+use paros_booth_rules::{BadgeRecords, BoothTime, Refusal, SculptureRecords};
 use paros_core::badge::BadgeNumber;
 use paros_core::outbox::messages::SculptureId;
 
@@ -108,7 +108,7 @@ fn records_of(texts: &Texts, words: &AdminTexts, known: &SculptureRecords) -> Ma
             p {
                 (texts.headset) " " (sculpture.headset) br;
                 (texts.received) " " (utc(sculpture.received_at)) br;
-                (words.kept_until) " " (utc(paros_booth_rules::BoothTime(86_400_000 * (u64::from(sculpture.keep_day) + 1)))) br;
+                (words.kept_until) " " (utc(BoothTime::of_day(sculpture.keep_day.saturating_add(1)))) br;
                 @if sculpture.has_trace { (words.has_trace) br; }
                 @if let Some(at) = sculpture.withdrawn_at { (texts.withdrawn) " " (utc(at)) br; }
             }

@@ -211,7 +211,7 @@ pub(crate) async fn change(
     StaffForm { login, texts, .. }: StaffForm,
 ) -> Answer {
     let fail = |refusal| StaffAnswer(texts, refusal);
-    let id = SculptureId::parse_hex(&id).ok_or(fail(Refusal::NotFound("no such sculpture")))?;
+    let id = parse_id(&id).map_err(fail)?;
     let to =
         if action == "delete" { "/staff".to_owned() } else { format!("/staff/sculptures/{id}") };
     let done = app.run(move |app| {
@@ -229,8 +229,13 @@ pub(crate) async fn change(
     Ok(Redirect::to(&to).into_response())
 }
 
+/// The id in a page's address.
+pub(super) fn parse_id(id: &str) -> Result<SculptureId, Refusal> {
+    SculptureId::parse_hex(id).ok_or(Refusal::NotFound("no such sculpture"))
+}
+
 async fn find_sculpture(app: &Arc<App>, id: &str) -> Result<Sculpture, Refusal> {
-    let id = SculptureId::parse_hex(id).ok_or(Refusal::NotFound("no such sculpture"))?;
+    let id = parse_id(id)?;
     app.run(move |app| app.booth.find_sculpture(&id, booth_time())).await
 }
 
@@ -307,7 +312,7 @@ fn missing_card(texts: &Texts, announcement: &Announcement, is_lost: bool) -> Ma
     }
 }
 
-fn badge_of(texts: &Texts, badge: Option<u32>) -> Markup {
+pub(super) fn badge_of(texts: &Texts, badge: Option<u32>) -> Markup {
     match badge.and_then(BadgeNumber::new) {
         Some(number) => draw_badge(&number.badge(), texts.language),
         None => html! { p { (texts.no_badge) } },

@@ -7,14 +7,14 @@ use axum::extract::{Path, State};
 use axum::response::Response;
 use maud::{Markup, html};
 use paros_booth_rules::records::{PrintOrder, Sculpture};
-use paros_booth_rules::{LoggedIn, PrintJob, Refusal};
+use paros_booth_rules::{LoggedIn, PrintJob};
 use paros_core::badge::BadgeNumber;
 use paros_core::outbox::messages::SculptureId;
 
 use super::page::{StaffAnswer, StaffView, action_button, page};
 use super::print_texts::PrintTexts;
 use super::prints::order_facts;
-use super::sculptures::utc;
+use super::sculptures::{parse_id, utc};
 use super::svg::draw_badge;
 use super::texts::Texts;
 use crate::app::App;
@@ -30,8 +30,7 @@ pub(crate) async fn show_slip(
     Path(id): Path<String>,
 ) -> Answer {
     let found = app.run(move |app| {
-        let id = SculptureId::parse_hex(&id).ok_or(Refusal::NotFound("no such sculpture"))?;
-        let sculpture = app.booth.find_sculpture(&id, booth_time())?;
+        let sculpture = app.booth.find_sculpture(&parse_id(&id)?, booth_time())?;
         Ok(slip(app, &sculpture, None))
     });
     let slip = found.await.map_err(|refusal| StaffAnswer(texts, refusal))?;

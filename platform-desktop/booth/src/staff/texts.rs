@@ -3,7 +3,7 @@
 use axum::http::{HeaderMap, header};
 use paros_booth_rules::records::{BadgeClaim, CommandState, ExportState, MailState, Sculpture};
 use paros_core::badge::Language;
-use paros_core::outbox::messages::{CommandKind, UploadFacts};
+use paros_core::outbox::messages::CommandKind;
 
 /// What the staff page says.
 pub(crate) struct Texts {
@@ -85,9 +85,10 @@ impl Texts {
 
     /// Those of the language that a sculpture's visitor chose.
     pub(crate) fn of_visit(sculpture: &Sculpture) -> &'static Texts {
-        let facts = UploadFacts::from_bytes(&sculpture.facts);
-        let is_greek = facts.is_ok_and(|facts| &facts.language == b"el");
-        if is_greek { &GREEK } else { &ENGLISH }
+        match sculpture.visit_language() {
+            Language::Greek => &GREEK,
+            Language::English => &ENGLISH,
+        }
     }
 
     /// Those of the language that a browser was set to, or asks for first.

@@ -1,5 +1,8 @@
 //! Sculptures, and what is left of those that were deleted.
 
+use paros_core::badge::Language;
+use paros_core::outbox::messages::UploadFacts;
+
 use crate::table::record;
 use crate::time::BoothTime;
 use crate::value::stored_enum;
@@ -83,5 +86,16 @@ record! {
         pub ends_on: u32,
         /// Whether its files are yet to be removed.
         pub has_files: bool,
+    }
+}
+
+impl Sculpture {
+    /// The language that its visitor chose; English where its facts can't be read.
+    #[must_use]
+    pub fn visit_language(&self) -> Language {
+        match UploadFacts::from_bytes(&self.facts) {
+            Ok(UploadFacts { language, .. }) if &language == b"el" => Language::Greek,
+            _ => Language::English,
+        }
     }
 }
