@@ -1,13 +1,11 @@
 //! Prints that go to a printer on the network. A person sends each: whether the last print still lies on the bed, nobody
 //! else knows. A printer has one of the booth's prints at most, from when it is sent until it is over.
 
-use paros_core::outbox::messages::SculptureId;
-
 use crate::audit::note;
 use crate::booth::Booth;
-use crate::lifecycle::{get_kept, subject_of};
+use crate::lifecycle::subject_of;
 use crate::limits::{LIFE_AT_PRINTER, SENDING_LIFE};
-use crate::prints::{NO_ORDER, PrintJob, PrintStep, take_step};
+use crate::prints::{PrintJob, PrintStep, get_order, take_step};
 use crate::records::{EstimateState, PrintOrder, PrintState, Sculpture};
 use crate::refusal::Refusal;
 use crate::store::Query;
@@ -54,8 +52,7 @@ impl Booth {
         now: BoothTime,
     ) -> Result<(), Refusal> {
         self.update(|tx| {
-            let mut order: PrintOrder = tx.get(&[order.to_value()])?.ok_or(NO_ORDER)?;
-            let sculpture = get_kept(tx, &SculptureId(order.sculpture), now)?;
+            let (mut order, sculpture) = get_order(tx, order, now)?;
             if order.state != PrintState::Sliced || order.estimate != EstimateState::Known {
                 return Err(Refusal::Conflict("a print is sent once it is sliced"));
             }

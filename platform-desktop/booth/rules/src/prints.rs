@@ -6,10 +6,8 @@ use crate::audit::note;
 use crate::booth::{Booth, Tx};
 use crate::find::NO_SCULPTURE;
 use crate::lifecycle::{get_kept, subject_of};
-use crate::limits::{
-    MAX_FILAMENT_CHARS, MAX_LISTED, MAX_NOTE_CHARS, MAX_PRINTS_OF_ONE, PRINT_MINUTES,
-    PRINT_TENTHS_MM,
-};
+use crate::limits::{MAX_LISTED, MAX_PRINTS_OF_ONE};
+use crate::print_wish::{PrintSize, PrintWish, check_minutes_can_be_found};
 use crate::records::{EstimateState, PrintOrder, PrintState, Sculpture};
 use crate::refusal::Refusal;
 use crate::store::{Order, Query, StoreError};
@@ -36,26 +34,6 @@ pub enum PrintStep {
     Cancel,
     /// It is ordered again.
     Retry,
-}
-
-/// What somebody wants printed.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct PrintWish {
-    /// How large.
-    pub size: PrintSize,
-    /// The filament's colour, for people.
-    pub filament: String,
-    /// What else there is to say, for people.
-    pub note: String,
-}
-
-/// How large a print is to be.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum PrintSize {
-    /// So high, in tenths of a millimetre.
-    Height(u32),
-    /// As large as it can be within so many minutes.
-    Minutes(u32),
 }
 
 /// A print that is to be sliced or printed.
@@ -122,7 +100,7 @@ impl Booth {
         account: &str,
         now: BoothTime,
     ) -> Result<(), Refusal> {
-        check_wish(wish, can_slice)?;
+        wish.check(can_slice)?;
         let (height_tenths_mm, most_minutes) = match wish.size {
             PrintSize::Height(height) => (height, None),
             PrintSize::Minutes(minutes) => (0, Some(minutes)),
@@ -221,8 +199,7 @@ impl Booth {
         now: BoothTime,
     ) -> Result<(), Refusal> {
         self.update(|tx| {
-            let mut order: PrintOrder = tx.get(&[order.to_value()])?.ok_or(NO_ORDER)?;
-            let sculpture = get_kept(tx, &SculptureId(order.sculpture), now)?;
+            let (mut order, sculpture) = get_order(tx, order, now)?;
             if step == PrintStep::Retry {
                 if sculpture.withdrawn_at.is_some() {
                     return Err(NO_SCULPTURE);
@@ -348,6 +325,17 @@ pub(crate) fn take_step(
     Ok(tx.put(order)?)
 }
 
+/// An order, and the sculpture that is kept.
+pub(crate) fn get_order(
+    tx: &mut Tx<'_>,
+    order: u64,
+    now: BoothTime,
+) -> Result<(PrintOrder, Sculpture), Refusal> {
+    let order: PrintOrder = tx.get(&[order.to_value()])?.ok_or(NO_ORDER)?;
+    let sculpture = get_kept(tx, &SculptureId(order.sculpture), now)?;
+    Ok((order, sculpture))
+}
+
 fn orders_of(sculpture: &[u8; 16]) -> Query {
     Query::all::<PrintOrder>().equal("sculpture", sculpture)
 }
@@ -366,37 +354,4 @@ const fn name_of(step: PrintStep) -> &'static str {
         PrintStep::Cancel => "print cancelled",
         PrintStep::Retry => "print again",
     }
-}
-
-fn check_wish(wish: &PrintWish, can_slice: bool) -> Result<(), Refusal> {
-    let bad = |why: String| Err(Refusal::BadRequest(why));
-    match wish.size {
-        PrintSize::Height(height) if !PRINT_TENTHS_MM.contains(&height) => {
-            let (least, most) = (PRINT_TENTHS_MM.start() / 10, PRINT_TENTHS_MM.end() / 10);
-            return bad(format!("expected a height of {least} to {most} mm"));
-        }
-        PrintSize::Minutes(minutes) if !PRINT_MINUTES.contains(&minutes) => {
-            let (least, most) = (PRINT_MINUTES.start(), PRINT_MINUTES.end());
-            return bad(format!("expected a time of {least} to {most} minutes"));
-        }
-        PrintSize::Minutes(_) => check_minutes_can_be_found(can_slice)?,
-        PrintSize::Height(_) => {}
-    }
-    let is_text = |text: &str, most: usize, is_one_line: bool| {
-        let is_fine =
-            |letter: char| !letter.is_control() || !is_one_line && "\r\n".contains(letter);
-        text.chars().count() <= most && text.chars().all(is_fine)
-    };
-    if !is_text(&wish.filament, MAX_FILAMENT_CHARS, true) {
-        return bad(format!("expected a filament of up to {MAX_FILAMENT_CHARS} letters"));
-    }
-    if !is_text(&wish.note, MAX_NOTE_CHARS, false) {
-        return bad(format!("expected a note of up to {MAX_NOTE_CHARS} letters"));
-    }
-    Ok(())
-}
-
-fn check_minutes_can_be_found(can_slice: bool) -> Result<(), Refusal> {
-    let why = "a size can't be found by time: the booth has no slicer";
-    if can_slice { Ok(()) } else { Err(Refusal::BadRequest(why.into())) }
 }
