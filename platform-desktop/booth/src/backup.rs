@@ -8,6 +8,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
+use paros_core::outbox::messages::{ContentHash, SculptureId};
 use rusqlite::Connection;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
@@ -38,9 +39,9 @@ pub(crate) fn back_up(folder: &Path, to: &Path) -> Result<String, Error> {
     }
     let fail = |error: io::Error| Error::at(to, error);
     let copied_at = booth_time();
-    let (copy, _) = OwnPart::new_file(to, "0").map_err(fail)?;
+    let (copy, _) = OwnPart::new_file(to).map_err(fail)?;
     let kept = copy_database(&database, &copy.path)?;
-    let (part, file) = OwnPart::new_file(to, "1").map_err(fail)?;
+    let (part, file) = OwnPart::new_file(to).map_err(fail)?;
     let mut archive = Archive { zip: ZipWriter::new(BufWriter::new(file)) };
     let about = format!("{ABOUT_HEAD}{}\n", copied_at.0);
     archive.add(ABOUT, &mut about.as_bytes()).map_err(fail)?;
@@ -80,7 +81,7 @@ fn copy_database(from: &Path, to: &Path) -> Result<Vec<String>, Error> {
     let mut listed = copy.prepare("SELECT id, hash FROM sculptures").map_err(fail)?;
     let names = listed.query_map([], |row| {
         let (id, hash): ([u8; 16], [u8; 32]) = (row.get(0)?, row.get(1)?);
-        Ok(format!("{}-{}", hex(&id), hex(&hash)))
+        Ok(format!("{}-{}", SculptureId(id), ContentHash(hash)))
     });
     names.and_then(Iterator::collect).map_err(fail)
 }
@@ -119,8 +120,4 @@ impl Archive {
         file.flush()?;
         file.get_ref().sync_all()
     }
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

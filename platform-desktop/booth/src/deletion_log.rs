@@ -76,7 +76,7 @@ impl DeletionLog {
             return Ok(());
         }
         let text = fs::read_to_string(&self.path)?;
-        let (part, mut file) = OwnPart::new_file(&self.path, "3")?;
+        let (part, mut file) = OwnPart::new_file(&self.path)?;
         for line in text.lines().filter(|line| !is_old(line)) {
             file.write_all(format!("{line}\n").as_bytes())?;
         }

@@ -20,8 +20,8 @@ impl OwnPart {
     ///
     /// # Errors
     /// What the disk says.
-    pub(crate) fn new_file(of: &Path, kind: &str) -> io::Result<(Self, File)> {
-        let path = part_of(of, kind);
+    pub(crate) fn new_file(of: &Path) -> io::Result<(Self, File)> {
+        let path = parent_of(of).join(durable::temporary_name());
         durable::remove_stale_temporaries(parent_of(of));
         let mut options = OpenOptions::new();
         let file = options.read(true).write(true).create_new(true).mode(0o600).open(&path)?;
@@ -33,7 +33,7 @@ impl OwnPart {
     /// # Errors
     /// What the disk says.
     pub(crate) fn new_folder(of: &Path) -> io::Result<Self> {
-        let path = part_of(of, "2");
+        let path = parent_of(of).join(durable::temporary_name());
         DirBuilder::new().mode(0o700).create(&path)?;
         Ok(OwnPart { path, is_renamed: false })
     }
@@ -56,11 +56,6 @@ impl Drop for OwnPart {
             let _ = fs::remove_file(&self.path).or_else(|_| fs::remove_dir_all(&self.path));
         }
     }
-}
-
-/// As all temporary files of Paros are named, so that what a power cut leaves is removed some day.
-fn part_of(of: &Path, kind: &str) -> PathBuf {
-    parent_of(of).join(format!(".paros-{}-{kind}.part", std::process::id()))
 }
 
 fn parent_of(path: &Path) -> &Path {

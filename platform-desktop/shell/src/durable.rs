@@ -11,7 +11,8 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
-use names::{MAX_TEMPORARY_AGE, is_temporary_name, temporary_name};
+pub use names::temporary_name;
+use names::{MAX_TEMPORARY_AGE, is_temporary_name};
 pub use warnings::{StorageLimit, StorageWarning, take_storage_warnings};
 
 /// Why a file could not be written. The target is as it was before.

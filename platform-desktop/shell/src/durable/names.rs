@@ -9,7 +9,8 @@ pub(super) const MAX_TEMPORARY_AGE: Duration = Duration::from_secs(60 * 60);
 
 /// A temporary file name, unique among those of all processes. It is not derived from the target's
 /// name, which may have the greatest length allowed.
-pub(super) fn temporary_name() -> String {
+#[must_use]
+pub fn temporary_name() -> String {
     static COUNT: AtomicU32 = AtomicU32::new(0);
     let number = COUNT.fetch_add(1, Ordering::Relaxed);
     format!(".paros-{}-{number}.part", std::process::id())
