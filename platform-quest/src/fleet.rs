@@ -9,14 +9,12 @@ use std::thread::{self, Thread};
 use std::time::{Duration, Instant};
 
 use paros_core::outbox::messages::{DeviceHint, DeviceName};
+use paros_shell::outbox::BoothCaller;
 use paros_shell::outbox::enrolment::{
-    EnrolError, EnrolLink, Enrolment, FLEET_FILE_NAME, FleetFile, NewDevice, enrol_by_fleet,
+    EnrolError, Enrolment, FLEET_FILE_NAME, FleetFile, NewDevice, enrol_by_fleet,
 };
 
 use crate::log::write_log_line;
-
-/// How long a booth's answer is waited for.
-pub const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Pauses between attempts: a booth that starts later than its headsets is found soon, and one that is gone costs little.
 const FIRST_PAUSE: Duration = Duration::from_secs(2);
@@ -119,7 +117,7 @@ impl Enroller {
     /// # Errors
     /// The system has no random bits.
     pub fn spawn(
-        mut link: impl EnrolLink + Send + 'static,
+        mut link: impl BoothCaller + Send + 'static,
         fleet: FleetFile,
         names: HeadsetNames,
         file: PathBuf,
@@ -160,7 +158,7 @@ impl Drop for Enroller {
 /// Asks until the booth takes the headset, and keeps the enrolment; whether it came to that. `pause` returns whether to
 /// go on.
 fn enrol_with_patience(
-    link: &mut impl EnrolLink,
+    link: &mut impl BoothCaller,
     fleet: &FleetFile,
     device: &NewDevice,
     file: &Path,

@@ -117,13 +117,8 @@ impl Platform for PlainPlatform {
 
     #[cfg(not(target_os = "android"))]
     fn open_booth_link(&mut self, enrolment: &Enrolment) -> Option<CourierLink> {
-        use paros_outbox_link::{BoothAddress, HttpsLink, LinkTimes};
+        use paros_outbox_link::{LinkTimes, open_link};
 
-        let address = BoothAddress {
-            url: enrolment.address.clone(),
-            ca: enrolment.ca.clone(),
-            token: enrolment.token.token(),
-        };
-        Some(Box::new(HttpsLink::open(&address, LinkTimes::default())))
+        Some(Box::new(open_link(&enrolment.booth_address(), LinkTimes::default())))
     }
 }

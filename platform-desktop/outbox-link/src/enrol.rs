@@ -1,43 +1,18 @@
-//! Links to a booth that doesn't know the device yet.
+//! Looks at who answers, before a booth knows the device.
 
 use std::io;
 use std::net::{TcpStream, ToSocketAddrs as _};
 use std::sync::Arc;
-use std::time::Duration;
 
-use paros_shell::outbox::enrolment::EnrolLink;
-use paros_shell::outbox::{BoothCaller as _, HttpAnswer, HttpRequest, LinkFault};
+use paros_shell::outbox::LinkFault;
+use paros_shell::outbox::enrolment::ENROL_TIMEOUT;
 use rustls::client::danger::{HandshakeSignatureValid, ServerCertVerified, ServerCertVerifier};
 use rustls::crypto::{CryptoProvider, ring, verify_tls12_signature, verify_tls13_signature};
 use rustls::pki_types::{CertificateDer, ServerName, UnixTime};
 use rustls::{ClientConfig, ClientConnection, DigitallySignedStruct, Error, SignatureScheme};
 
-use crate::ask::HttpsCaller;
-
-/// How long an answer is waited for.
-const TIMEOUT: Duration = Duration::from_secs(10);
-
 /// The port where an address has none.
 const DEFAULT_PORT: u16 = 443;
-
-/// A link that trusts one authority alone.
-#[derive(Debug)]
-pub struct EnrolHttps(HttpsCaller);
-
-impl EnrolHttps {
-    /// A link to `url`, `https://HOST:PORT` without a slash at its end, that trusts the authority of the certificate
-    /// `ca` (DER).
-    #[must_use]
-    pub fn open(url: &str, ca: &[u8]) -> Self {
-        EnrolHttps(HttpsCaller::new(url, ca, TIMEOUT))
-    }
-}
-
-impl EnrolLink for EnrolHttps {
-    fn post(&mut self, path: &str, body: &[u8]) -> Result<HttpAnswer, LinkFault> {
-        self.0.call(&HttpRequest::post(path, body)).map_err(|error| error.fault)
-    }
-}
 
 /// The certificate (DER) of the authority that a booth shows beside its own. Nothing says yet that it is the site's:
 /// that is what the pictograms of an enrolment by hand are for.
@@ -55,9 +30,9 @@ pub fn fetch_shown_authority(url: &str) -> Result<Vec<u8>, LinkFault> {
     let unreachable = |_| LinkFault::Unreachable;
     let mut addresses = (&name[..], port).to_socket_addrs().map_err(unreachable)?;
     let name = ServerName::try_from(name.clone()).map_err(|_| LinkFault::Unreachable)?;
-    let connect = |address| TcpStream::connect_timeout(&address, TIMEOUT).ok();
+    let connect = |address| TcpStream::connect_timeout(&address, ENROL_TIMEOUT).ok();
     let mut stream = addresses.find_map(connect).ok_or(LinkFault::Unreachable)?;
-    stream.set_read_timeout(Some(TIMEOUT)).map_err(unreachable)?;
+    stream.set_read_timeout(Some(ENROL_TIMEOUT)).map_err(unreachable)?;
     let mut connection =
         ClientConnection::new(Arc::new(config()?), name).map_err(|_| LinkFault::Untrusted)?;
     while connection.is_handshaking() {

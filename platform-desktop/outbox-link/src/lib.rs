@@ -10,43 +10,21 @@ mod enrol;
 use std::sync::Arc;
 use std::time::Duration;
 
+use paros_shell::outbox::ThreadedLink;
 pub use paros_shell::outbox::{BoothAddress, LinkTimes};
-use paros_shell::outbox::{BoothLink, BoothRequest, LinkAnswer, LinkError, ThreadedLink};
 use rustls::crypto::ring;
 use ureq::Agent;
 use ureq::tls::{Certificate, RootCerts, TlsConfig, TlsProvider};
 
 pub use ask::HttpsCaller;
-pub use enrol::{EnrolHttps, fetch_shown_authority};
+pub use enrol::fetch_shown_authority;
 
-/// A link to a booth. Its threads end once it is dropped and what they wait for is over.
-#[derive(Debug)]
-pub struct HttpsLink(ThreadedLink);
-
-impl HttpsLink {
-    /// A link that isn't connected yet.
-    #[must_use]
-    pub fn open(address: &BoothAddress, times: LinkTimes) -> Self {
-        let [of_puts, of_heartbeats] = [times.put, times.heartbeat]
-            .map(|timeout| HttpsCaller::new(&address.url, &address.ca, timeout));
-        HttpsLink(ThreadedLink::start(address.token, of_puts, of_heartbeats))
-    }
-
-    /// Why the last request had no answer; `None` where it had one.
-    #[must_use]
-    pub const fn last_error(&self) -> Option<&LinkError> {
-        self.0.last_error()
-    }
-}
-
-impl BoothLink for HttpsLink {
-    fn send(&mut self, request: BoothRequest) {
-        self.0.send(request);
-    }
-
-    fn poll(&mut self) -> Option<LinkAnswer> {
-        self.0.poll()
-    }
+/// A link to a booth that isn't connected yet.
+#[must_use]
+pub fn open_link(address: &BoothAddress, times: LinkTimes) -> ThreadedLink {
+    let [of_puts, of_heartbeats] = [times.put, times.heartbeat]
+        .map(|timeout| HttpsCaller::new(&address.url, &address.ca, timeout));
+    ThreadedLink::start(address.token, of_puts, of_heartbeats)
 }
 
 fn make_agent(ca: &[u8], timeout: Duration) -> Agent {

@@ -9,11 +9,11 @@ use std::time::{Duration, Instant};
 use paros_core::badge::Language;
 use paros_core::outbox::messages::{DeviceHint, DeviceName};
 use paros_headless::Error;
-use paros_outbox_link::{EnrolHttps, fetch_shown_authority};
+use paros_outbox_link::{HttpsCaller, fetch_shown_authority};
 use paros_shell::durable::{self, WriteTarget};
 use paros_shell::outbox::enrolment::{
-    EnrolError, Enrolment, FleetFile, HandEnrolment, HandState, NewDevice, check_address,
-    enrol_by_fleet, enrolment_file, hint_of_device,
+    ENROL_TIMEOUT, EnrolError, Enrolment, FleetFile, HandEnrolment, HandState, NewDevice,
+    check_address, enrol_by_fleet, enrolment_file, hint_of_device,
 };
 use paros_shell::studio_paths::StudioPaths;
 
@@ -79,7 +79,7 @@ fn refuse_second_enrolment(file: &Path, again: bool) -> Result<(), Error> {
 
 fn enrol_with_file(fleet: &Path, device: &NewDevice) -> Result<Enrolment, Error> {
     let fleet = FleetFile::read(fleet).map_err(|error| to_error(&error))?;
-    let mut link = EnrolHttps::open(&fleet.address, &fleet.ca);
+    let mut link = HttpsCaller::new(&fleet.address, &fleet.ca, ENROL_TIMEOUT);
     enrol_by_fleet(&mut link, &fleet, device)
         .map_err(|error| Error::Failure(format!("{}: {error}", fleet.address)))
 }
@@ -89,7 +89,7 @@ fn enrol_by_hand(address: &str, device: &NewDevice) -> Result<Enrolment, Error> 
     let address = check_address(address).ok_or_else(expected)?;
     let at = |error: EnrolError| Error::Failure(format!("{address}: {error}"));
     let ca = fetch_shown_authority(&address).map_err(|fault| at(EnrolError::Link(fault)))?;
-    let mut link = EnrolHttps::open(&address, &ca);
+    let mut link = HttpsCaller::new(&address, &ca, ENROL_TIMEOUT);
     let begun = HandEnrolment::begin(&mut link, (&address, &ca), device).map_err(at)?;
     let shown = begun.pictograms().map(|pictogram| pictogram.name(Language::English));
     // Told at once; standard output may be closed.

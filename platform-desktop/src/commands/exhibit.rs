@@ -13,10 +13,10 @@ use std::time::{Duration, Instant};
 
 use paros_core::outbox::messages::DeviceName;
 use paros_headless::Error;
-use paros_outbox_link::EnrolHttps;
+use paros_outbox_link::HttpsCaller;
 use paros_shell::durable;
 use paros_shell::outbox::enrolment::{
-    Enrolment, FleetFile, NewDevice, enrol_by_fleet, enrolment_file,
+    ENROL_TIMEOUT, Enrolment, FleetFile, NewDevice, enrol_by_fleet, enrolment_file,
 };
 use rustix::process::{Pid, Signal, kill_process};
 
@@ -218,7 +218,7 @@ fn enrol(program: &Path, places: &Places, address: &str) -> Result<(), Error> {
         .map_err(Error::failure)?;
     let name = DeviceName::new("this machine").ok_or_else(|| Error::failure("a name"))?;
     let device = NewDevice::draw(None, name).map_err(Error::failure)?;
-    let mut link = EnrolHttps::open(&fleet.address, &fleet.ca);
+    let mut link = HttpsCaller::new(&fleet.address, &fleet.ca, ENROL_TIMEOUT);
     enrol_by_fleet(&mut link, &fleet, &device).map_err(Error::failure)?.write(&file)?;
     Ok(())
 }

@@ -4,7 +4,7 @@ use std::io::{self, Write as _};
 
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
-use paros_outbox_link::{BoothAddress, HttpsLink, LinkTimes};
+use paros_outbox_link::LinkTimes;
 use paros_shaders::panel::Language;
 use paros_shell::outbox::courier::{Courier, CourierLink, read_clock_ms};
 use paros_shell::outbox::enrolment::Enrolment;
@@ -45,12 +45,7 @@ pub(super) fn bring_to_booth<const N: usize>(
 
 /// A link by HTTPS to an enrolment's booth.
 pub(crate) fn open_link(enrolment: &Enrolment) -> CourierLink {
-    let address = BoothAddress {
-        url: enrolment.address.clone(),
-        ca: enrolment.ca.clone(),
-        token: enrolment.token.token(),
-    };
-    Box::new(HttpsLink::open(&address, LinkTimes::default()))
+    Box::new(paros_outbox_link::open_link(&enrolment.booth_address(), LinkTimes::default()))
 }
 
 fn write_line(line: &str) {

@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use paros_core::outbox::messages::DeviceName;
+use paros_shell::outbox::LinkTimes;
 use paros_shell::outbox::courier::CourierLink;
-use paros_shell::outbox::enrolment::{Enrolment, FleetFile, enrolment_file, hint_of_device};
-use paros_shell::outbox::{BoothAddress, LinkTimes};
+use paros_shell::outbox::enrolment::{
+    ENROL_TIMEOUT, Enrolment, FleetFile, enrolment_file, hint_of_device,
+};
 
 use crate::device::AndroidDevice;
-use crate::fleet::{ANSWER_TIMEOUT, Enroller, HeadsetNames, find_fleet_file, follow_fleet_file};
+use crate::fleet::{Enroller, HeadsetNames, find_fleet_file, follow_fleet_file};
 use crate::log::write_log_line;
 
 /// Where what belongs to the booth lies, and the thread that enrols the headset, if one does.
@@ -57,12 +59,7 @@ impl BoothWay {
         enrolment: &Enrolment,
     ) -> Option<CourierLink> {
         self.folder.as_ref()?;
-        let address = BoothAddress {
-            url: enrolment.address.clone(),
-            ca: enrolment.ca.clone(),
-            token: enrolment.token.token(),
-        };
-        let link = device.open_booth_link(&address, LinkTimes::default());
+        let link = device.open_booth_link(&enrolment.booth_address(), LinkTimes::default());
         Some(Box::new(link.with_log(write_log_line)))
     }
 }
@@ -88,7 +85,7 @@ fn start_enroller(
         hint: id.as_deref().map(hint_of_device),
         name: DeviceName::new(name).or_else(|| DeviceName::new("headset"))?,
     };
-    let link = device.booth_caller(&fleet.address, &fleet.ca, ANSWER_TIMEOUT);
+    let link = device.booth_caller(&fleet.address, &fleet.ca, ENROL_TIMEOUT);
     let enroller = Enroller::spawn(link, fleet, names, file.to_owned());
     enroller.map_err(|why| write_log_line(format_args!("{why}"))).ok()
 }

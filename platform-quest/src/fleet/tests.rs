@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 
 use paros_core::outbox::messages::{EnrolAnswer, ReceiptKey, SiteId};
-use paros_shell::outbox::{HttpAnswer, LinkFault};
+use paros_shell::outbox::{HttpAnswer, HttpRequest, LinkError, LinkFault};
 
 use super::*;
 
@@ -17,12 +17,13 @@ struct Booth(Arc<Mutex<Exchange>>);
 
 type Exchange = (Vec<Answer>, Vec<Vec<u8>>);
 
-impl EnrolLink for Booth {
-    fn post(&mut self, path: &str, body: &[u8]) -> Answer {
-        assert_eq!(path, "/v1/enrol/fleet");
+impl BoothCaller for Booth {
+    fn call(&mut self, request: &HttpRequest<'_>) -> Result<HttpAnswer, LinkError> {
+        assert_eq!(request.path, "/v1/enrol/fleet");
         let (answers, asked) = &mut *self.0.lock().expect("nobody panicked");
-        asked.push(body.to_vec());
-        if answers.is_empty() { Err(LinkFault::Unreachable) } else { answers.remove(0) }
+        asked.push(request.body.to_vec());
+        let next = if answers.is_empty() { Err(LinkFault::Unreachable) } else { answers.remove(0) };
+        next.map_err(|fault| LinkError { fault, why: String::new() })
     }
 }
 

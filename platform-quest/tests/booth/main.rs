@@ -15,13 +15,11 @@ use std::{fs, thread};
 use jni::{InitArgsBuilder, JNIVersion, JavaVM};
 use paros_core::outbox::messages::{DeviceName, DeviceToken};
 use paros_quest::device::HttpsCaller;
-use paros_quest::fleet::{
-    ANSWER_TIMEOUT, Enroller, HeadsetNames, find_fleet_file, follow_fleet_file,
-};
+use paros_quest::fleet::{Enroller, HeadsetNames, find_fleet_file, follow_fleet_file};
 use paros_shell::outbox::courier::{Courier, Keeping, read_clock_ms};
 use paros_shell::outbox::enrolment::{
-    EnrolError, Enrolment, FLEET_FILE_NAME, FleetFile, NewDevice, enrol_by_fleet, enrolment_file,
-    hint_of_device,
+    ENROL_TIMEOUT, EnrolError, Enrolment, FLEET_FILE_NAME, FleetFile, NewDevice, enrol_by_fleet,
+    enrolment_file, hint_of_device,
 };
 use paros_shell::outbox::{
     BoothAddress, BoothCaller, HttpAnswer, HttpRequest, LinkFault, LinkTimes, ThreadedLink,
@@ -98,7 +96,7 @@ fn refuse_another_authority(booth: &Booth) {
     let other = Server::start(Answer::Never);
     let fleet = FleetFile::parse("fleet", booth.fleet_text().as_bytes()).expect("its own");
     let device = NewDevice::draw(None, DeviceName::new("").expect("a name")).expect("random bits");
-    let mut caller = HttpsCaller::new(VM.clone(), &booth.address, &other.ca, ANSWER_TIMEOUT);
+    let mut caller = HttpsCaller::new(VM.clone(), &booth.address, &other.ca, ENROL_TIMEOUT);
     let refused = enrol_by_fleet(&mut caller, &fleet, &device);
     assert!(matches!(refused, Err(EnrolError::Link(LinkFault::Untrusted))), "{refused:?}");
 }
@@ -108,7 +106,7 @@ fn enrol(fleet: &FleetFile, file: &Path) {
         hint: Some(hint_of_device("9774d56d682e549c")),
         name: DeviceName::new("Oculus Quest 3").expect("a name"),
     };
-    let caller = HttpsCaller::new(VM.clone(), &fleet.address, &fleet.ca, ANSWER_TIMEOUT);
+    let caller = HttpsCaller::new(VM.clone(), &fleet.address, &fleet.ca, ENROL_TIMEOUT);
     let mut enroller =
         Enroller::spawn(caller, fleet.clone(), names, file.to_owned()).expect("random bits");
     wait_until("it enrols", || enroller.poll_enrolled());
@@ -117,12 +115,8 @@ fn enrol(fleet: &FleetFile, file: &Path) {
 /// A mesh, which takes several parts, to its receipt.
 fn send_sculpture(booth: &Booth, folder: &Path) {
     let connect = |enrolment: &Enrolment| {
-        let address = BoothAddress {
-            url: enrolment.address.clone(),
-            ca: enrolment.ca.clone(),
-            token: enrolment.token.token(),
-        };
-        let link: Box<ThreadedLink> = Box::new(open_link(&address, LinkTimes::default()));
+        let link: Box<ThreadedLink> =
+            Box::new(open_link(&enrolment.booth_address(), LinkTimes::default()));
         Ok(link as _)
     };
     let settings: BoothSettings = LoadedSettings::merge(&[]).settings.booth;

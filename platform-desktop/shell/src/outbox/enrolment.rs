@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use paros_core::codec::BadBytes;
 use paros_core::outbox::OutboxOwner;
@@ -17,6 +18,7 @@ use sha2::{Digest as _, Sha256};
 use toml::de::{DeTable, DeValue};
 
 use super::driver::OutboxEnrolment;
+use super::http::{BoothAddress, BoothCaller, HttpRequest};
 use super::link::{HttpAnswer, LinkFault};
 use crate::durable::{self, WriteError};
 
@@ -26,6 +28,9 @@ pub use fleet_file::{FLEET_FILE_NAME, FleetFile};
 
 /// The file's name, in the folder of saved sessions unless a setting says otherwise.
 pub const ENROLMENT_FILE_NAME: &str = "enrolment.toml";
+
+/// How long an answer to an enrolment is waited for.
+pub const ENROL_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Bytes that such a file, or a fleet's, has at most: a certificate of an authority takes one or two thousand.
 const MAX_FILE_BYTES: u64 = 64 << 10;
@@ -58,15 +63,6 @@ pub struct NewDevice {
     pub name: DeviceName,
     /// The token that it drew.
     pub token: Secret,
-}
-
-/// A link to a booth that doesn't know the device yet. It asks and waits.
-pub trait EnrolLink {
-    /// `POST` of a message. The booth must be who its authority says.
-    ///
-    /// # Errors
-    /// Why there is no answer.
-    fn post(&mut self, path: &str, body: &[u8]) -> Result<HttpAnswer, LinkFault>;
 }
 
 /// Why a device isn't enrolled.
@@ -143,6 +139,13 @@ pub fn hint_of_device(id: &str) -> DeviceHint {
 }
 
 impl Enrolment {
+    /// Where the booth is, and by what it knows the device.
+    #[must_use]
+    pub fn booth_address(&self) -> BoothAddress {
+        let (url, ca) = (self.address.clone(), self.ca.clone());
+        BoothAddress { url, ca, token: self.token.token() }
+    }
+
     /// What the outbox takes of it.
     #[must_use]
     pub const fn for_outbox(&self) -> OutboxEnrolment {
@@ -225,8 +228,9 @@ pub(super) fn random_bytes<const N: usize>() -> Result<[u8; N], EnrolError> {
 }
 
 /// The body of an answer that is 200.
-fn ask(link: &mut impl EnrolLink, path: &str, body: &[u8]) -> Result<Vec<u8>, EnrolError> {
-    match link.post(path, body).map_err(EnrolError::Link)? {
+fn ask(link: &mut impl BoothCaller, path: &str, body: &[u8]) -> Result<Vec<u8>, EnrolError> {
+    let answer = link.call(&HttpRequest::post(path, body));
+    match answer.map_err(|error| EnrolError::Link(error.fault))? {
         HttpAnswer { status: 200, body, .. } => Ok(body),
         HttpAnswer { status, body, .. } => {
             let why = String::from_utf8_lossy(&body).trim().chars().take(200).collect();

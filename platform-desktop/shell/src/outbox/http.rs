@@ -9,7 +9,6 @@ use std::time::Duration;
 use paros_core::limits::{HEARTBEAT_TIMEOUT_MS, UPLOAD_TIMEOUT_MS};
 use paros_core::outbox::messages::DeviceToken;
 
-use super::enrolment::EnrolLink;
 use super::link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
 
 /// Bytes of an answer's body that are read at most: no answer of the booth has more.
@@ -134,12 +133,6 @@ impl<'a> HttpRequest<'a> {
         };
         asked.headers.push(("Authorization", format!("Bearer {}", token.reveal())));
         asked
-    }
-}
-
-impl<C: BoothCaller> EnrolLink for C {
-    fn post(&mut self, path: &str, body: &[u8]) -> Result<HttpAnswer, LinkFault> {
-        self.call(&HttpRequest::post(path, body)).map_err(|error| error.fault)
     }
 }
 

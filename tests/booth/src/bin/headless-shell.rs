@@ -18,7 +18,7 @@ use paros_core::outbox::messages::ParcelKind;
 use paros_core::session::{BenchItem, PointerCommand, SessionMode, SessionState, Tool};
 use paros_core::visit::{PanelAction, PlanSetting, Presence, VisitCommand, VisitInput, VisitPhase};
 use paros_core::volume::Grid;
-use paros_outbox_link::{BoothAddress, HttpsLink, LinkTimes};
+use paros_outbox_link::LinkTimes;
 use paros_shell::outbox::courier::{Courier, CourierLink, Keeping, read_clock_ms};
 use paros_shell::outbox::enrolment::Enrolment;
 use paros_shell::settings::Settings;
@@ -90,14 +90,9 @@ fn run(folder: &Path, visits: u32, seed: u64) -> ExitCode {
 }
 
 fn open_link(enrolment: &Enrolment) -> Result<CourierLink, String> {
-    let address = BoothAddress {
-        url: enrolment.address.clone(),
-        ca: enrolment.ca.clone(),
-        token: enrolment.token.token(),
-    };
     // Who kills a booth doesn't wait for a minute until its answer is missed.
     let times = LinkTimes { put: Duration::from_secs(3), ..LinkTimes::default() };
-    Ok(Box::new(HttpsLink::open(&address, times)))
+    Ok(Box::new(paros_outbox_link::open_link(&enrolment.booth_address(), times)))
 }
 
 /// A visit's input with a command.

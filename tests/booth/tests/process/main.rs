@@ -7,8 +7,10 @@ use std::collections::BTreeSet;
 
 use paros_core::badge::Language;
 use paros_core::outbox::messages::DeviceName;
-use paros_outbox_link::{EnrolHttps, fetch_shown_authority};
-use paros_shell::outbox::enrolment::{EnrolError, HandEnrolment, HandState, NewDevice};
+use paros_outbox_link::{HttpsCaller, fetch_shown_authority};
+use paros_shell::outbox::enrolment::{
+    ENROL_TIMEOUT, EnrolError, HandEnrolment, HandState, NewDevice,
+};
 
 use rig::{Place, find_booth};
 
@@ -44,7 +46,7 @@ fn a_device_enrols_by_hand_once_staff_accept_the_same_pictograms() {
     let running = place.start_booth();
     let device = NewDevice::draw(None, DeviceName::new("desk").expect("a name")).expect("bits");
     let ca = fetch_shown_authority(&running.address).expect("it shows one");
-    let mut link = EnrolHttps::open(&running.address, &ca);
+    let mut link = HttpsCaller::new(&running.address, &ca, ENROL_TIMEOUT);
     let begun = HandEnrolment::begin(&mut link, (&running.address, &ca), &device).expect("begun");
     assert_eq!(begun.poll(&mut link).expect("an answer"), HandState::Waiting);
     let attempts = place.run_booth(&["attempts"]);
@@ -66,7 +68,7 @@ fn another_authority_is_told_and_nothing_is_sent_there() {
     let (place, other) = (Place::new("pinned", booth.clone()), Place::new("other", booth));
     let (running, stranger) = (place.start_booth(), other.start_booth());
     let ca = fetch_shown_authority(&running.address).expect("it shows one");
-    let mut link = EnrolHttps::open(&stranger.address, &ca);
+    let mut link = HttpsCaller::new(&stranger.address, &ca, ENROL_TIMEOUT);
     let device = NewDevice::draw(None, DeviceName::new("desk").expect("a name")).expect("bits");
     let begun = HandEnrolment::begin(&mut link, (&stranger.address, &ca), &device);
     let told = begun.expect_err("its authority is another").to_string();

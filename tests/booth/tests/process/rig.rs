@@ -9,9 +9,11 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use paros_core::outbox::messages::{ContentHash, DeviceName};
-use paros_outbox_link::EnrolHttps;
+use paros_outbox_link::HttpsCaller;
 use paros_shell::outbox::Parcel;
-use paros_shell::outbox::enrolment::{FleetFile, NewDevice, enrol_by_fleet, enrolment_file};
+use paros_shell::outbox::enrolment::{
+    ENROL_TIMEOUT, FleetFile, NewDevice, enrol_by_fleet, enrolment_file,
+};
 use paros_shell::require::require_or_skip;
 use sha2::{Digest as _, Sha256};
 
@@ -138,7 +140,7 @@ impl Place {
         fs::write(&path, text).expect("room on the disk");
         let fleet = FleetFile::read(&path).expect("what the booth printed");
         let device = NewDevice::draw(None, DeviceName::new("test").expect("a name"));
-        let mut link = EnrolHttps::open(&fleet.address, &fleet.ca);
+        let mut link = HttpsCaller::new(&fleet.address, &fleet.ca, ENROL_TIMEOUT);
         let enrolled = enrol_by_fleet(&mut link, &fleet, &device.expect("bits"));
         enrolled.expect("a token").write(&self.enrolment_file()).expect("room on the disk");
     }

@@ -3,14 +3,15 @@
 use paros_core::outbox::OutboxOwner;
 use paros_core::outbox::messages::{EnrolAnswer, FleetEnrolment};
 
-use super::{EnrolError, EnrolLink, Enrolment, FleetFile, NewDevice, ask};
+use super::{EnrolError, Enrolment, FleetFile, NewDevice, ask};
+use crate::outbox::BoothCaller;
 
 /// Enrols a device. `link` trusts the file's authority alone.
 ///
 /// # Errors
 /// What the booth or the way there refuses; [`EnrolError::AnotherSite`] where the booth isn't the file's.
 pub fn enrol_by_fleet(
-    link: &mut impl EnrolLink,
+    link: &mut impl BoothCaller,
     fleet: &FleetFile,
     device: &NewDevice,
 ) -> Result<Enrolment, EnrolError> {

@@ -12,7 +12,8 @@ use paros_core::outbox::messages::{
 };
 use sha2::{Digest as _, Sha256};
 
-use super::{EnrolError, EnrolLink, Enrolment, NewDevice, Secret, ask, random_bytes};
+use super::{EnrolError, Enrolment, NewDevice, Secret, ask, random_bytes};
+use crate::outbox::BoothCaller;
 
 /// An enrolment that waits for the staff.
 #[derive(Clone, Debug)]
@@ -41,7 +42,7 @@ impl HandEnrolment {
     /// What the booth or the way there refuses; [`EnrolError::AnotherSite`] where the booth says that its authority is
     /// another one.
     pub fn begin(
-        link: &mut impl EnrolLink,
+        link: &mut impl BoothCaller,
         (address, ca): (&str, &[u8]),
         device: &NewDevice,
     ) -> Result<Self, EnrolError> {
@@ -76,7 +77,7 @@ impl HandEnrolment {
     ///
     /// # Errors
     /// [`EnrolError::Declined`] and [`EnrolError::Expired`] end it, as all but those of the link do.
-    pub fn poll(&self, link: &mut impl EnrolLink) -> Result<HandState, EnrolError> {
+    pub fn poll(&self, link: &mut impl BoothCaller) -> Result<HandState, EnrolError> {
         let EnrolCommitAnswer { attempt, receipt_key, site, .. } = self.answer;
         let asked = EnrolPoll { attempt, token_hash: self.token.hash() };
         let body = ask(link, "/v1/enrol/poll", &asked.to_bytes())?;

@@ -12,16 +12,18 @@ use paros_core::outbox::messages::{
 };
 
 use super::*;
+use crate::outbox::LinkError;
 
 struct Booth {
     answers: VecDeque<Vec<u8>>,
     asked: Vec<String>,
 }
 
-impl EnrolLink for Booth {
-    fn post(&mut self, path: &str, _: &[u8]) -> Result<HttpAnswer, LinkFault> {
-        self.asked.push(path.into());
-        let body = self.answers.pop_front().ok_or(LinkFault::Unreachable)?;
+impl BoothCaller for Booth {
+    fn call(&mut self, request: &HttpRequest<'_>) -> Result<HttpAnswer, LinkError> {
+        self.asked.push(request.path.clone());
+        let gone = LinkError { fault: LinkFault::Unreachable, why: String::new() };
+        let body = self.answers.pop_front().ok_or(gone)?;
         Ok(HttpAnswer { status: 200, retry_after: None, body })
     }
 }
