@@ -5,14 +5,13 @@ use std::io::{self, Write as _};
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 use paros_outbox_link::LinkTimes;
-use paros_shaders::panel::Language;
 use paros_shell::outbox::courier::{Courier, CourierLink, read_clock_ms};
 use paros_shell::outbox::enrolment::Enrolment;
 use paros_shell::settings::BoothSettings;
 use paros_shell::statics::Resident;
-use paros_shell::studio::{Notice, SendPlan, Studio};
+use paros_shell::studio::{Notice, Studio};
 use paros_sound::Speaker;
-use paros_visit::{DeviceStatus, VisitOptions, answer_without_visits};
+use paros_visit::{DeviceStatus, VisitOptions, answer_without_visits, send_plan};
 
 use super::app::App;
 
@@ -28,12 +27,7 @@ pub(super) fn bring_to_booth<const N: usize>(
     let sessions = studio.paths().sessions.clone();
     match Courier::open_enrolled(settings, &sessions, read_clock_ms, |found| Ok(open_link(found))) {
         Ok(None) => {}
-        Ok(Some(courier)) => {
-            let languages = visits.map_or_else(|| vec![Language::English], |v| v.languages.clone());
-            let kind = settings.kind();
-            let sends_traces = settings.sends_traces;
-            studio.set_courier(courier, SendPlan { kind, sends_traces, languages });
-        }
+        Ok(Some(courier)) => studio.set_courier(courier, send_plan(settings, visits)),
         Err(why) => {
             write_line(&why);
             if visits.is_none() {

@@ -25,7 +25,7 @@ pub use charger_panel::ChargerPanel;
 pub use export_state::ExportState;
 pub use headset::HeadsetTick;
 pub use host::{DeviceStatus, VisitHost, answer_without_visits, close_visits};
-pub use options::{Controls, VisitOptions};
+pub use options::{Controls, VisitOptions, send_plan};
 pub use pointing::{POINTERS, Pointer};
 pub use screen::is_at_work;
 pub use standing::{PanelSpot, WindowView, room_pose};

@@ -5,7 +5,8 @@ use paros_core::visit::VisitPlan;
 use paros_shaders::panel::Language;
 use paros_shell::headset::hand_reader::HandSource;
 use paros_shell::modes::parse_mode;
-use paros_shell::settings::{StaffPin, VisitSettings};
+use paros_shell::settings::{BoothSettings, StaffPin, VisitSettings};
+use paros_shell::studio::SendPlan;
 
 /// What visitors work with: their texts tell of it.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -47,6 +48,13 @@ impl Default for VisitOptions {
             controls: Controls::Controllers,
         }
     }
+}
+
+/// How finished sculptures go to the booth; a studio without visits speaks English.
+#[must_use]
+pub fn send_plan(settings: &BoothSettings, visits: Option<&VisitOptions>) -> SendPlan {
+    let languages = visits.map_or_else(|| vec![Language::English], |v| v.languages.clone());
+    SendPlan { kind: settings.kind(), sends_traces: settings.sends_traces, languages }
 }
 
 impl Controls {

@@ -4,14 +4,13 @@ use paros_core::limits::INTERVALS;
 use paros_core::outbox::messages::HeatLevel;
 use paros_core::session::SessionState;
 use paros_core::volume::{Grid, Size};
-use paros_shaders::panel::Language;
 use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
 use paros_shell::outbox::courier::Courier;
 use paros_shell::outbox::enrolment::Enrolment;
 use paros_shell::statics::Resident;
-use paros_shell::studio::{SendPlan, Studio};
+use paros_shell::studio::Studio;
 use paros_sound::Speaker;
-use paros_visit::{DeviceStatus, answer_without_visits};
+use paros_visit::{DeviceStatus, answer_without_visits, send_plan};
 
 use super::HeadsetShell;
 use crate::boot_clock::read_since_boot;
@@ -28,14 +27,10 @@ pub(super) fn bring_to_booth<const N: usize>(
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
     let folder = platform.booth_folder(&studio.paths().sessions);
-    let settings = &options.booth;
     match open_courier(options, &folder, platform) {
         Ok(None) => {}
         Ok(Some(courier)) => {
-            let visits = options.visits.as_ref();
-            let languages = visits.map_or_else(|| vec![Language::English], |v| v.languages.clone());
-            let (kind, sends_traces) = (settings.kind(), settings.sends_traces);
-            studio.set_courier(courier, SendPlan { kind, sends_traces, languages });
+            studio.set_courier(courier, send_plan(&options.booth, options.visits.as_ref()));
         }
         Err(why) => platform.log(format_args!("{why}")),
     }
