@@ -5,6 +5,7 @@ mod options;
 mod printer_file;
 mod printer_link;
 mod printer_thread;
+mod slice_folder;
 mod slicer;
 mod slices;
 

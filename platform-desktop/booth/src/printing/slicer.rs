@@ -6,7 +6,7 @@ use std::io::{self, Read as _, Write as _};
 use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -14,6 +14,7 @@ use rustix::process::{Pid, Resource, Rlimit, Signal, kill_process_group, prlimit
 
 use super::gcode::{Estimate, read_estimate};
 use super::options::SlicerOptions;
+use super::slice_folder::{SliceFolder, SliceFolders};
 use crate::error::Error;
 
 /// How long a slice may take: a sculpture at 256 takes some twenty seconds of a small processor.
@@ -38,9 +39,8 @@ const LOOK_AGAIN: Duration = Duration::from_millis(30);
 pub(crate) struct Slicer {
     program: PathBuf,
     profile: Option<PathBuf>,
-    folder: PathBuf,
+    folders: SliceFolders,
     one_at_a_time: Mutex<()>,
-    count: AtomicU64,
     is_over: Arc<AtomicBool>,
     bounds: Bounds,
 }
@@ -72,19 +72,8 @@ pub(crate) struct SlicedPrint {
     _folder: SliceFolder,
 }
 
-/// A folder that is removed when this is dropped.
-#[derive(Debug)]
-struct SliceFolder(PathBuf);
-
-impl Drop for SliceFolder {
-    fn drop(&mut self) {
-        // What stays is removed at the next start.
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
 impl Slicer {
-    /// By the options; `None` where there is none. Slices lie in `folder`, which is emptied.
+    /// By the options; `None` where there is none. Slices lie in a folder of this process in `folder`.
     ///
     /// # Errors
     /// A program or a file that was named and isn't there; what the disk says.
@@ -100,18 +89,12 @@ impl Slicer {
             },
         };
         let profile = options.slicer_profile.as_deref().map(check_profile).transpose()?;
-        match fs::remove_dir_all(&folder) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                return Err(Error::at(&folder, error));
-            }
-            _ => {}
-        }
+        let folders = SliceFolders::take(&folder)?;
         Ok(Some(Slicer {
             program,
             profile,
-            folder,
+            folders,
             one_at_a_time: Mutex::new(()),
-            count: AtomicU64::new(0),
             is_over: Arc::default(),
             bounds: Bounds { time: MAX_SLICE_TIME, memory: MAX_MEMORY, file: MAX_FILE },
         }))
@@ -136,19 +119,17 @@ impl Slicer {
         if self.is_over.load(Ordering::Relaxed) {
             return Err(SliceFault::Over);
         }
-        let number = self.count.fetch_add(1, Ordering::Relaxed);
-        let folder = SliceFolder(self.folder.join(number.to_string()));
         let failed = |error: io::Error| SliceFault::Failed(format!("the slicer's folder: {error}"));
-        fs::create_dir_all(&folder.0).map_err(failed)?;
-        File::create(folder.0.join("model.stl"))
+        let folder = self.folders.make_next().map_err(failed)?;
+        File::create(folder.path().join("model.stl"))
             .and_then(|mut file| file.write_all(stl))
             .map_err(failed)?;
         let profile = profile.or(self.profile.as_deref());
-        let status = self.run(&folder.0, scale, profile)?;
+        let status = self.run(folder.path(), scale, profile)?;
         if !status.success() {
-            return Err(fault_of(&folder.0, status));
+            return Err(fault_of(folder.path(), status));
         }
-        let gcode = folder.0.join("print.gcode");
+        let gcode = folder.path().join("print.gcode");
         match read_estimate(&gcode) {
             Ok(Some(estimate)) => Ok(SlicedPrint { estimate, gcode, _folder: folder }),
             Ok(None) => Err(SliceFault::Failed("the slicer told no time".into())),
@@ -323,11 +304,11 @@ mod tests {
 
     #[test]
     fn it_is_bounded_in_time_with_all_that_it_started() {
-        let slicer = slicer("slow", "sleep 300 & echo $! >../../child; wait");
+        let slicer = slicer("slow", "sleep 300 & echo $! >../child; wait");
         let start = Instant::now();
         assert_eq!(fault(&slicer), "the slicer took too long");
         assert!(start.elapsed() < Duration::from_secs(20));
-        let child = std::fs::read_to_string(slicer.folder.join("../child")).unwrap();
+        let child = std::fs::read_to_string(slicer.folders.path().join("child")).unwrap();
         let of_child = PathBuf::from(format!("/proc/{}/stat", child.trim()));
         // Killed, it may wait for somebody to ask how it ended.
         let is_gone =

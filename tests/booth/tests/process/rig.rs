@@ -116,7 +116,9 @@ impl Place {
             .spawn()
             .expect("the program");
         let mut lines = BufReader::new(process.stdout.take().expect("a pipe")).lines();
-        let address = lines.next().expect("a line").expect("text");
+        let Some(Ok(address)) = lines.next() else {
+            panic!("the booth doesn't start: {:?}; its log: {}", process.wait(), self.booth_log());
+        };
         assert!(address.starts_with("https://"), "{address}");
         // What else it says is read, so that it never waits for that.
         thread::spawn(move || lines.for_each(drop));
