@@ -1,6 +1,22 @@
 //! Every capacity of the core, with its reason. `grid_side` is the number of voxels along a side of
 //! the grid, N.
 
+mod badge;
+mod outbox;
+
+pub use badge::{
+    ALLOWANCE_SECONDS, BADGE_CANDIDATES, BLOCK_NUMBERS, DAY_BLOCKS, FORMER_EPOCHS, MAX_ALLOWANCE,
+    MAX_HEADSETS, MAX_LEASED_BLOCKS, MAX_REPORT_SECONDS, RESERVE_NUMBERS, RESTORE_BLOCKS,
+    SHORTEST_TAIL,
+};
+pub use outbox::{
+    HEARTBEAT_MS, HEARTBEAT_TIMEOUT_MS, MAX_ANNOUNCEMENTS, MAX_CHUNK_BYTES, MAX_COMMAND_MS,
+    MAX_HEARTBEAT_WAIT_MS, MAX_OUTBOX_ENTRIES, MAX_PACKED_SURPLUS, MAX_PARCEL_BYTES,
+    MAX_PARCEL_MESH_BYTES, MAX_PARCEL_TRACE_BYTES, MAX_PARCEL_VOLUME_BYTES,
+    MAX_RETRY_AFTER_SECONDS, MAX_UPLOAD_WAIT_MS, REFUSED_RETRY_MS, UPLOAD_TIMEOUT_MS,
+    UPLOAD_WAIT_MS,
+};
+
 /// Intervals of a column in the shells, K. One is the paper's volume and holds every shape that is seen
 /// whole along the three axes (section 3.2); carving refuses what it can't hold, half of a restless
 /// visitor's cuts. With two, it refuses a quarter of a percent of them.
@@ -330,104 +346,3 @@ pub const EXIT_PROBES: u32 = 32;
 pub const fn island_removal_row_visits(grid_side: usize) -> u32 {
     (grid_side * grid_side / 8) as u32
 }
-
-/// Numbers of a block, which a headset is handed at once: more than a day's visits to it, so that a block a day is
-/// enough; and a symbol of the badge's code.
-pub const BLOCK_NUMBERS: usize = 64;
-
-/// Badges that may have been meant by a wrong one, at most: one for each of three swaps, one of another colour, one for
-/// each of four pictograms.
-pub const BADGE_CANDIDATES: usize = 8;
-
-/// Numbers that a headset should have left: three days of 50 visits, so that a booth's network that fails on a
-/// Friday is mended on Monday.
-pub const RESERVE_NUMBERS: u32 = 150;
-
-/// Blocks that a headset holds at most, used up or not. With less than its reserve left it has the block in use and
-/// five of the shortest tails; there is room for one more.
-pub const MAX_LEASED_BLOCKS: usize = 6;
-
-/// Numbers of a block's tail that is worth a place in a lease. A shorter one rests until the whole block is free: 7
-/// numbers for each wiped headset in the mean, where some 70 are spent that nobody may have seen.
-pub const SHORTEST_TAIL: u8 = BLOCK_NUMBERS as u8 / 2;
-
-/// Leased numbers that a headset may show at once without having heard from the booth: visits of a morning that is
-/// busier than the mean.
-pub const MAX_ALLOWANCE: u8 = 12;
-
-/// Seconds in which a headset that hears nothing from the booth may show one leased number more: 60 in a day of ten
-/// hours. It bounds what a wiped headset can have shown since its last report: 99 in a night of fourteen hours,
-/// where it holds 150 to 213.
-pub const ALLOWANCE_SECONDS: u32 = 600;
-
-/// Seconds from when a report is made to when the booth takes it, at most. A report that is older is dropped and made
-/// anew.
-pub const MAX_REPORT_SECONDS: u32 = 600;
-
-/// Blocks that a ledger hands out in a day at most. 200 headsets with 50 visits a day, half of them wiped daily, need 919 at
-/// most in a year. It bounds what a ledger can have handed out since a copy was made of it.
-pub const DAY_BLOCKS: u16 = 1024;
-
-/// Blocks that a ledger hands out on the day on which it came back from a copy: the reserves of all headsets.
-pub const RESTORE_BLOCKS: u16 = 1024;
-
-/// Headsets that a ledger knows: 200, and spares that take the place of broken ones.
-pub const MAX_HEADSETS: usize = 256;
-
-/// Former epochs of a headset by which a late report is told from one of a new epoch. They last three wipes, and a
-/// report is ten minutes late at most.
-pub const FORMER_EPOCHS: usize = 3;
-
-/// Announcements of a heartbeat: all of half a day without the booth. More take turns.
-pub const MAX_ANNOUNCEMENTS: usize = 32;
-
-/// Milliseconds that a command of the booth lives at most: whoever pressed the button still stands there.
-pub const MAX_COMMAND_MS: u16 = 10_000;
-
-/// Bytes of a parcel's volume at most, unpacked: an `.rmap` at 256 with [`MAX_INTERVALS`] takes 1.5 MiB.
-pub const MAX_PARCEL_VOLUME_BYTES: u32 = 2 << 20;
-
-/// Bytes of a parcel's mesh at most, unpacked: an STL at 256 has some 16 MB, and four times as much where every
-/// voxel is rough.
-pub const MAX_PARCEL_MESH_BYTES: u32 = 64 << 20;
-
-/// Bytes of a parcel's trace at most, unpacked: two hours, which is where a recording ends, at 116 bytes a tick take
-/// 57 MiB.
-pub const MAX_PARCEL_TRACE_BYTES: u32 = 64 << 20;
-
-/// Bytes by which a packed file may be longer than it was, beside a thousandth: deflate stores what it can't make
-/// shorter, in blocks with a head.
-pub const MAX_PACKED_SURPLUS: u32 = 64;
-
-/// Bytes of a whole parcel at most: a mesh packs to a third, a trace to a hundredth.
-pub const MAX_PARCEL_BYTES: u64 = 32 << 20;
-
-/// Sculptures that an outbox knows: five days of 50 visits without the booth, and some.
-pub const MAX_OUTBOX_ENTRIES: usize = 256;
-
-/// Bytes of a parcel that are sent at once: a second of a weak radio link, which is lost where it fails.
-pub const MAX_CHUNK_BYTES: u32 = 256 << 10;
-
-/// Milliseconds without an answer after which a request has failed: a part at 35 kbit/s.
-pub const UPLOAD_TIMEOUT_MS: u64 = 60_000;
-
-/// Milliseconds after the first request that came to nothing; twice as long after each more.
-pub const UPLOAD_WAIT_MS: u64 = 2_000;
-
-/// Milliseconds between requests that come to nothing, at most: a visitor waits no longer at the booth once it is back.
-pub const MAX_UPLOAD_WAIT_MS: u64 = 60_000;
-
-/// Seconds that a booth may ask to be left alone, at most.
-pub const MAX_RETRY_AFTER_SECONDS: u32 = 600;
-
-/// Milliseconds until what the booth refused is tried again, once somebody may have mended the booth: six hours.
-pub const REFUSED_RETRY_MS: u64 = 6 * 3600 * 1000;
-
-/// Milliseconds between heartbeats: what a press on the staff's page waits at most.
-pub const HEARTBEAT_MS: u64 = 2_000;
-
-/// Milliseconds without an answer after which a heartbeat has failed: a command in it would be dead.
-pub const HEARTBEAT_TIMEOUT_MS: u64 = MAX_COMMAND_MS as u64;
-
-/// Milliseconds between heartbeats that aren't answered, at most: as long as a command lives.
-pub const MAX_HEARTBEAT_WAIT_MS: u64 = MAX_COMMAND_MS as u64;
