@@ -1,19 +1,15 @@
 //! `paros enrol`: what it refuses, and at a real booth what it brings; `paros exhibit`, which has a booth of its own.
 
-#[path = "support/booth.rs"]
-mod booth_process;
 mod support;
 
 use std::fs;
 use std::io::{BufRead as _, BufReader};
 use std::net::TcpStream;
 use std::os::unix::fs::PermissionsExt as _;
-use std::path::Path;
 use std::process::{Command, Stdio};
 
-use booth_process::BoothProcess;
+use paros_booth_process::{BoothProcess, find_booth};
 use paros_shell::outbox::enrolment::Enrolment;
-use paros_shell::require::require_or_skip;
 use support::TestFolder;
 
 const FLEET: &str = "address = \"https://127.0.0.1:1\"\n\
@@ -57,17 +53,18 @@ fn a_booth_that_is_not_there_leaves_nothing_behind() {
 #[test]
 fn a_machine_enrols_by_a_fleet_s_file_and_by_hand() {
     let folder = TestFolder::new("enrol-done");
-    let Some(booth) = BoothProcess::start(&folder.0.join("booth")) else { return };
-    folder.write("fleet.toml", booth.run(&["fleet-file", "--address", &booth.address]));
+    let Some(program) = find_booth() else { return };
+    let booth = BoothProcess::start(&program, &folder.0, None);
+    folder.write("fleet.toml", booth.make_fleet_file());
     let enrol = ["enrol", "--file", "kept/e.toml", "--fleet-file", "fleet.toml"];
     let said = folder.succeeds(&enrol);
-    assert_eq!(said, format!("headset 1 of {}; kept in kept/e.toml\n", booth.address));
+    assert_eq!(said, format!("headset 1 of {}; kept in kept/e.toml\n", booth.address()));
     let mode = fs::metadata(folder.0.join("kept/e.toml")).expect("a file").permissions().mode();
     assert_eq!(mode & 0o777, 0o600);
     assert!(String::from_utf8(folder.read("kept/e.toml")).unwrap().contains("headset = 1\n"));
     folder.refuses(&enrol, "this machine is headset 1");
     // By hand: the booth lists the pictograms that were printed.
-    let args = ["enrol", "--file", "h.toml", &booth.address, "--name", "desk"];
+    let args = ["enrol", "--file", "h.toml", booth.address(), "--name", "desk"];
     let mut waiting = folder.command(&args).stdout(Stdio::piped()).spawn().expect("it runs");
     let mut lines = BufReader::new(waiting.stdout.take().expect("a pipe")).lines();
     let shown = lines.next().expect("a line").expect("text");
@@ -76,7 +73,7 @@ fn a_machine_enrols_by_a_fleet_s_file_and_by_hand() {
     let (attempt, rest) = attempts.split_once(": ").expect("one attempt");
     assert!(rest.starts_with(&format!("{shown} (desk)")), "{attempts}");
     assert!(!folder.0.join("h.toml").exists(), "nothing is kept before");
-    booth.run(&["accept", attempt]);
+    let _ = booth.run(&["accept", attempt]);
     let last = lines.map_while(Result::ok).last().expect("a line");
     assert!(last.ends_with("kept in h.toml"), "{last}");
     assert!(waiting.wait().expect("it ends").success());
@@ -98,10 +95,7 @@ fn without_a_booth_s_program_it_tells_what_builds_it() {
 #[test]
 fn the_studio_is_enrolled_once_and_the_booth_ends_with_the_window() {
     let folder = TestFolder::new("exhibit");
-    let booth = Path::new(env!("CARGO_BIN_EXE_paros")).with_file_name("paros-booth");
-    let found = booth.exists().then_some(());
-    let found = found.ok_or("no booth: `cargo build -p paros-booth` builds it");
-    if require_or_skip(found).expect("a booth").is_none() {
+    if find_booth().is_none() {
         return;
     }
     let file = folder.0.join("all/studio/paros/enrolment.toml");

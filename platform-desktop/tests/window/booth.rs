@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use paros_booth_process::{BoothProcess, find_booth};
 use paros_shell::outbox::Parcel;
 use paros_shell::require::{MissingDependency, require_or_skip};
 use sha2::{Digest as _, Sha256};
 
-use crate::booth_process::BoothProcess;
 use crate::exhibition::{SETTINGS, choose_the_owl, cut_and_see_badge};
 use crate::rig::{ScriptedWindow, XvfbDisplay, empty_folder, paros_command};
 
@@ -17,9 +17,10 @@ use crate::rig::{ScriptedWindow, XvfbDisplay, empty_folder, paros_command};
 fn a_visitor_s_sculpture_is_kept_here_and_at_the_booth() -> Result<(), MissingDependency> {
     let folder = empty_folder("booth");
     let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
-    let Some(booth) = BoothProcess::start(&folder.join("booth")) else { return Ok(()) };
+    let Some(program) = find_booth() else { return Ok(()) };
+    let booth = BoothProcess::start(&program, &folder, None);
     let fleet = folder.join("fleet.toml");
-    fs::write(&fleet, booth.run(&["fleet-file", "--address", &booth.address])).expect("a file");
+    fs::write(&fleet, booth.make_fleet_file()).expect("a file");
     let enrolled = paros_command(&folder).arg("enrol").arg("--fleet-file").arg(&fleet).output();
     let enrolled = enrolled.expect("it runs");
     assert!(enrolled.status.success(), "{}", String::from_utf8_lossy(&enrolled.stderr));

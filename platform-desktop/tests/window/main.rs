@@ -6,8 +6,6 @@
 #![cfg(unix)]
 
 mod booth;
-#[path = "../support/booth.rs"]
-mod booth_process;
 mod desktop;
 mod disk;
 mod exhibition;

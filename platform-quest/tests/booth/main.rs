@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 use std::{fs, thread};
 
 use jni::{InitArgsBuilder, JNIVersion, JavaVM};
+use paros_booth_process::{BoothProcess, find_booth};
 use paros_core::outbox::messages::{DeviceName, DeviceToken};
 use paros_quest::device::HttpsCaller;
 use paros_quest::fleet::{Enroller, HeadsetNames, find_fleet_file, follow_fleet_file};
@@ -28,7 +29,7 @@ use paros_shell::settings::{BoothSettings, LoadedSettings};
 
 use java::run_in_checked_vm;
 use link_suite::{Answer, Server, ask, put};
-use rig::{Booth, make_draft};
+use rig::{is_kept, make_draft};
 
 /// The Java VM: a process can start only one. Nothing of Android's is in it.
 static VM: LazyLock<JavaVM> = LazyLock::new(|| {
@@ -76,11 +77,14 @@ fn redirects_are_not_followed_and_long_bodies_not_read() {
 #[test]
 fn a_headset_enrols_at_the_booth_and_its_sculpture_gets_there() {
     run_in_checked_vm("a_headset_enrols_at_the_booth_and_its_sculpture_gets_there", || {
-        let Some(booth) = Booth::start("quest-booth") else { return };
-        refuse_another_authority(&booth);
-        let folder = booth.folder().join("headset");
+        let Some(program) = find_booth() else { return };
+        let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join("quest-booth");
+        let _ = fs::remove_dir_all(&place);
+        let folder = place.join("headset");
         fs::create_dir_all(&folder).expect("room on the disk");
-        fs::write(folder.join(FLEET_FILE_NAME), booth.fleet_text()).expect("room on the disk");
+        let booth = BoothProcess::start(&program, &place, None);
+        refuse_another_authority(&booth);
+        fs::write(folder.join(FLEET_FILE_NAME), booth.make_fleet_file()).expect("room on the disk");
         let fleet = find_fleet_file(None, &folder, None, |line| panic!("{line}"));
         let fleet = fleet.expect("it was pushed");
         let file = enrolment_file(&folder);
@@ -92,11 +96,11 @@ fn a_headset_enrols_at_the_booth_and_its_sculpture_gets_there() {
     });
 }
 
-fn refuse_another_authority(booth: &Booth) {
+fn refuse_another_authority(booth: &BoothProcess) {
     let other = Server::start(Answer::Never);
-    let fleet = FleetFile::parse("fleet", booth.fleet_text().as_bytes()).expect("its own");
+    let fleet = FleetFile::parse("fleet", booth.make_fleet_file().as_bytes()).expect("its own");
     let device = NewDevice::draw(None, DeviceName::new("").expect("a name")).expect("random bits");
-    let mut caller = HttpsCaller::new(VM.clone(), &booth.address, &other.ca, ENROL_TIMEOUT);
+    let mut caller = HttpsCaller::new(VM.clone(), booth.address(), &other.ca, ENROL_TIMEOUT);
     let refused = enrol_by_fleet(&mut caller, &fleet, &device);
     assert!(matches!(refused, Err(EnrolError::Link(LinkFault::Untrusted))), "{refused:?}");
 }
@@ -113,7 +117,7 @@ fn enrol(fleet: &FleetFile, file: &Path) {
 }
 
 /// A mesh, which takes several parts, to its receipt.
-fn send_sculpture(booth: &Booth, folder: &Path) {
+fn send_sculpture(booth: &BoothProcess, folder: &Path) {
     let connect = |enrolment: &Enrolment| {
         let link: Box<ThreadedLink> =
             Box::new(open_link(&enrolment.booth_address(), LinkTimes::default()));
@@ -130,7 +134,7 @@ fn send_sculpture(booth: &Booth, folder: &Path) {
     courier.keep(draft);
     // The courier takes no receipt but one that the site's key signed.
     wait_until("a receipt", || courier.keeping(id) == Some(Keeping::KeptAtBooth));
-    wait_until("it is kept", || booth.keeps(id));
+    wait_until("it is kept", || is_kept(booth, id));
     assert_eq!(courier.take_notes(), [""; 0]);
 }
 

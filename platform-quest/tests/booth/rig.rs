@@ -1,11 +1,8 @@
-//! The booth's own program, and a sculpture to send.
+//! What a headset sends, and whether a booth keeps it.
 
-use std::env;
 use std::fs;
-use std::io::{BufRead as _, BufReader};
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
 
+use paros_booth_process::BoothProcess;
 use paros_core::TickInput;
 use paros_core::limits::INTERVALS;
 use paros_core::outbox::messages::{
@@ -14,90 +11,18 @@ use paros_core::outbox::messages::{
 use paros_core::session::SessionMode;
 use paros_core::volume::Grid;
 use paros_shell::outbox::courier::ParcelDraft;
-use paros_shell::require::require_or_skip;
 use paros_shell::statics::Resident;
 use paros_shell::stl_export::StlExporter;
 use paros_shell::tick_runner::with_fresh_world;
 use sha2::{Digest as _, Sha256};
 
-/// A running booth with a folder of its own. It is killed when it is dropped.
-pub(crate) struct Booth {
-    program: PathBuf,
-    process: Child,
-    folder: PathBuf,
-    pub(crate) address: String,
-}
-
-impl Booth {
-    /// Builds the program and starts it; none where it can't be built.
-    pub(crate) fn start(name: &str) -> Option<Self> {
-        let program = require_or_skip(build_booth()).expect("a booth")?;
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-        let _ = fs::remove_dir_all(&folder);
-        fs::create_dir_all(&folder).expect("room on the disk");
-        let log = fs::File::create(folder.join("log")).expect("room on the disk");
-        let mut process = Command::new(&program)
-            .args(["--listen", "127.0.0.1:0", "--folder"])
-            .arg(folder.join("data"))
-            .stdout(Stdio::piped())
-            .stderr(log)
-            .spawn()
-            .expect("it starts");
-        let mut lines = BufReader::new(process.stdout.take().expect("a pipe")).lines();
-        let address = lines.next().expect("a line").expect("text");
-        Some(Booth { program, process, folder, address })
-    }
-
-    pub(crate) fn folder(&self) -> &Path {
-        &self.folder
-    }
-
-    /// A new fleet's file.
-    pub(crate) fn fleet_text(&self) -> String {
-        let made = Command::new(&self.program)
-            .args(["fleet-file", "--address", &self.address, "--uses", "1", "--folder"])
-            .arg(self.folder.join("data"))
-            .output()
-            .expect("it starts");
-        assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
-        String::from_utf8(made.stdout).expect("text")
-    }
-
-    /// Whether it keeps a sculpture, whose mesh it has made anew to the same bytes.
-    pub(crate) fn keeps(&self, id: SculptureId) -> bool {
-        let entries = fs::read_dir(self.folder.join("data/sculptures")).expect("a folder");
-        let names = entries.map(|entry| entry.expect("an entry").file_name().into_string());
-        let is_kept =
-            |name: String| name.starts_with(&id.to_string()) && name.ends_with(".sculpture");
-        let log = fs::read_to_string(self.folder.join("log")).expect("a log");
-        log.contains(&format!("mesh compared id={id} state=Equal")) && names.flatten().any(is_kept)
-    }
-}
-
-impl Drop for Booth {
-    fn drop(&mut self) {
-        let _ = self.process.kill();
-        let _ = self.process.wait();
-    }
-}
-
-/// Builds the program as these tests were built, beside them.
-fn build_booth() -> Result<PathBuf, String> {
-    let test = env::current_exe().map_err(|error| error.to_string())?;
-    let folder = test.ancestors().nth(2).ok_or("the test has no folder")?;
-    let is_release = folder.file_name().is_some_and(|name| name == "release");
-    let mut build = Command::new(env!("CARGO"));
-    build.args(["build", "--quiet", "-p", "paros-booth"]).args(is_release.then_some("--release"));
-    let built = build.current_dir(env!("CARGO_MANIFEST_DIR")).output();
-    let built = built.map_err(|error| format!("cargo: {error}"))?;
-    let program = folder.join("paros-booth");
-    if built.status.success() && program.exists() {
-        Ok(program)
-    } else {
-        let told = String::from_utf8_lossy(&built.stderr).into_owned();
-        let lines: Vec<_> = told.lines().filter(|line| line.starts_with("error")).collect();
-        Err(format!("no {}: cargo build -p paros-booth: {}", program.display(), lines.join("; ")))
-    }
+/// Whether a booth keeps a sculpture, whose mesh it has made anew to the same bytes.
+pub(crate) fn is_kept(booth: &BoothProcess, id: SculptureId) -> bool {
+    let entries = fs::read_dir(booth.data().join("sculptures")).expect("a folder");
+    let names = entries.map(|entry| entry.expect("an entry").file_name().into_string());
+    let is_its = |name: String| name.starts_with(&id.to_string()) && name.ends_with(".sculpture");
+    let compared = format!("mesh compared id={id} state=Equal");
+    booth.read_log().contains(&compared) && names.flatten().any(is_its)
 }
 
 /// The toy that a creative session starts from, as the mesh that a headset exported.

@@ -2,12 +2,14 @@
 
 use std::collections::BTreeSet;
 use std::io::{BufRead as _, BufReader};
+use std::net::TcpListener;
 use std::thread;
 use std::time::Duration;
 
+use paros_booth_process::find_booth;
 use paros_models::random_visitor::RandomSource;
 
-use crate::rig::{Place, Told, find_booth};
+use crate::rig::{Place, Told};
 
 /// How often each is killed; `PAROS_KILLS` says otherwise.
 const KILLS: u32 = 6;
@@ -15,15 +17,22 @@ const KILLS: u32 = 6;
 /// Visits of a shell until it is killed: more than it comes to.
 const VISITS: u32 = 50;
 
+/// A free port that the system hands to nobody who asks for any: while the booth is dead, nobody takes it.
+fn find_kept_place() -> String {
+    let mut ports = 20_000..30_000;
+    let is_free = |port: &u16| TcpListener::bind(("127.0.0.1", *port)).is_ok();
+    format!("127.0.0.1:{}", ports.find(is_free).expect("a free port"))
+}
+
 #[test]
 fn killed_at_any_moment_nothing_that_was_kept_is_lost_and_nothing_is_kept_twice() {
     let Some(program) = find_booth() else { return };
     let kills = std::env::var("PAROS_KILLS").ok().and_then(|kills| kills.parse().ok());
     let kills: u32 = kills.unwrap_or(KILLS);
     let place = Place::new("kills", program);
-    let mut booth = place.start_booth();
-    let listen = booth.address.trim_start_matches("https://").to_owned();
-    place.enrol_by_fleet_file(&booth.address);
+    let listen = find_kept_place();
+    let mut booth = place.start_booth_at(&listen);
+    place.enrol_by_fleet_file(&booth);
     let mut dice = RandomSource::new(u64::from(kills));
     let mut told = Told::default();
     for round in 0..kills {

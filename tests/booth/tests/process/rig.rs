@@ -1,59 +1,29 @@
 //! Folders of a booth and a shell, and their processes.
 
 use std::collections::BTreeSet;
-use std::fs::{self, File};
-use std::io::{BufRead as _, BufReader, Read as _};
+use std::fs;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use paros_booth_process::BoothProcess;
 use paros_core::outbox::messages::{ContentHash, DeviceName};
 use paros_outbox_link::HttpsCaller;
 use paros_shell::outbox::Parcel;
 use paros_shell::outbox::enrolment::{
     ENROL_TIMEOUT, FleetFile, NewDevice, enrol_by_fleet, enrolment_file,
 };
-use paros_shell::require::require_or_skip;
 use sha2::{Digest as _, Sha256};
 
 /// How long anything may take.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// The booth's program, brought up to date. Newcomers don't build it: where nobody has, nothing is tried but by the whole
-/// check.
-pub(crate) fn find_booth() -> Option<PathBuf> {
-    let program = Path::new(env!("CARGO_BIN_EXE_headless-shell")).with_file_name("paros-booth");
-    let is_wanted = std::env::var_os("PAROS_REQUIRE").is_some_and(|parts| parts == "all");
-    let found = match program.exists() || is_wanted {
-        true => build_booth().map(|()| program),
-        false => Err("no booth: `cargo build -p paros-booth` builds it".into()),
-    };
-    require_or_skip(found).expect("the booth's program")
-}
-
-fn build_booth() -> Result<(), String> {
-    let built = Command::new(env!("CARGO"))
-        .args(["build", "--quiet", "-p", "paros-booth"])
-        .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."))
-        .output();
-    match built {
-        Ok(done) if done.status.success() => Ok(()),
-        Ok(done) => Err(format!("no booth: {}", String::from_utf8_lossy(&done.stderr).trim())),
-        Err(error) => Err(format!("no booth: {error}")),
-    }
-}
-
 /// A booth's folder and a shell's.
 pub(crate) struct Place {
     folder: PathBuf,
     booth: PathBuf,
-}
-
-/// A running booth. It is killed when it is dropped.
-pub(crate) struct Booth {
-    process: Child,
-    pub(crate) address: String,
 }
 
 /// What a shell told.
@@ -89,10 +59,6 @@ impl Place {
         Place { folder, booth }
     }
 
-    fn data(&self) -> PathBuf {
-        self.folder.join("booth")
-    }
-
     pub(crate) fn shell_folder(&self) -> PathBuf {
         self.folder.join("shell")
     }
@@ -101,45 +67,18 @@ impl Place {
         enrolment_file(&self.shell_folder().join("sessions"))
     }
 
-    pub(crate) fn start_booth(&self) -> Booth {
-        self.start_booth_at("127.0.0.1:0")
+    pub(crate) fn start_booth(&self) -> BoothProcess {
+        BoothProcess::start(&self.booth, &self.folder, None)
     }
 
-    /// Starts the booth, and waits until it can be reached.
-    pub(crate) fn start_booth_at(&self, listen: &str) -> Booth {
-        let log = File::options().append(true).create(true).open(self.folder.join("log"));
-        let mut process = Command::new(&self.booth)
-            .args(["--listen", listen, "--folder"])
-            .arg(self.data())
-            .stdout(Stdio::piped())
-            .stderr(log.expect("a log"))
-            .spawn()
-            .expect("the program");
-        let mut lines = BufReader::new(process.stdout.take().expect("a pipe")).lines();
-        let Some(Ok(address)) = lines.next() else {
-            panic!("the booth doesn't start: {:?}; its log: {}", process.wait(), self.booth_log());
-        };
-        assert!(address.starts_with("https://"), "{address}");
-        // What else it says is read, so that it never waits for that.
-        thread::spawn(move || lines.for_each(drop));
-        Booth { process, address }
+    /// The same, at a place.
+    pub(crate) fn start_booth_at(&self, listen: &str) -> BoothProcess {
+        BoothProcess::start(&self.booth, &self.folder, Some(listen))
     }
 
-    pub(crate) fn run_booth(&self, arguments: &[&str]) -> String {
-        let done = Command::new(&self.booth)
-            .args(arguments)
-            .arg("--folder")
-            .arg(self.data())
-            .output()
-            .expect("the program");
-        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-        String::from_utf8(done.stdout).expect("text")
-    }
-
-    pub(crate) fn enrol_by_fleet_file(&self, address: &str) {
+    pub(crate) fn enrol_by_fleet_file(&self, booth: &BoothProcess) {
         let path = self.folder.join("fleet.toml");
-        let text = self.run_booth(&["fleet-file", "--address", address]);
-        fs::write(&path, text).expect("room on the disk");
+        fs::write(&path, booth.make_fleet_file()).expect("room on the disk");
         let fleet = FleetFile::read(&path).expect("what the booth printed");
         let device = NewDevice::draw(None, DeviceName::new("test").expect("a name"));
         let mut link = HttpsCaller::new(&fleet.address, &fleet.ca, ENROL_TIMEOUT);
@@ -162,7 +101,8 @@ impl Place {
         while shell.try_wait().expect("a process").is_none() {
             if begun.elapsed() > PATIENCE {
                 let _ = shell.kill();
-                panic!("the shell doesn't end; the booth's log: {}", self.booth_log());
+                let log = fs::read_to_string(self.folder.join("log")).unwrap_or_default();
+                panic!("the shell doesn't end; the booth's log: {log}");
             }
             thread::sleep(Duration::from_millis(20));
         }
@@ -176,7 +116,7 @@ impl Place {
 
     /// All that the booth keeps.
     pub(crate) fn parcels_at_booth(&self) -> Vec<Parcel> {
-        let names = fs::read_dir(self.data().join("sculptures")).expect("a folder");
+        let names = fs::read_dir(self.folder.join("booth/sculptures")).expect("a folder");
         let paths = names.map(|entry| entry.expect("a file").path());
         let kept = paths.filter(|path| path.extension() == Some("sculpture".as_ref()));
         kept.map(|path| Parcel::read(fs::read(path).expect("a file")).expect("whole")).collect()
@@ -189,32 +129,13 @@ impl Place {
         let prints = paths.filter(|path| path.extension() == Some("stl".as_ref()));
         prints.map(|path| ContentHash(Sha256::digest(fs::read(path).unwrap()).into())).collect()
     }
-
-    pub(crate) fn booth_log(&self) -> String {
-        fs::read_to_string(self.folder.join("log")).unwrap_or_default()
-    }
-
-    /// Waits until the booth's log has a text so often.
-    pub(crate) fn wait_for_log(&self, text: &str, count: usize) {
-        let begun = Instant::now();
-        while self.booth_log().matches(text).count() < count {
-            assert!(begun.elapsed() < PATIENCE, "{text}: {}", self.booth_log());
-            thread::sleep(Duration::from_millis(50));
-        }
-    }
 }
 
-impl Booth {
-    /// Kills it as a loss of power does.
-    pub(crate) fn kill(&mut self) {
-        self.process.kill().expect("it runs");
-        self.process.wait().expect("it ends");
-    }
-}
-
-impl Drop for Booth {
-    fn drop(&mut self) {
-        let _ = self.process.kill();
-        let _ = self.process.wait();
+/// Waits until a booth's log has a text so often.
+pub(crate) fn wait_for_log(booth: &BoothProcess, text: &str, count: usize) {
+    let begun = Instant::now();
+    while booth.read_log().matches(text).count() < count {
+        assert!(begun.elapsed() < PATIENCE, "{text}: {}", booth.read_log());
+        thread::sleep(Duration::from_millis(50));
     }
 }

@@ -1,0 +1,141 @@
+//! The booth's own program as a process, for tests of what talks to it.
+#![forbid(unsafe_code)]
+
+use std::env;
+use std::fs::{self, OpenOptions};
+use std::io::{BufRead as _, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::LazyLock;
+use std::thread;
+
+use paros_shell::require::require_or_skip;
+
+/// The booth's program, brought up to date. Newcomers don't build it: where nobody has, there is none, and a test is
+/// skipped unless all is required.
+///
+/// # Panics
+/// It can't be built, and all is required.
+#[must_use]
+pub fn find_booth() -> Option<PathBuf> {
+    // Once a process: a program that another test runs isn't replaced.
+    static FOUND: LazyLock<Result<PathBuf, String>> = LazyLock::new(|| {
+        let test = env::current_exe().map_err(|error| error.to_string())?;
+        let folder = test.ancestors().nth(2).ok_or("the test has no folder")?;
+        let program = folder.join(format!("paros-booth{}", env::consts::EXE_SUFFIX));
+        let is_wanted = env::var_os("PAROS_REQUIRE").is_some_and(|parts| parts == "all");
+        if !program.exists() && !is_wanted {
+            return Err("no booth: `cargo build -p paros-booth` builds it".into());
+        }
+        build_booth(folder.ends_with("release")).map(|()| program)
+    });
+    require_or_skip(FOUND.clone()).expect("the booth's program")
+}
+
+fn build_booth(is_release: bool) -> Result<(), String> {
+    let mut build = Command::new(env!("CARGO"));
+    build.args(["build", "--quiet", "-p", "paros-booth"]).args(is_release.then_some("--release"));
+    // What cargo tells the test of its package would have crates built again that ask for it.
+    for (name, _) in env::vars_os() {
+        let told = name.to_string_lossy();
+        if ["CARGO_PKG_", "CARGO_MANIFEST_"].iter().any(|group| told.starts_with(group)) {
+            build.env_remove(&name);
+        }
+    }
+    let built = build.current_dir(env!("CARGO_MANIFEST_DIR")).output();
+    let built = built.map_err(|error| format!("no booth: cargo: {error}"))?;
+    match built.status.success() {
+        true => Ok(()),
+        false => Err(format!("no booth: {}", String::from_utf8_lossy(&built.stderr).trim())),
+    }
+}
+
+/// A booth that serves: its data in `booth` of a folder, its log in `log`. It is killed when it is dropped.
+#[derive(Debug)]
+pub struct BoothProcess {
+    process: Child,
+    program: PathBuf,
+    folder: PathBuf,
+    address: String,
+}
+
+impl BoothProcess {
+    /// Starts a program where it finds a port, or at one that it had before, and waits until it can be reached.
+    ///
+    /// # Panics
+    /// It doesn't start.
+    #[must_use]
+    pub fn start(program: &Path, folder: &Path, listen: Option<&str>) -> Self {
+        let log = folder.join("log");
+        let words = OpenOptions::new().append(true).create(true).open(&log).expect("a log");
+        let mut process = Command::new(program)
+            .args(["--listen", listen.unwrap_or("127.0.0.1:0"), "--folder"])
+            .arg(folder.join("booth"))
+            .stdout(Stdio::piped())
+            .stderr(words)
+            .spawn()
+            .expect("the program");
+        let mut lines = BufReader::new(process.stdout.take().expect("a pipe")).lines();
+        let Some(Ok(address)) = lines.next() else {
+            let words = fs::read_to_string(&log).unwrap_or_default();
+            panic!("the booth doesn't start: {:?}; its log: {words}", process.wait());
+        };
+        assert!(address.starts_with("https://"), "{address}");
+        // What else it says is read, so that it never waits for that.
+        thread::spawn(move || lines.for_each(drop));
+        BoothProcess { process, program: program.into(), folder: folder.into(), address }
+    }
+
+    /// Its address: `https://` and a socket's.
+    #[must_use]
+    pub fn address(&self) -> &str {
+        &self.address
+    }
+
+    /// The folder of its data.
+    #[must_use]
+    pub fn data(&self) -> PathBuf {
+        self.folder.join("booth")
+    }
+
+    /// All that it has logged, of starts before too.
+    #[must_use]
+    pub fn read_log(&self) -> String {
+        fs::read_to_string(self.folder.join("log")).unwrap_or_default()
+    }
+
+    /// What one of its commands prints, such as a fleet's file.
+    ///
+    /// # Panics
+    /// The command fails.
+    #[must_use]
+    pub fn run(&self, arguments: &[&str]) -> String {
+        let mut command = Command::new(&self.program);
+        let done = command.args(arguments).arg("--folder").arg(self.data()).output();
+        let done = done.expect("the program");
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        String::from_utf8(done.stdout).expect("text")
+    }
+
+    /// The text of a new fleet's file.
+    ///
+    /// # Panics
+    /// None is made.
+    #[must_use]
+    pub fn make_fleet_file(&self) -> String {
+        self.run(&["fleet-file", "--address", &self.address])
+    }
+
+    /// Kills it as a loss of power does.
+    pub fn kill(&mut self) {
+        // It may have ended.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+impl Drop for BoothProcess {
+    fn drop(&mut self) {
+        self.kill();
+    }
+}
