@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use openxr as xr;
 use paros_shaders::gpu::{self, Gpu};
-use paros_shell::headset::start_up::Notice;
+use paros_shell::headset::start_up::StartNotice;
 
 use crate::error::{CallContext, Error};
 use crate::options::ShellOptions;
@@ -56,7 +56,7 @@ impl NoticeSession {
         &mut self,
         platform: &mut dyn Platform,
         commands: Option<&CommandQueue>,
-        notice_at: &dyn Fn(Duration) -> Option<Notice>,
+        notice_at: &dyn Fn(Duration) -> Option<StartNotice>,
     ) -> Result<ControlFlow<()>, Error> {
         while let Some(notice) = notice_at(platform.since_boot()) {
             self.poll_events()?;
@@ -105,7 +105,7 @@ impl NoticeSession {
     fn run_test_command(
         &self,
         commands: Option<&CommandQueue>,
-        notice: &Notice,
+        notice: &StartNotice,
     ) -> Result<ControlFlow<()>, Error> {
         match commands.and_then(CommandQueue::poll_next) {
             None => {}

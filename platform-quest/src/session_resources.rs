@@ -9,7 +9,7 @@ use paros_core::volume::{Grid, Size};
 use paros_shaders::gpu::{self, Gpu, TargetFormat, WorldRenderer};
 use paros_shaders::upload::VolumeFormat;
 use paros_shell::file_writer::{FileKind, FileWriter};
-use paros_shell::headset::start_up::Notice;
+use paros_shell::headset::start_up::StartNotice;
 use paros_shell::studio_paths::StudioPaths;
 
 use crate::compilation::{Compilation, Compiled};
@@ -97,7 +97,7 @@ impl OpenedSession {
     ///
     /// # Errors
     /// A lost session.
-    pub(crate) fn wait_and_run_frame(&mut self, notice: &Notice) -> Result<(), Error> {
+    pub(crate) fn wait_and_run_frame(&mut self, notice: &StartNotice) -> Result<(), Error> {
         let HeadsetSession { waiter, stream, .. } = &mut self.session;
         let calls = FrameCalls { waiter, stream, blend_mode: self.runtime.blend_mode };
         match &mut self.notice {

@@ -12,7 +12,7 @@ use super::clock::{OursTheirs, min_in_turns_ms, time_ms};
 use super::fixture::{Fixture, HasFixture};
 use super::peers::{MissingPeer, PeerTiming, PythonPeers};
 use super::row::{Measured, ReportRow};
-use super::subject::Subject;
+use super::subject::BenchSubject;
 
 /// A rival slower than this is run [`SLOW_RUNS`] times only, and the row says so.
 const SLOW_MS: f64 = 1000.0;
@@ -22,7 +22,7 @@ const SLOW_RUNS: usize = 3;
 const OURS_OF_TWO: &str = ", ours of two intervals";
 
 pub(super) fn measure_rows<const N: usize>(
-    subject: &Subject,
+    subject: &BenchSubject,
     runs: usize,
     peers: &mut Result<PythonPeers, MissingPeer>,
 ) -> Result<Measured, Error>

@@ -13,7 +13,7 @@ use super::clock::{OursTheirs, min_in_turns_ms, time_ms};
 use super::dense::DenseGrid;
 use super::fixture::{Fixture, HasFixture, restore_start_volume};
 use super::row::ReportRow;
-use super::subject::Subject;
+use super::subject::BenchSubject;
 
 /// In voxels.
 pub(super) const RADIUS: i32 = 6;
@@ -28,7 +28,7 @@ pub(super) const CARVE: EditOperation = EditOperation::Carve { depth: DEPTH };
 pub(super) const FILL: EditOperation = EditOperation::Fill { depth: DEPTH };
 
 pub(super) fn measure_rows<const N: usize>(
-    subject: &Subject,
+    subject: &BenchSubject,
     runs: usize,
 ) -> Result<Vec<ReportRow>, Error>
 where
@@ -66,7 +66,10 @@ where
 }
 
 /// The same carve at both sizes. The ratio is the small grid's time over the large one's.
-pub(super) fn measure_scaling(subject: &Subject, runs: usize) -> Result<Vec<ReportRow>, Error> {
+pub(super) fn measure_scaling(
+    subject: &BenchSubject,
+    runs: usize,
+) -> Result<Vec<ReportRow>, Error> {
     let (small, large) = (&mut *Grid::<128>::lock_fixture(), &mut *Grid::<256>::lock_fixture());
     subject.load_into(&mut small.start, &mut small.bit_grid)?;
     subject.load_into(&mut large.start, &mut large.bit_grid)?;

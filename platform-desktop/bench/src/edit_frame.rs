@@ -13,12 +13,12 @@ use super::fixture::{HasFixture, restore_start_volume};
 use super::frames::{FrameFormat, FrameTimer, RenderSetup, mean_ms};
 use super::framing::{Framing, VIEWS};
 use super::row::ReportRow;
-use super::subject::Subject;
+use super::subject::BenchSubject;
 
 /// The subject is loaded on the easels already. One edit for each view of the ring, at voxels spread
 /// over the surface.
 pub(super) fn measure_rows<const N: usize>(
-    subject: &Subject,
+    subject: &BenchSubject,
     framing: Framing,
     runs: usize,
     timer: &mut FrameTimer,

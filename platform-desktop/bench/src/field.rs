@@ -20,7 +20,7 @@ use super::edit::{CARVE, RADIUS, sample_surface_voxels, try_edit_sphere_at};
 use super::fixture::{Fixture, HasFixture, restore_start_volume};
 use super::islands::{Fraction, advance_pass, cut_gap};
 use super::row::{Measured, ReportRow};
-use super::subject::Subject;
+use super::subject::BenchSubject;
 
 /// What changes the volume.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -46,7 +46,7 @@ impl FieldChange {
 }
 
 /// The worst frame of each change.
-pub(super) fn measure_rows<const N: usize>(subject: &Subject) -> Result<Measured, Error>
+pub(super) fn measure_rows<const N: usize>(subject: &BenchSubject) -> Result<Measured, Error>
 where
     Grid<N>: Size + HasFixture<N>,
 {
@@ -86,11 +86,11 @@ where
 /// # Errors
 /// A file that is not as the measuring run left it.
 pub(super) fn replay_changes(volume_path: &Path) -> Result<(), Error> {
-    let subject = Subject::from_name_or_path(volume_path)?;
+    let subject = BenchSubject::from_name_or_path(volume_path)?;
     with_size!(subject.grid_sides()[0], N => replay_changes_at::<N>(&subject))
 }
 
-fn replay_changes_at<const N: usize>(subject: &Subject) -> Result<(), Error>
+fn replay_changes_at<const N: usize>(subject: &BenchSubject) -> Result<(), Error>
 where
     Grid<N>: Size + HasFixture<N>,
 {

@@ -9,13 +9,13 @@ use super::frames::{FrameFormat, FrameTimer, RenderSetup};
 use super::framing::{FILLING, Framing};
 use super::render::BENCH;
 use super::row::ReportRow;
-use super::subject::Subject;
+use super::subject::BenchSubject;
 
 const PAPER: RenderPath = RenderPath::Paper(PaperVariant::Whole);
 
 /// `framings` are those of the quarter view; their subject has just been loaded.
 pub(super) fn measure_rows(
-    subject: &Subject,
+    subject: &BenchSubject,
     framings: &[Framing],
     runs: usize,
     timer: &mut FrameTimer,
@@ -40,7 +40,7 @@ pub(super) fn measure_rows(
 }
 
 fn compare_times(
-    subject: &Subject,
+    subject: &BenchSubject,
     framing: &Framing,
     format: FrameFormat,
     runs: usize,
@@ -58,7 +58,7 @@ fn compare_times(
     Ok([row("the paper's path", 1), row("no march and two fetches", 2)])
 }
 
-fn new_row(subject: &Subject, framing: &Framing, what: String) -> ReportRow {
+fn new_row(subject: &BenchSubject, framing: &Framing, what: String) -> ReportRow {
     let row = ReportRow::new(BENCH, subject.name(), framing.volume.grid_side(), what);
     ReportRow { filled: Some(framing.filled), ..row }
 }

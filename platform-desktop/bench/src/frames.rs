@@ -16,7 +16,7 @@ use paros_shaders::upload::VolumeFormat;
 
 use super::fixture::{Fixture, HasFixture};
 use super::framing::{Framing, VIEWS, fit_framing, middle_height_sides, ring_view};
-use super::subject::Subject;
+use super::subject::BenchSubject;
 
 /// Distance between the eyes, in metres; a side of the cube is 1 m.
 const EYES_APART: f32 = 0.064;
@@ -109,7 +109,7 @@ impl FrameTimer {
     /// fraction of the image.
     pub(super) fn load_and_fit_framing<const N: usize>(
         &mut self,
-        subject: &Subject,
+        subject: &BenchSubject,
         formats: &[FrameFormat],
         fixture: &mut Fixture<N>,
     ) -> Result<Framing, Error>

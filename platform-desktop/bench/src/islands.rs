@@ -11,13 +11,13 @@ use super::clock::{OursTheirs, min_in_turns_ms, min_of_each_tick_ms, time_ms};
 use super::fixture::{Fixture, HasFixture, restore_start_volume};
 use super::paper::{FillState, PAPER_VISITS, VoxelFill};
 use super::row::ReportRow;
-use super::subject::Subject;
+use super::subject::BenchSubject;
 
 /// Layers cleared to separate an island from the ground.
 const GAP: usize = 2;
 
 pub(super) fn measure_rows<const N: usize>(
-    subject: &Subject,
+    subject: &BenchSubject,
     runs: usize,
 ) -> Result<Vec<ReportRow>, Error>
 where
@@ -54,7 +54,7 @@ pub(super) const PASS_CASES: [PassCase; 2] = [
 
 /// Loads a subject as the start volume, its upper quarter cut off if it is to have an island.
 pub(super) fn load_pass_case<const N: usize>(
-    subject: &Subject,
+    subject: &BenchSubject,
     fixture: &mut Fixture<N>,
     has_island: bool,
 ) -> Result<(), Error>

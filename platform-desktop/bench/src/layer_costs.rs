@@ -21,7 +21,7 @@ use super::mesh::export_ms;
 use super::paper::VoxelFill;
 use super::render::load_and_fit_framings;
 use super::row::ReportRow;
-use super::subject::{Subject, export_stl};
+use super::subject::{BenchSubject, export_stl};
 
 const BENCH: &str = "layers";
 
@@ -30,7 +30,7 @@ const FRAME_FORMATS: [FrameFormat; 2] = [FrameFormat::ALL[0], FrameFormat::HEADS
 
 /// Time of an edit, an island pass, an export and a bake.
 pub(super) fn measure_rows<const N: usize>(
-    subject: &Subject,
+    subject: &BenchSubject,
     runs: usize,
 ) -> Result<Vec<ReportRow>, Error>
 where
@@ -46,7 +46,7 @@ where
 
 /// Time of a frame by the paper's path, on the device's clock.
 pub(super) fn measure_frames(
-    subject: &Subject,
+    subject: &BenchSubject,
     runs: usize,
     timer: &mut FrameTimer,
 ) -> Result<Vec<ReportRow>, Error> {
@@ -104,7 +104,7 @@ pub(super) fn size_row(volume: &str, grid_side: usize, what: String, bytes: usiz
 
 /// The carve and the fill of `bench edit`.
 fn measure_edits<const N: usize>(
-    subject: &Subject,
+    subject: &BenchSubject,
     runs: usize,
     one: &mut Fixture<N>,
     two: &mut Fixture<N, 2>,
@@ -131,7 +131,7 @@ where
 /// The passes of `bench islands`, beside those with one interval and beside the paper's queue, which has
 /// one interval.
 fn measure_passes<const N: usize>(
-    subject: &Subject,
+    subject: &BenchSubject,
     runs: usize,
     one: &mut Fixture<N>,
     two: &mut Fixture<N, 2>,
@@ -184,7 +184,7 @@ where
 
 /// The export of `bench mesh`.
 fn measure_export<const N: usize>(
-    subject: &Subject,
+    subject: &BenchSubject,
     runs: usize,
     one: &mut Fixture<N>,
     two: &mut Fixture<N, 2>,
@@ -214,7 +214,7 @@ where
 
 /// The bake of `bench bake`. Its gaps are the mesh's own.
 fn measure_bake<const N: usize>(
-    subject: &Subject,
+    subject: &BenchSubject,
     runs: usize,
     one: &mut Fixture<N>,
     two: &mut Fixture<N, 2>,

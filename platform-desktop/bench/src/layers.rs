@@ -18,7 +18,7 @@ use super::clock::{OursTheirs, time_ms};
 use super::edit::{CARVE, try_edit};
 use super::fixture::{Fixture, HasFixture, restore_start_volume};
 use super::layer_costs::{name_intervals, size_row};
-use super::row::{Refusal, ReportRow};
+use super::row::{RefusalShare, ReportRow};
 
 /// Voxels a side.
 const SIDE: usize = 128;
@@ -69,9 +69,9 @@ pub(super) fn measure_cuts() -> Vec<ReportRow> {
         let worst = cuts.iter().map(|cut| cut.ours.totals.closure_percent()).fold(0.0, f64::max);
         let times = OursTheirs { ours: ours.ms, theirs: theirs.ms };
         ReportRow {
-            refusal: Some(Refusal {
+            refusal: Some(RefusalShare {
                 worst_two_percent: Some(worst),
-                ..Refusal::new(&theirs.totals, &ours.totals)
+                ..RefusalShare::new(&theirs.totals, &ours.totals)
             }),
             ..ReportRow::new("layers", kind.name, SIDE, "one interval a column")
                 .with_times_ms(times)
@@ -92,7 +92,7 @@ pub(super) fn measure_refusals_of_session(path: &Path) -> Result<Vec<ReportRow>,
     let one = with_fresh_world::<SIDE, 1, _>(|mut runner| play(&mut runner, &trace));
     let two = with_fresh_world::<SIDE, 2, _>(|mut runner| play(&mut runner, &trace));
     let played = ReportRow {
-        refusal: Some(Refusal::new(&one.edits.totals, &two.edits.totals)),
+        refusal: Some(RefusalShare::new(&one.edits.totals, &two.edits.totals)),
         ..ReportRow::new("layers", &name, SIDE, "its input with one interval a column")
             .with_times_ms(OursTheirs { ours: two.edits.ms, theirs: one.edits.ms })
     };

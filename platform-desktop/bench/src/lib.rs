@@ -38,7 +38,7 @@ use paros_shell::sizes::GRID_SIDES;
 use paros_shell::with_size;
 
 pub use row::{ReportRow, format_table};
-pub use subject::Subject;
+pub use subject::BenchSubject;
 
 use frames::FrameTimer;
 use peers::{MissingPeer, PythonPeers};
@@ -114,7 +114,7 @@ pub struct Plan {
     /// The benches, in order.
     pub benches: Vec<Benchmark>,
     /// What they run on, all but [`Benchmark::Feel`] and [`Benchmark::Step`].
-    pub subjects: Vec<Subject>,
+    pub subjects: Vec<BenchSubject>,
     /// Sessions that [`Benchmark::Step`] and [`Benchmark::Layers`] play; the demo at both sizes for the
     /// former where there are none.
     pub traces: Vec<PathBuf>,
@@ -144,15 +144,15 @@ pub struct Report {
 /// A unit of work of a plan: a benchmark on one input.
 #[derive(Clone, Copy)]
 enum PlanPiece<'a> {
-    On(Benchmark, &'a Subject, usize),
-    Scaling(&'a Subject),
+    On(Benchmark, &'a BenchSubject, usize),
+    Scaling(&'a BenchSubject),
     LayerCuts,
     LayerSizes,
-    LayerCosts(&'a Subject, usize),
-    LayerFrames(&'a Subject),
+    LayerCosts(&'a BenchSubject, usize),
+    LayerFrames(&'a BenchSubject),
     LayerSession(&'a Path),
-    Render(&'a Subject),
-    Paper(&'a Subject),
+    Render(&'a BenchSubject),
+    Paper(&'a BenchSubject),
     Feel(usize),
     Sizes,
     Demo(usize),
@@ -184,7 +184,7 @@ impl Plan {
     /// A subject that holds nothing, two sides that come to different results, or no device to
     /// draw where nothing else is to be measured.
     pub fn run(&self, on_pieces_done: impl Fn(f64)) -> Result<Report, Error> {
-        let notes = self.subjects.iter().map(Subject::describe_closing_to_one);
+        let notes = self.subjects.iter().map(BenchSubject::describe_closing_to_one);
         let notes = notes.filter_map(Result::transpose).collect::<Result<_, _>>()?;
         let mut report = Report { notes, ..Report::default() };
         let mut resources =
@@ -345,7 +345,7 @@ pub fn replay_for_callgrind(folder_or_volume: &Path) -> Result<(), Error> {
 }
 
 /// The pieces of a benchmark that measures each size separately.
-fn pieces_by_grid_side(bench: Benchmark, subject: &Subject) -> Vec<PlanPiece<'_>> {
+fn pieces_by_grid_side(bench: Benchmark, subject: &BenchSubject) -> Vec<PlanPiece<'_>> {
     let sides = subject.grid_sides();
     let mut pieces: Vec<_> =
         sides.iter().map(|&side| PlanPiece::On(bench, subject, side)).collect();

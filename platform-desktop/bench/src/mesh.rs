@@ -11,14 +11,14 @@ use super::clock::{min_in_turns_ms, time_ms};
 use super::fixture::HasFixture;
 use super::peers::{MissingPeer, PeerTiming, PythonPeers};
 use super::row::{Measured, ReportRow};
-use super::subject::{Subject, export_stl};
+use super::subject::{BenchSubject, export_stl};
 
 /// Each request to the rival, and the name of its row.
 const AGAINST: [(&str, &str); 2] =
     [("edges", "FlyingEdges3D"), ("smooth", "FlyingEdges3D, SmoothPolyDataFilter 2 x 0.5")];
 
 pub(super) fn measure_rows<const N: usize>(
-    subject: &Subject,
+    subject: &BenchSubject,
     runs: usize,
     peers: &mut Result<PythonPeers, MissingPeer>,
 ) -> Result<Measured, Error>

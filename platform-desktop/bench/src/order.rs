@@ -17,7 +17,7 @@ use super::clock::OursTheirs;
 use super::frames::{FrameFormat, FrameTimer, mean_ms};
 use super::framing::VIEWS;
 use super::row::ReportRow;
-use super::subject::Subject;
+use super::subject::BenchSubject;
 
 /// The shipped order, then the others.
 const ORDERS: [(SculptureOrder, &str); 3] = [
@@ -29,7 +29,7 @@ const ORDERS: [(SculptureOrder, &str); 3] = [
 /// The subject is loaded on the easels already. The eye leans over it with a hand in front, while the
 /// stool turns.
 pub(super) fn measure_rows<const N: usize>(
-    subject: &Subject,
+    subject: &BenchSubject,
     runs: usize,
     timer: &mut FrameTimer,
 ) -> Result<Vec<ReportRow>, Error>

@@ -21,7 +21,7 @@ use super::frames::{FrameFormat, FrameTimer, RenderSetup};
 use super::framing::Framing;
 use super::order;
 use super::row::ReportRow;
-use super::subject::Subject;
+use super::subject::BenchSubject;
 use super::visit_scene;
 
 pub(super) const BENCH: &str = "render";
@@ -41,7 +41,7 @@ struct Costs {
 }
 
 pub(super) fn measure_rows(
-    subject: &Subject,
+    subject: &BenchSubject,
     runs: usize,
     timer: &mut FrameTimer,
 ) -> Result<Vec<ReportRow>, Error> {
@@ -102,7 +102,7 @@ pub(super) fn geometric_means(rows: &[ReportRow]) -> Vec<ReportRow> {
 
 /// Loads a subject at its sizes, in columns of one interval and of two, and finds a framing for each size.
 pub(super) fn load_and_fit_framings(
-    subject: &Subject,
+    subject: &BenchSubject,
     formats: &[FrameFormat],
     timer: &mut FrameTimer,
 ) -> Result<Vec<Framing>, Error> {
@@ -118,7 +118,7 @@ pub(super) fn load_and_fit_framings(
 }
 
 fn format_rows(
-    subject: &Subject,
+    subject: &BenchSubject,
     framings: &[Framing],
     costs: &[Costs],
     format: FrameFormat,

@@ -49,7 +49,7 @@ pub struct ReportRow {
     pub published: Option<f64>,
     /// What closure refuses, in `bench layers`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub refusal: Option<Refusal>,
+    pub refusal: Option<RefusalShare>,
     /// Voxels that a tool removes in a second, where that is the figure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub voxels_per_second: Option<f64>,
@@ -91,7 +91,7 @@ impl PixelFetches {
 
 /// What closure brings back, in percent of the voxels that were removed and brought back together.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
-pub struct Refusal {
+pub struct RefusalShare {
     /// With one interval a column.
     pub one_percent: f64,
     /// Of so many voxels.
@@ -105,10 +105,10 @@ pub struct Refusal {
     pub worst_two_percent: Option<f64>,
 }
 
-impl Refusal {
+impl RefusalShare {
     /// Of the edits with one interval and of those with two.
     pub(super) fn new(one: &EditTotals, two: &EditTotals) -> Self {
-        Refusal {
+        RefusalShare {
             one_percent: one.closure_percent(),
             one_voxels: one.removed_or_closed(),
             two_percent: two.closure_percent(),
@@ -119,7 +119,7 @@ impl Refusal {
 
     fn to_text(self) -> String {
         let worst = self.worst_two_percent.map(|worst| format!(" (at worst {worst:.2} %)"));
-        let Refusal { one_percent, one_voxels, two_percent, two_voxels, .. } = self;
+        let RefusalShare { one_percent, one_voxels, two_percent, two_voxels, .. } = self;
         let worst = worst.unwrap_or_default();
         format!(
             "refused {two_percent:.2} % of {two_voxels}{worst}, with one {one_percent:.2} % of {one_voxels}"
@@ -239,7 +239,7 @@ fn row_cells(row: &ReportRow) -> [String; COLUMNS] {
         .skipped
         .as_ref()
         .map(|why| format!("skipped: {why}"))
-        .or(row.refusal.map(Refusal::to_text))
+        .or(row.refusal.map(RefusalShare::to_text))
         .or(row.fetches.map(PixelFetches::to_text));
     let against = told.map_or(row.against.clone(), |told| format!("{}; {told}", row.against));
     [

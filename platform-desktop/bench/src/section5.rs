@@ -20,7 +20,7 @@ use super::framing::Framing;
 use super::islands::{our_ticks_ms, paper_ticks_ms};
 use super::paper::{PAPER_VISITS, VoxelFill};
 use super::row::{Measured, ReportRow};
-use super::subject::Subject;
+use super::subject::BenchSubject;
 
 const BENCH: &str = "paper";
 
@@ -95,7 +95,7 @@ const DRAWN: [DrawnExperiment; 7] = [
 ];
 
 pub(super) fn measure_rows(
-    subject: &Subject,
+    subject: &BenchSubject,
     runs: usize,
     timer: Result<&mut FrameTimer, &str>,
 ) -> Result<Measured, Error> {
@@ -114,7 +114,7 @@ struct SizedExperiment {
 }
 
 /// The experiments that a subject's sides allow.
-fn available_experiments(subject: &Subject) -> impl Iterator<Item = SizedExperiment> {
+fn available_experiments(subject: &BenchSubject) -> impl Iterator<Item = SizedExperiment> {
     let sides = subject.grid_sides();
     let (least, most) = (sides[0], sides[sides.len() - 1]);
     DRAWN.into_iter().filter(move |experiment| !experiment.at_largest_side || most > least).map(
@@ -126,7 +126,7 @@ fn available_experiments(subject: &Subject) -> impl Iterator<Item = SizedExperim
 }
 
 fn measure_drawn(
-    subject: &Subject,
+    subject: &BenchSubject,
     runs: usize,
     timer: &mut FrameTimer,
 ) -> Result<Vec<ReportRow>, Error> {
@@ -151,14 +151,14 @@ fn measure_drawn(
     Ok(rows.collect())
 }
 
-fn skipped_rows(subject: &Subject, why: &str) -> Vec<ReportRow> {
+fn skipped_rows(subject: &BenchSubject, why: &str) -> Vec<ReportRow> {
     available_experiments(subject)
         .map(|drawn| ReportRow { skipped: Some(why.into()), ..experiment_row(subject, &drawn) })
         .collect()
 }
 
 fn experiment_row(
-    subject: &Subject,
+    subject: &BenchSubject,
     SizedExperiment { experiment, grid_side }: &SizedExperiment,
 ) -> ReportRow {
     ReportRow {
@@ -168,7 +168,7 @@ fn experiment_row(
 }
 
 fn load_and_fit_framing<const N: usize>(
-    subject: &Subject,
+    subject: &BenchSubject,
     timer: &mut FrameTimer,
 ) -> Result<Framing, Error>
 where
@@ -178,7 +178,10 @@ where
 }
 
 /// The island pass on a volume without islands, the usual case, by the paper's queue and by our rows.
-fn measure_clean_up<const N: usize>(subject: &Subject, runs: usize) -> Result<Vec<ReportRow>, Error>
+fn measure_clean_up<const N: usize>(
+    subject: &BenchSubject,
+    runs: usize,
+) -> Result<Vec<ReportRow>, Error>
 where
     Grid<N>: Size + HasFixture<N>,
 {

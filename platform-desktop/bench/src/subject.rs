@@ -17,7 +17,7 @@ use paros_shell::with_size;
 
 /// A benchmark input.
 #[derive(Debug)]
-pub struct Subject {
+pub struct BenchSubject {
     name: String,
     source: Source,
 }
@@ -29,12 +29,14 @@ enum Source {
     Volume(PathBuf, RmapHeader),
 }
 
-impl Subject {
+impl BenchSubject {
     /// The default inputs: the project's own figures.
     #[must_use]
     pub fn default_figures() -> Vec<Self> {
-        let figures = [Figure::Owl, Figure::Cat]
-            .map(|figure| Subject { name: figure.name().into(), source: Source::Figure(figure) });
+        let figures = [Figure::Owl, Figure::Cat].map(|figure| BenchSubject {
+            name: figure.name().into(),
+            source: Source::Figure(figure),
+        });
         figures.into()
     }
 
@@ -46,18 +48,18 @@ impl Subject {
         let text = name_or_path.to_string_lossy();
         if let Some(figure) = Figure::from_name(&text) {
             let source = Source::Figure(figure);
-            return Ok(Subject { name: text.into(), source });
+            return Ok(BenchSubject { name: text.into(), source });
         }
         let name = name_or_path.file_stem().map_or(text, |stem| stem.to_string_lossy()).into();
         if name_or_path.extension().is_some_and(|kind| kind.eq_ignore_ascii_case("rmap")) {
             let header = rmap::read_sculpture_header(name_or_path).map_err(Error::input)?;
             let source = Source::Volume(name_or_path.into(), header);
-            return Ok(Subject { name, source });
+            return Ok(BenchSubject { name, source });
         }
         let kind = MeshFormat::from_extension(name_or_path)
             .ok_or_else(|| unknown_subject(name_or_path))?;
         let (mesh, up) = (mesh::read(name_or_path).map_err(Error::input)?, kind.default_up_axis());
-        Ok(Subject { name, source: Source::Mesh(mesh, up) })
+        Ok(BenchSubject { name, source: Source::Mesh(mesh, up) })
     }
 
     /// What it is called in a row.
@@ -128,7 +130,7 @@ impl Subject {
     /// `maps` and `bit_grid` are scratch space.
     ///
     /// # Errors
-    /// As [`Subject::load_into`].
+    /// As [`BenchSubject::load_into`].
     pub(super) fn to_mesh<const N: usize>(
         &self,
         maps: &mut RangeMaps<N>,

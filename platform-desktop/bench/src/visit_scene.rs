@@ -26,7 +26,7 @@ use super::frames::{FrameFormat, FrameTimer, mean_ms};
 use super::framing::VIEWS;
 use super::render::BENCH;
 use super::row::ReportRow;
-use super::subject::Subject;
+use super::subject::BenchSubject;
 
 /// How high a visitor's eyes are, in metres.
 const EYE_HEIGHT: f32 = 1.6;
@@ -40,7 +40,7 @@ const CARDS: [(Message, Icon); 3] = [
 
 /// The subject is loaded on the easels already. A visitor stands before it with a tool in each hand; the stool turns.
 pub(super) fn measure_rows<const N: usize>(
-    subject: &Subject,
+    subject: &BenchSubject,
     runs: usize,
     timer: &mut FrameTimer,
 ) -> Result<Vec<ReportRow>, Error>

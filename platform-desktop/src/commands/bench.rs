@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use paros_bench::{Benchmark, Plan, Subject, format_table};
+use paros_bench::{BenchSubject, Benchmark, Plan, format_table};
 use paros_headless::Error;
 use paros_shell::require::require_or_skip;
 
@@ -82,10 +82,10 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
         }
         _ => {}
     }
-    let subjects = named.into_iter().map(|v| Subject::from_name_or_path(v));
+    let subjects = named.into_iter().map(|v| BenchSubject::from_name_or_path(v));
     let mut subjects = subjects.collect::<Result<Vec<_>, _>>()?;
     if subjects.is_empty() {
-        subjects = Subject::default_figures();
+        subjects = BenchSubject::default_figures();
     }
     let benches = match args.what {
         BenchChoice::All => Benchmark::ALL.to_vec(),

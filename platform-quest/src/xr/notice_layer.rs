@@ -8,7 +8,7 @@ use openxr as xr;
 use paros_shaders::gpu::{Gpu, ImageLayer, read_layer, write_layer};
 use paros_shell::headset::notice_picture::{EXTENT, PIXELS_PER_METRE, draw_notice};
 use paros_shell::headset::notice_placement::NoticePlacement;
-use paros_shell::headset::start_up::Notice;
+use paros_shell::headset::start_up::StartNotice;
 
 use super::eyes::choose_color_format;
 use super::{convert_location, pose_of};
@@ -25,7 +25,7 @@ pub(crate) struct NoticeLayer {
     head: xr::Space,
     placement: NoticePlacement,
     /// What the image that was released last shows.
-    shown: Option<Notice>,
+    shown: Option<StartNotice>,
     /// Whether images are read back, for tests.
     is_captured: bool,
     captured: Vec<u8>,
@@ -110,7 +110,7 @@ impl NoticeLayer {
     pub(crate) fn wait_and_run_frame(
         &mut self,
         calls: FrameCalls<'_>,
-        notice: &Notice,
+        notice: &StartNotice,
     ) -> Result<(), Error> {
         let FrameCalls { waiter, stream, blend_mode } = calls;
         let frame = waiter.wait().could_not("wait for a frame")?;
@@ -142,7 +142,7 @@ impl NoticeLayer {
     }
 
     /// Draws a notice into the next image, waits until it is there, and releases it.
-    fn show(&mut self, notice: &Notice) -> Result<(), Error> {
+    fn show(&mut self, notice: &StartNotice) -> Result<(), Error> {
         let index = self.swapchain.acquire_image().could_not("take an image")? as usize;
         self.swapchain.wait_image(xr::Duration::INFINITE).could_not("wait for an image")?;
         let mut pixels = draw_notice(notice);

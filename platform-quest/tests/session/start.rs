@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use paros_quest::platform::{PlainPlatform, Platform};
 use paros_shell::headset::notice_picture::draw_notice;
-use paros_shell::headset::start_up::{FAILURE_SHOWN, FailedStarts, Notice, RING_STEPS};
+use paros_shell::headset::start_up::{FAILURE_SHOWN, FailedStarts, RING_STEPS, StartNotice};
 use paros_shell::require::require_or_skip;
 
 use super::layered::{assert_no_violations, find_example, inject_event, read_log};
@@ -35,7 +35,7 @@ fn capture_notice(shell: &mut ShellProcess, folder: &Path, name: &str) -> Vec<u8
     read_frame(&path).rgb
 }
 
-fn rgb_of(notice: &Notice) -> Vec<u8> {
+fn rgb_of(notice: &StartNotice) -> Vec<u8> {
     let pixels = draw_notice(notice);
     pixels.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect()
 }
@@ -60,7 +60,7 @@ fn while_programs_are_compiled_events_are_drained_and_a_picture_is_seen() {
     inject_event(&monado, "presence 0");
     inject_event(&monado, "presence 1");
     let seen = capture_notice(&mut shell, &monado.folder, "loading");
-    let is_seen = |step| rgb_of(&Notice::Loading { step }) == seen;
+    let is_seen = |step| rgb_of(&StartNotice::Loading { step }) == seen;
     assert!((0..RING_STEPS).any(is_seen), "another picture than that of loading");
     let said = shell.query_status();
     assert_eq!((said.field("life"), said.number("frames")), ("loading", 0));
@@ -122,7 +122,7 @@ fn a_failed_start_is_shown_and_logged_and_the_next_one_waits() {
             break seen;
         }
     };
-    let is_seen = |seconds| rgb_of(&Notice::Failed { cause: whole.clone(), seconds }) == seen;
+    let is_seen = |seconds| rgb_of(&StartNotice::Failed { cause: whole.clone(), seconds }) == seen;
     assert!((1..=FAILURE_SHOWN.as_secs()).any(is_seen), "another picture than that of the cause");
     assert_eq!(read_failed_starts(&monado).map(|failed| failed.count()), Some(1));
     let ShellEnd { code, errors } = shell.quit();
@@ -142,7 +142,7 @@ fn a_failed_start_is_shown_and_logged_and_the_next_one_waits() {
     let mut shell = monado.start_mapped_shell(&layer, &[]);
     shell.wait_until("waiting", |said| said.text().contains("notice Waiting { seconds: "));
     let seen = capture_notice(&mut shell, &monado.folder, "waiting");
-    let is_seen = |seconds| rgb_of(&Notice::Waiting { seconds }) == seen;
+    let is_seen = |seconds| rgb_of(&StartNotice::Waiting { seconds }) == seen;
     assert!((1..=16).any(is_seen), "another picture than that of the wait");
     shell.wait_until("focus", |said| said.field("life") == "focused");
     assert!(PlainPlatform.since_boot() >= now + Duration::from_secs(16), "it came too soon");

@@ -1,6 +1,6 @@
-//! The picture of a [`Notice`]: text and a ring, drawn by the processor, as there are no programs yet.
+//! The picture of a [`StartNotice`]: text and a ring, drawn by the processor, as there are no programs yet.
 
-use super::start_up::{Notice, RING_STEPS};
+use super::start_up::{RING_STEPS, StartNotice};
 
 /// Pixels across and down.
 pub const EXTENT: [u32; 2] = [1024, 512];
@@ -67,24 +67,24 @@ const RING: [f32; 4] = [512.0, 330.0, 84.0, 9.0];
 
 /// The picture's red, green, blue and alpha, row by row from the top left: sRGB, and all of it opaque.
 #[must_use]
-pub fn draw_notice(notice: &Notice) -> Vec<u8> {
+pub fn draw_notice(notice: &StartNotice) -> Vec<u8> {
     let [red, green, blue] = GROUND;
     let mut pixels = [red, green, blue, 255].repeat(WIDTH * HEIGHT);
     let mut page = Page { pixels: &mut pixels, y: MARGIN };
     match notice {
-        Notice::Loading { step } => {
+        StartNotice::Loading { step } => {
             page.write(&TITLE, "Paros");
             page.write(&TEXT, "The studio is being made ready");
             page.draw_ring(*step);
         }
-        Notice::Failed { cause, seconds } => {
+        StartNotice::Failed { cause, seconds } => {
             page.write(&TITLE, "Paros can't start");
             let end = format!("Ends in {seconds} s. The log tells more: paros.log");
             page.write_within(&TEXT, cause, HEIGHT as f32 - MARGIN - 1.5 * TEXT.size);
             page.y = HEIGHT as f32 - MARGIN - TEXT.size;
             page.write(&TEXT, &end);
         }
-        Notice::Waiting { seconds } => {
+        StartNotice::Waiting { seconds } => {
             page.write(&TITLE, "The last start failed");
             page.write(&TEXT, &format!("Starting again in {seconds} s"));
             page.write(&TEXT, "The log tells why: paros.log");
@@ -188,7 +188,7 @@ fn break_lines(sheet: &Sheet, text: &str) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{GROUND, HEIGHT, MARGIN, Notice, RING_STEPS, TEXT, TITLE, WIDTH, draw_notice};
+    use super::{GROUND, HEIGHT, MARGIN, RING_STEPS, StartNotice, TEXT, TITLE, WIDTH, draw_notice};
 
     /// The rows, top and bottom, and the columns, left and right, in which something is drawn.
     fn drawn_box(pixels: &[u8]) -> [usize; 4] {
@@ -204,15 +204,15 @@ mod tests {
     }
 
     fn failed(cause: &str) -> Vec<u8> {
-        draw_notice(&Notice::Failed { cause: cause.into(), seconds: 9 })
+        draw_notice(&StartNotice::Failed { cause: cause.into(), seconds: 9 })
     }
 
     #[test]
     fn every_notice_stays_within_its_margins() {
         let words = "the device is lost; ".repeat(60);
         let notices = [
-            draw_notice(&Notice::Loading { step: 3 }),
-            draw_notice(&Notice::Waiting { seconds: 60 }),
+            draw_notice(&StartNotice::Loading { step: 3 }),
+            draw_notice(&StartNotice::Waiting { seconds: 60 }),
             failed(&words),
             failed(&"x".repeat(3000)),
             failed("\u{4e2d}\u{1f600} \u{0} no letters of this font"),
@@ -246,18 +246,21 @@ mod tests {
         assert_ne!(one, failed("the headset's device draws no Vulkan"));
         assert_ne!(
             one,
-            draw_notice(&Notice::Failed { cause: "no OpenXR runtime answers".into(), seconds: 8 })
+            draw_notice(&StartNotice::Failed {
+                cause: "no OpenXR runtime answers".into(),
+                seconds: 8
+            })
         );
         assert_ne!(
-            draw_notice(&Notice::Waiting { seconds: 8 }),
-            draw_notice(&Notice::Waiting { seconds: 7 })
+            draw_notice(&StartNotice::Waiting { seconds: 8 }),
+            draw_notice(&StartNotice::Waiting { seconds: 7 })
         );
     }
 
     #[test]
     fn the_ring_turns_by_every_step() {
         let steps: Vec<_> =
-            (0..RING_STEPS).map(|step| draw_notice(&Notice::Loading { step })).collect();
+            (0..RING_STEPS).map(|step| draw_notice(&StartNotice::Loading { step })).collect();
         for (i, pixels) in steps.iter().enumerate() {
             assert!(steps[..i].iter().all(|before| before != pixels), "step {i}");
         }

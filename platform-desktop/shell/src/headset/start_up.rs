@@ -80,20 +80,22 @@ impl StartUp {
 
     /// The notice that is seen meanwhile. `cause` is that of the failure.
     #[must_use]
-    pub fn notice(self, cause: &str, now: Duration) -> Option<Notice> {
+    pub fn notice(self, cause: &str, now: Duration) -> Option<StartNotice> {
         let seconds_until = |until: Duration| {
             let left = until.saturating_sub(now);
             // The last second is told until it is over.
             left.as_secs() + u64::from(left.subsec_nanos() > 0)
         };
         match self {
-            StartUp::Waiting { until } => Some(Notice::Waiting { seconds: seconds_until(until) }),
+            StartUp::Waiting { until } => {
+                Some(StartNotice::Waiting { seconds: seconds_until(until) })
+            }
             StartUp::Loading { since } => {
                 let steps = now.saturating_sub(since).as_millis() / RING_STEP.as_millis();
-                Some(Notice::Loading { step: (steps % u128::from(RING_STEPS)) as u32 })
+                Some(StartNotice::Loading { step: (steps % u128::from(RING_STEPS)) as u32 })
             }
             StartUp::Failed { until } => {
-                Some(Notice::Failed { cause: cause.into(), seconds: seconds_until(until) })
+                Some(StartNotice::Failed { cause: cause.into(), seconds: seconds_until(until) })
             }
             StartUp::Ready | StartUp::Over => None,
         }
@@ -102,7 +104,7 @@ impl StartUp {
 
 /// What is seen before there is a studio.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub enum Notice {
+pub enum StartNotice {
     /// The studio is on its way.
     Loading {
         /// How far the ring has turned, below [`RING_STEPS`].
@@ -134,8 +136,8 @@ mod tests {
     use std::time::Duration;
 
     use super::{
-        BootId, DESTRUCTION_PATIENCE, FAILURE_SHOWN, FailedStarts, Notice, RING_STEPS, StartUp,
-        may_leave_destroyed,
+        BootId, DESTRUCTION_PATIENCE, FAILURE_SHOWN, FailedStarts, RING_STEPS, StartNotice,
+        StartUp, may_leave_destroyed,
     };
 
     const BOOT: BootId = BootId::from_count(7);
@@ -176,18 +178,18 @@ mod tests {
     fn notices_tell_the_seconds_left_and_the_ring_turns() {
         let waiting = StartUp::Waiting { until: seconds(108) };
         let at = |millis| waiting.notice("", Duration::from_millis(millis));
-        assert_eq!(at(100_000), Some(Notice::Waiting { seconds: 8 }));
-        assert_eq!(at(100_001), Some(Notice::Waiting { seconds: 8 }));
-        assert_eq!(at(107_999), Some(Notice::Waiting { seconds: 1 }));
+        assert_eq!(at(100_000), Some(StartNotice::Waiting { seconds: 8 }));
+        assert_eq!(at(100_001), Some(StartNotice::Waiting { seconds: 8 }));
+        assert_eq!(at(107_999), Some(StartNotice::Waiting { seconds: 1 }));
         let failed = StartUp::Failed { until: seconds(108) }.notice("no room", seconds(101));
-        assert_eq!(failed, Some(Notice::Failed { cause: "no room".into(), seconds: 7 }));
+        assert_eq!(failed, Some(StartNotice::Failed { cause: "no room".into(), seconds: 7 }));
         let loading = StartUp::Loading { since: seconds(5) };
         let step = |millis| loading.notice("", seconds(5) + Duration::from_millis(millis));
-        assert_eq!(step(0), Some(Notice::Loading { step: 0 }));
-        assert_eq!(step(250), Some(Notice::Loading { step: 2 }));
+        assert_eq!(step(0), Some(StartNotice::Loading { step: 0 }));
+        assert_eq!(step(250), Some(StartNotice::Loading { step: 2 }));
         let last = RING_STEPS - 1;
-        assert_eq!(step(100 * u64::from(last)), Some(Notice::Loading { step: last }));
-        assert_eq!(step(100 * u64::from(RING_STEPS)), Some(Notice::Loading { step: 0 }));
+        assert_eq!(step(100 * u64::from(last)), Some(StartNotice::Loading { step: last }));
+        assert_eq!(step(100 * u64::from(RING_STEPS)), Some(StartNotice::Loading { step: 0 }));
     }
 
     #[test]

@@ -67,7 +67,7 @@ fn killed_at_any_moment_nothing_that_was_kept_is_lost_and_nothing_is_kept_twice(
     // Each visit cuts another stone: a print that is there twice is a sculpture that is.
     let prints: BTreeSet<_> = parcels.iter().map(|parcel| parcel.facts().stl_hash).collect();
     assert_eq!(prints.len(), parcels.len(), "kept twice");
-    assert!(parcels.len() as u32 > kills / 8, "they were hardly ever alive: {}", parcels.len());
+    assert!(parcels.len() as u32 > kills / 20, "they were hardly ever alive: {}", parcels.len());
     let (kept, came) = (told.kept.iter().collect::<BTreeSet<_>>().len(), parcels.len());
     println!("{kills} kills of each, {kept} told kept, {came} at the booth");
 }
