@@ -24,13 +24,13 @@ use paros_shell::studio::{Notice, Studio};
 use paros_shell::tick_runner::TickClock;
 use paros_sound::{SoundDevice, Speaker};
 use winit::application::ApplicationHandler;
-use winit::dpi::LogicalSize;
 use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::keyboard::ModifiersState;
 use winit::window::{Window, WindowId};
 
 use super::display::DisplayConnection;
+use super::first_size::first_size;
 use super::hands::MouseHands;
 use super::os_error::strip_source_location;
 use super::paint::EguiBuffers;
@@ -42,9 +42,6 @@ use super::{WindowError, WindowOptions};
 use kiosk::KioskWatch;
 use touch::Fingers;
 use visits::WindowVisits;
-
-/// The window's size at first, in points.
-const SIZE: LogicalSize<f64> = LogicalSize::new(1180.0, 800.0);
 
 /// Interval of ticks while nothing is drawn.
 const UNSEEN: Duration = Duration::from_millis(14);
@@ -196,7 +193,8 @@ where
     fn open_window(&mut self, events: &ActiveEventLoop) -> Result<(), WindowError> {
         let unavailable =
             |error: &dyn core::fmt::Display| WindowError::Unavailable(error.to_string());
-        let attributes = Window::default_attributes().with_title("Paros").with_inner_size(SIZE);
+        let size = first_size(events, self.script.is_some());
+        let attributes = Window::default_attributes().with_title("Paros").with_inner_size(size);
         let attributes = attributes.with_fullscreen(self.kiosk.full_screen());
         let window = events.create_window(attributes);
         let window = window.map_err(|error| unavailable(&strip_source_location(&error)))?;

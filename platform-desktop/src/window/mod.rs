@@ -8,6 +8,7 @@ mod app;
 mod booth;
 mod camera;
 mod display;
+mod first_size;
 mod hands;
 mod keys;
 mod libraries;

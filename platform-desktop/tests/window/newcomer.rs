@@ -63,7 +63,7 @@ fn drag_mouse(display: &XvfbDisplay, from: [i32; 2], to: [i32; 2]) {
 #[test]
 fn a_newcomer_goes_from_launch_to_a_print_without_a_terminal() -> Result<(), MissingDependency> {
     let folder = empty_folder("newcomer");
-    let Some(display) = require_or_skip(XvfbDisplay::with_size(&folder, [1200, 860]))? else {
+    let Some(display) = require_or_skip(XvfbDisplay::with_size(&folder, [1200, 890]))? else {
         return Ok(());
     };
     let Some(()) = require_or_skip(check_program("xdotool", "--version"))? else { return Ok(()) };
