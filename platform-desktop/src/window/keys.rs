@@ -62,17 +62,18 @@ pub(super) const DEVELOPER_HELP: [(&str, &str); 3] = [
     ("F3", "the paper's path, or the fast one"),
 ];
 
-/// The command of a key event; digits, brackets, comma and period by position, the rest by meaning.
+/// The command of a key event; digits, brackets, comma and period by position, the rest by meaning, letters of another
+/// script by position, too.
 #[must_use]
 pub(super) fn command_of_pressed_key(
     event: &KeyEvent,
     modifiers: ModifiersState,
 ) -> Option<KeyCommand> {
-    let physical = match event.physical_key {
-        PhysicalKey::Code(code) => code_name(code),
+    let code = match event.physical_key {
+        PhysicalKey::Code(code) => Some(code),
         PhysicalKey::Unidentified(_) => None,
     };
-    if let Some(name) = physical {
+    if let Some(name) = code.and_then(code_name) {
         return command_named(name, modifiers.shift_key());
     }
     match &event.logical_key {
@@ -84,10 +85,17 @@ pub(super) fn command_of_pressed_key(
         Logical::Named(NamedKey::F3) => command_named("f3", false),
         Logical::Named(NamedKey::F4) => command_named("f4", false),
         Logical::Character(text) => {
-            command_named(&text.to_lowercase(), modifiers.shift_key() && modifiers.control_key())
+            let shift = modifiers.shift_key() && modifiers.control_key();
+            command_named(&letter_meant(text, code), shift)
         }
         _ => None,
     }
+}
+
+/// What a key's character names. A Greek keyboard has no A, but an alpha in its place.
+fn letter_meant(text: &str, code: Option<KeyCode>) -> String {
+    let in_place = if text.is_ascii() { None } else { code.and_then(latin_letter) };
+    in_place.map_or_else(|| text.to_lowercase(), str::to_owned)
 }
 
 /// The command of a key by name: a letter, a digit, a bracket, a comma, a period, "enter", "space", "escape" or "f1" to
@@ -142,9 +150,44 @@ const fn code_name(code: KeyCode) -> Option<&'static str> {
     })
 }
 
+/// The letter that a Latin keyboard has there, of those that are bound.
+const fn latin_letter(code: KeyCode) -> Option<&'static str> {
+    Some(match code {
+        KeyCode::KeyA => "a",
+        KeyCode::KeyD => "d",
+        KeyCode::KeyH => "h",
+        KeyCode::KeyM => "m",
+        KeyCode::KeyR => "r",
+        KeyCode::KeyS => "s",
+        KeyCode::KeyT => "t",
+        KeyCode::KeyW => "w",
+        KeyCode::KeyY => "y",
+        KeyCode::KeyZ => "z",
+        _ => return None,
+    })
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{HandAction, KeyCommand, command_named};
+    use super::{HandAction, KeyCode, KeyCommand, command_named, letter_meant};
+
+    #[test]
+    fn a_greek_keyboard_has_the_letters_that_the_help_names() {
+        let greek = ["ζ", "Ζ", "α", "δ", "ς", "σ"];
+        let codes = [
+            KeyCode::KeyZ,
+            KeyCode::KeyZ,
+            KeyCode::KeyA,
+            KeyCode::KeyD,
+            KeyCode::KeyW,
+            KeyCode::KeyS,
+        ];
+        let meant = |k: usize| letter_meant(greek[k], Some(codes[k]));
+        assert_eq!([0, 1, 2, 3, 4, 5].map(meant), ["z", "z", "a", "d", "w", "s"]);
+        // A French keyboard's Z lies where a W is: what stands on it counts.
+        assert_eq!(letter_meant("Z", Some(KeyCode::KeyW)), "z");
+        assert_eq!(letter_meant("ø", Some(KeyCode::Semicolon)), "ø");
+    }
 
     #[test]
     fn keys_do_what_the_help_says() {
