@@ -6,7 +6,9 @@ mod remote;
 
 use glam::Vec3;
 use paros_core::session::{PointerCommand, SessionMode, TICK_RATE, commands};
-use paros_core::visit::{PanelAction, Presence, Visit, VisitCommand, VisitInput, VisitPhase};
+use paros_core::visit::{
+    GuideStep, PanelAction, Presence, Visit, VisitCommand, VisitInput, VisitPhase,
+};
 use paros_core::volume::{Grid, Size};
 use paros_core::{TickInput, World, WorldEvent};
 use paros_shaders::panel::{Language, Message, Panel, PanelPose};
@@ -253,6 +255,16 @@ impl VisitHost {
         match self.question {
             Question::Finish => self.perform(ButtonAction::Press(PanelAction::Finish)),
             _ => self.toggle_finish_question(visit),
+        }
+    }
+
+    /// Takes in that a window's visitor has done what a step of the guide asks for, where no tick tells: a bit that rests
+    /// over the stone touches nothing, and an eye that goes round it turns no stool.
+    pub fn note_step_done(&mut self, visit: &Visit, step: GuideStep) {
+        let is_asked = visit.phase() == VisitPhase::Guided && visit.guide_step() == step;
+        let done = VisitCommand::Press(PanelAction::Skip { all: false });
+        if is_asked && !self.queue.contains(&done) {
+            self.queue.push(done);
         }
     }
 

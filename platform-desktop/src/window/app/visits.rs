@@ -1,8 +1,9 @@
 //! Visits in the window: what mouse and fingers tell of a visitor, and panels that are held before the eye.
 
+use glam::Quat;
 use paros_core::limits::INTERVALS;
 use paros_core::session::TICK_RATE;
-use paros_core::visit::{Presence, VisitPhase};
+use paros_core::visit::{GuideStep, Presence, VisitPhase};
 use paros_core::volume::{Grid, Size};
 use paros_core::{TickInput, WorldEvent};
 use paros_shaders::panel::{Language, Panel};
@@ -21,6 +22,10 @@ const QUIET_TICKS: u32 = 15 * TICK_RATE;
 /// How old the time of the last use on the disk may become while the window is used.
 const STAMP_TICKS: u32 = 5 * TICK_RATE;
 
+/// How far the eye goes round the stone until it has been looked at from another side, in radians: a sixth of the window's
+/// height as a drag.
+const LOOKED_AROUND: f32 = 0.4;
+
 /// The cursor's place among the pointers.
 const CURSOR: usize = 2;
 
@@ -36,6 +41,7 @@ pub(in crate::window) struct WindowVisits {
     is_pressed: bool,
     /// It was pressed since the last tick, and may be up again.
     was_pressed: bool,
+    look_around: LookAround,
 }
 
 /// When the time of the last use was last kept.
@@ -53,6 +59,23 @@ impl UseStamp {
         let is_due = is_used && ticks >= STAMP_TICKS;
         self.ticks = is_used.then_some(if is_due { 0 } else { ticks });
         is_due
+    }
+}
+
+/// How the eye was turned when the guide asked to look around.
+#[derive(Clone, Copy, Default, Debug)]
+struct LookAround {
+    from: Option<Quat>,
+}
+
+impl LookAround {
+    /// Notes how the eye is turned after a tick. Whether it has gone round the stone since the guide asked for that.
+    fn is_done(&mut self, step: GuideStep, eye: Quat) -> bool {
+        if step != GuideStep::TurnStool {
+            self.from = None;
+            return false;
+        }
+        self.from.get_or_insert(eye).angle_between(eye) > LOOKED_AROUND
     }
 }
 
@@ -87,6 +110,7 @@ impl WindowVisits {
             cursor: None,
             is_pressed: false,
             was_pressed: false,
+            look_around: LookAround::default(),
         }
     }
 
@@ -240,12 +264,45 @@ where
             self.hands.drop_input();
             self.hands.reset_eye_and_depths();
         }
+        self.follow_guide();
+    }
+
+    /// Tells the guide what it asks for and no tick tells: that the tool is over the stone, and that the eye went round it.
+    fn follow_guide(&mut self) {
+        let is_over_stone = self.hands.next_bite().is_some()
+            && !self.panels.wants_pointer()
+            && !self.is_cursor_on_visit_panel();
+        let eye = self.hands.orbit.pose().1;
+        let visit = self.studio.world().visit();
+        let Some(visits) = &mut self.visits else { return };
+        if is_over_stone {
+            visits.host.note_step_done(visit, GuideStep::Touch);
+        }
+        if visits.look_around.is_done(visit.guide_step(), eye) {
+            visits.host.note_step_done(visit, GuideStep::TurnStool);
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{QUIET_TICKS, STAMP_TICKS, UseStamp, VisitPhase, is_window_used};
+    use glam::Quat;
+    use paros_core::visit::GuideStep::{Cut, TurnStool};
+
+    use super::{LookAround, QUIET_TICKS, STAMP_TICKS, UseStamp, VisitPhase, is_window_used};
+
+    #[test]
+    fn an_eye_has_looked_around_once_it_went_far_enough_since_it_was_asked_to() {
+        let mut look = LookAround::default();
+        let mut is_done = |step, [azimuth, elevation]: [f32; 2]| {
+            let eye = Quat::from_rotation_y(azimuth) * Quat::from_rotation_x(elevation);
+            look.is_done(step, eye)
+        };
+        assert!(!is_done(Cut, [0.0, 0.0]) && !is_done(Cut, [2.0, 0.0]), "not asked for");
+        assert!(!is_done(TurnStool, [2.0, 0.0]), "from there on");
+        assert!(!is_done(TurnStool, [2.1, 0.1]), "hardly another side");
+        assert!(is_done(TurnStool, [1.5, 0.0]) && is_done(TurnStool, [2.0, 0.5]));
+    }
 
     #[test]
     fn the_time_of_the_last_use_is_kept_every_five_seconds_of_use() {

@@ -1,9 +1,9 @@
 //! A window's visitor who rests: all that is known of one is the mouse.
 
 use paros_core::session::TICK_RATE;
-use paros_core::visit::{Presence, VisitPhase};
+use paros_core::visit::{GuideStep, Presence, VisitPhase};
 
-use super::{HostRig, Press, begin_sculpting, cut, with_rig};
+use super::{HostRig, Press, begin_sculpting, cut, options, with_rig};
 use crate::options::Controls;
 use crate::screen::ButtonAction;
 
@@ -79,5 +79,32 @@ fn the_staff_is_asked_on_while_a_visitor_is_counted_down() {
         rig.wait(2 * TICK_RATE);
         assert!(rig.press(ButtonAction::Digit(2)));
         assert!(!rig.press(ButtonAction::Press(Press::Finish)));
+    });
+}
+
+/// A window sees what no tick tells; the step is passed once, however often it is seen.
+#[test]
+fn a_window_tells_that_a_step_is_done_and_ends_that_one_alone() {
+    with_rig(|rig| {
+        rig.host.set_controls(Controls::Mouse);
+        rig.presence = Presence::Worn;
+        rig.wait(2);
+        rig.host.perform(ButtonAction::Press(Press::Confirm));
+        rig.wait(2);
+        rig.host.perform(ButtonAction::Choose(options().starts[0]));
+        rig.wait(4);
+        for (number, step) in GuideStep::ALL.into_iter().take(6).enumerate() {
+            let visit = *rig.world().visit();
+            assert_eq!(visit.guide_step(), step);
+            for other in GuideStep::ALL.into_iter().filter(|other| *other != step) {
+                rig.host.note_step_done(&visit, other);
+            }
+            rig.wait(2);
+            assert_eq!(rig.world().visit().guide_step(), step, "another is not asked for");
+            (0..3).for_each(|_| rig.host.note_step_done(&visit, step));
+            rig.wait(3);
+            assert_eq!(rig.world().visit().guide_step() as usize, number + 1);
+        }
+        assert_eq!(rig.phase(), VisitPhase::Sculpting);
     });
 }
