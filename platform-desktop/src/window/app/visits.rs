@@ -263,6 +263,7 @@ where
         if world.events().iter().any(is_new_visit) {
             self.hands.drop_input();
             self.hands.reset_eye_and_depths();
+            self.panels.forget_visitor();
         }
         self.follow_guide();
     }

@@ -1,5 +1,6 @@
 //! What a kiosk's panels tell its visitors, and what they don't.
 
+use paros_core::edit::UndoCounts;
 use paros_core::session::SessionState;
 
 use super::tests::{frame, sculpting_status, text_and_bare_text};
@@ -52,4 +53,21 @@ fn a_kiosks_visitor_is_told_of_the_handover_over_every_panel_and_of_no_folders()
     help.toggle_help();
     let told = words(help, &StudioStatus { printed: None, ..left });
     assert!(told.contains("Mouse and keys") && !told.contains("file"), "{told}");
+}
+
+#[test]
+fn the_next_visitor_is_told_what_the_last_one_has_learnt() {
+    let told = |panels: &mut Panels, undoable| {
+        let undo = UndoCounts { undoable, redoable: 0 };
+        let status = StudioStatus { kiosk: true, undo, ..sculpting_status() };
+        frame(panels, &status, Vec::new());
+        text_and_bare_text(panels, &status)[0].join("; ")
+    };
+    let mut panels = in_studio();
+    assert!(told(&mut panels, 0).contains("Hold the left button"), "the first gesture");
+    assert!(!told(&mut panels, 1).contains("Hold the left button"), "it is known");
+    panels.toggle_help();
+    panels.forget_visitor();
+    let text = told(&mut panels, 0);
+    assert!(text.contains("Hold the left button") && !text.contains("Mouse and keys"), "{text}");
 }

@@ -161,8 +161,14 @@ impl Panels {
 
     /// Shows the start for another visitor, and nothing else.
     pub(super) fn show_start_alone(&mut self) {
+        self.forget_visitor();
+        self.start = true;
+    }
+
+    /// Closes what a visitor opened, and takes the next one for somebody who has shown to know nothing.
+    pub(super) fn forget_visitor(&mut self) {
         self.close_covering_panels();
-        (self.start, self.help, self.graph, self.asked_start) = (true, false, false, None);
+        (self.help, self.graph, self.hints) = (false, false, Hints::default());
     }
 
     /// Adds a frame's duration to the graph.
