@@ -56,7 +56,8 @@ pub fn plan_changes(from: &VisitPlan, to: &VisitPlan) -> impl Iterator<Item = Vi
         (value != from.value(setting)).then_some(VisitCommand::Set { setting, value })
     });
     let start = (to.start() != from.start()).then_some(VisitCommand::SetStart(to.start()));
-    values.chain(start)
+    // First, as a visitor may be welcome before the last of them is told.
+    start.into_iter().chain(values)
 }
 
 #[cfg(test)]

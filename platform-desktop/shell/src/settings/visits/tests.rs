@@ -148,10 +148,10 @@ fn commands_have_an_order_of_their_own_and_make_the_plan() {
     let visits = load_visits(text);
     let owl = SessionMode::Constrained { figure: 8 };
     let commands = [
+        VisitCommand::SetStart(owl),
         VisitCommand::Set { setting: PlanSetting::Welcome, value: 30 },
         VisitCommand::Set { setting: PlanSetting::Handover, value: 20 },
         VisitCommand::Set { setting: PlanSetting::Badges, value: 0 },
-        VisitCommand::SetStart(owl),
     ];
     assert_eq!(commands_of(&visits), commands);
     let mut plan = VisitPlan::new();

@@ -82,6 +82,19 @@ fn the_staff_is_asked_on_while_a_visitor_is_counted_down() {
     });
 }
 
+/// A visitor is welcome the tick after visits begin, before all of a plan is told.
+#[test]
+fn who_begins_at_once_begins_as_the_settings_say() {
+    with_rig(|rig| {
+        let owl = options().starts[1];
+        rig.host.options.plan.set_start(owl);
+        rig.presence = Presence::Worn;
+        rig.host.begin_anew();
+        rig.wait(6);
+        assert_eq!((rig.phase(), rig.world().mode()), (VisitPhase::Welcome, owl));
+    });
+}
+
 /// A window sees what no tick tells; the step is passed once, however often it is seen.
 #[test]
 fn a_window_tells_that_a_step_is_done_and_ends_that_one_alone() {
