@@ -64,6 +64,8 @@ pub(crate) enum ButtonAction {
     Turn,
     /// The headset is cleaned: the next visitor may come.
     Cleaned,
+    /// A window's next visitor is there.
+    NewVisit,
 }
 
 /// Whether a visitor works on the stone in this phase, and has a clock and tools.
@@ -168,6 +170,12 @@ impl ScreenState {
             controls: options.controls,
         }
     }
+
+    /// Whether a visitor who rests is asked to stay, over what was shown. Thanks go on beside the sculpture that is looked
+    /// at, and tell the seconds themselves.
+    pub(crate) fn is_asked_to_stay(&self) -> bool {
+        self.seconds_to_gone.is_some() && self.phase != VisitPhase::Thanks
+    }
 }
 
 /// The seconds after which a window's visitor who rests counts as gone, once that is near. A mouse is all that a window
@@ -242,7 +250,7 @@ impl Screen {
     /// Whether panels of this state are another screen than what is shown: other buttons, which nobody has aimed at.
     pub(crate) fn is_another(&self, state: &ScreenState) -> bool {
         let screen = |state: &ScreenState| {
-            (state.phase, state.question, state.seconds_to_gone.is_some(), state.is_glowing)
+            (state.phase, state.question, state.is_asked_to_stay(), state.is_glowing)
         };
         self.drawn.is_none_or(|(drawn, _)| screen(&drawn) != screen(state))
     }

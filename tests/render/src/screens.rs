@@ -127,7 +127,24 @@ fn visit_screens(language: Language) -> Vec<Screen> {
     ] {
         all.push(drawn(name, |panel| layout::draw_badge(panel, language, (&badge, told), buttons)));
     }
+    all.extend(window_thanks_screens(language));
     all
+}
+
+/// A window's thanks, before and while they are counted down.
+fn window_thanks_screens(language: Language) -> [Screen; 2] {
+    [Message::ThanksBodyMouse, Message::ThanksNextMouse].map(|body| {
+        let notice = PanelNotice {
+            icon: Icon::Badge,
+            color: palette::CLAY,
+            title: Message::ThanksTitle,
+            body,
+            fillings: &[("seconds", FillingValue::Number(9))],
+            progress: None,
+        };
+        let button = layout::notice_button(0, Message::NewVisit, 0, 1).primary();
+        drawn("thanks-mouse", |panel| layout::draw_notice(panel, language, &notice, &[button]))
+    })
 }
 
 const CLOCK_BUTTONS: [(Message, Icon); 4] = [

@@ -47,7 +47,7 @@ impl VisitHost {
             ButtonAction::Erase => self.pin_pad.iter_mut().for_each(PinPad::erase),
             ButtonAction::Undo => self.undoes = true,
             ButtonAction::Turn => self.turn_left = self.turn_left.saturating_add(BUTTON_TURN),
-            ButtonAction::Cleaned => self.begin_anew(),
+            ButtonAction::Cleaned | ButtonAction::NewVisit => self.begin_anew(),
         }
     }
 }

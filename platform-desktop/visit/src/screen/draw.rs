@@ -32,7 +32,7 @@ impl Screen {
         self.drawn = Some((*state, hot));
         (self.count, self.ray_panels) = (0, 0);
         let (buttons, actions) = (mem::take(&mut self.buttons), mem::take(&mut self.actions));
-        let seconds = state.seconds_to_gone;
+        let seconds = state.seconds_to_gone.filter(|_| state.is_asked_to_stay());
         match (state.question, seconds) {
             (Question::None, _) if state.is_glowing => self.draw_identify(state),
             (Question::Pin, _) => self.draw_pin(state),
@@ -85,22 +85,44 @@ impl Screen {
                 self.draw_notice(state, PanelSpot::Beside, (Icon::Printer, title, body), progress);
             }
             VisitPhase::Badge => self.draw_badge(state),
-            VisitPhase::Thanks => {
-                let body = match state.controls {
-                    Controls::Mouse => Message::ThanksBodyMouse,
-                    Controls::Controllers | Controls::BareHands => Message::ThanksBody,
-                };
-                let what = (Icon::Badge, Message::ThanksTitle, body);
-                // The sculpture is what there is to see.
-                self.draw_notice(state, PanelSpot::Caption, what, None);
-            }
+            VisitPhase::Thanks => self.draw_thanks(state),
             VisitPhase::Handover => {
-                let button = layout::notice_button(0, Message::HandoverCleaned, 0, 1).primary();
-                self.add(PanelSpot::Main, &[(button, ButtonAction::Cleaned)], |panel, buttons| {
+                let button = match state.controls {
+                    // Nobody cleans a window.
+                    Controls::Mouse => new_visit_button(),
+                    Controls::Controllers | Controls::BareHands => {
+                        let cleaned = layout::notice_button(0, Message::HandoverCleaned, 0, 1);
+                        (cleaned.primary(), ButtonAction::Cleaned)
+                    }
+                };
+                self.add(PanelSpot::Main, &[button], |panel, buttons| {
                     layout::draw_handover(panel, state.language, handover_of(state), buttons);
                 });
             }
         }
+    }
+
+    /// Thanks beside the sculpture, which is what there is to see. A window can't see its visitor go: the next one says so.
+    fn draw_thanks(&mut self, state: &ScreenState) {
+        let is_mouse = state.controls == Controls::Mouse;
+        let body = match state.seconds_to_gone {
+            Some(_) => Message::ThanksNextMouse,
+            None if is_mouse => Message::ThanksBodyMouse,
+            None => Message::ThanksBody,
+        };
+        let notice = PanelNotice {
+            icon: Icon::Badge,
+            color: palette::CLAY,
+            title: Message::ThanksTitle,
+            body,
+            fillings: &[("seconds", FillingValue::Number(state.seconds_to_gone.unwrap_or(0)))],
+            progress: None,
+        };
+        let new_visit = [new_visit_button()];
+        let buttons = if is_mouse { &new_visit[..] } else { &[] };
+        self.add(PanelSpot::Caption, buttons, |panel, buttons| {
+            layout::draw_notice(panel, state.language, &notice, buttons);
+        });
     }
 
     fn draw_welcome(&mut self, state: &ScreenState, options: &VisitOptions) {
@@ -325,6 +347,11 @@ impl Screen {
         self.spots[panel] = spot;
         self.count += 1;
     }
+}
+
+/// By which a window's next visitor begins.
+fn new_visit_button() -> (PanelButton<'static>, ButtonAction) {
+    (layout::notice_button(0, Message::NewVisit, 0, 1).primary(), ButtonAction::NewVisit)
 }
 
 /// What is told below a badge: where the sculpture is kept, once it is.

@@ -138,7 +138,7 @@ pub(super) const VISIT_ROWS: [Setting; 20] = [
         default: default_of(PlanSetting::Thanks),
         scope: SettingScope::Both,
         summary: "In visits: seconds of thanks at most.",
-        reason: "the headset comes off meanwhile, which ends them; a minute where no sensor tells",
+        reason: "the headset comes off meanwhile, or a window's next visitor begins, which ends them; a minute where neither is told",
         store: |settings, value| set_plan(settings, PlanSetting::Thanks, &value),
     },
     Setting {

@@ -1,6 +1,6 @@
 //! A window's visitor who rests: all that is known of one is the mouse.
 
-use paros_core::session::TICK_RATE;
+use paros_core::session::{SessionState, TICK_RATE};
 use paros_core::visit::{GuideStep, Presence, VisitPhase};
 
 use super::{HostRig, Press, begin_sculpting, cut, options, with_rig};
@@ -79,6 +79,89 @@ fn the_staff_is_asked_on_while_a_visitor_is_counted_down() {
         rig.wait(2 * TICK_RATE);
         assert!(rig.press(ButtonAction::Digit(2)));
         assert!(!rig.press(ButtonAction::Press(Press::Finish)));
+    });
+}
+
+/// To the thanks of a visitor who made nothing.
+fn go_to_thanks(rig: &mut HostRig<'_, '_>) {
+    begin_sculpting(rig);
+    rig.host.perform(ButtonAction::Press(Press::Finish));
+    while rig.phase() != VisitPhase::Thanks {
+        rig.tick(None);
+    }
+    // Its panel is put where it stands.
+    rig.wait(1);
+}
+
+/// The mouse doesn't rest between two visitors: nothing but the next one's press tells them apart.
+#[test]
+fn a_windows_next_visitor_begins_from_the_thanks_of_the_last_one() {
+    with_rig(|rig| {
+        rig.host.set_controls(Controls::Mouse);
+        begin_sculpting(rig);
+        cut(rig);
+        rig.host.perform(ButtonAction::Press(Press::Finish));
+        rig.export.is_kept = true;
+        while rig.phase() != VisitPhase::Badge {
+            rig.tick(None);
+        }
+        rig.wait(10 * TICK_RATE);
+        assert!(!rig.press(ButtonAction::NewVisit), "the badge first");
+        assert!(rig.press(ButtonAction::Press(Press::Confirm)));
+        assert_eq!(rig.phase(), VisitPhase::Thanks);
+        assert_eq!(rig.world().session_state(), SessionState::Finished);
+        rig.wait(TICK_RATE);
+        assert_eq!(rig.phase(), VisitPhase::Thanks, "who looks is not hurried");
+        assert!(rig.press(ButtonAction::NewVisit));
+        assert_eq!(rig.phase(), VisitPhase::Welcome);
+        let visit = rig.world().visit();
+        assert_eq!((visit.badge(), visit.is_sculpted()), (None, false));
+        assert_eq!(rig.world().session_state(), SessionState::Sculpting, "a stone of their own");
+    });
+}
+
+#[test]
+fn thanks_are_counted_down_in_their_place_with_the_button_where_it_was() {
+    with_rig(|rig| {
+        rig.host.set_controls(Controls::Mouse);
+        go_to_thanks(rig);
+        let places = |rig: &HostRig<'_, '_>| rig.host.buttons().collect::<Vec<_>>();
+        let before = places(rig);
+        assert_eq!(before.len(), 1);
+        rig.presence = Presence::Unknown;
+        rig.wait(TICK_RATE);
+        assert!(rig.host.screen.told_rest().is_some());
+        assert_eq!(places(rig), before);
+        rig.presence = Presence::Worn;
+        assert!(rig.press(ButtonAction::NewVisit));
+        assert_eq!(rig.phase(), VisitPhase::Welcome);
+    });
+}
+
+#[test]
+fn a_window_is_handed_over_by_its_next_visitor_and_a_headset_by_who_cleaned_it() {
+    for (controls, button, other) in [
+        (Controls::Mouse, ButtonAction::NewVisit, ButtonAction::Cleaned),
+        (Controls::Controllers, ButtonAction::Cleaned, ButtonAction::NewVisit),
+    ] {
+        with_rig(|rig| {
+            rig.host.set_controls(controls);
+            go_to_thanks(rig);
+            rig.wait(60 * TICK_RATE);
+            assert_eq!(rig.phase(), VisitPhase::Handover);
+            assert!(!rig.press(other), "{controls:?}");
+            assert!(rig.press(button), "{controls:?}");
+            assert_eq!(rig.phase(), VisitPhase::Welcome);
+        });
+    }
+}
+
+/// Who takes a headset off is told so by its sensor, and one with it on can't be another.
+#[test]
+fn a_headsets_thanks_have_no_button() {
+    with_rig(|rig| {
+        go_to_thanks(rig);
+        assert_eq!(rig.host.buttons().count(), 0);
     });
 }
 
