@@ -94,8 +94,10 @@ fn visit_screens(language: Language) -> Vec<Screen> {
     welcome[5].state = ButtonState::Hot;
     let badge = BadgeNumber::new(3 << 18 | 777).expect("a number").badge();
     let mut all = vec![
-        drawn("attract", |panel| layout::draw_attract(panel, Message::AttractBody)),
-        drawn("attract-mouse", |panel| layout::draw_attract(panel, Message::AttractBodyMouse)),
+        drawn("attract", |panel| layout::draw_attract(panel, Icon::Headset, Message::AttractBody)),
+        drawn("attract-mouse", |panel| {
+            layout::draw_attract(panel, Icon::Stone, Message::AttractBodyMouse);
+        }),
         drawn("welcome", |panel| layout::draw_welcome(panel, language, 3, &welcome)),
         drawn("welcome-mouse", |panel| {
             let buttons = layout::welcome_buttons(0, 1);

@@ -63,11 +63,15 @@ impl Screen {
         match state.phase {
             VisitPhase::Closed | VisitPhase::Sculpting => {}
             VisitPhase::Attract => {
-                let body = match state.controls {
-                    Controls::Mouse => Message::AttractBodyMouse,
-                    Controls::Controllers | Controls::BareHands => Message::AttractBody,
+                let (icon, body) = match state.controls {
+                    Controls::Mouse => (Icon::Stone, Message::AttractBodyMouse),
+                    Controls::Controllers | Controls::BareHands => {
+                        (Icon::Headset, Message::AttractBody)
+                    }
                 };
-                self.add(PanelSpot::Caption, &[], |panel, _| layout::draw_attract(panel, body));
+                self.add(PanelSpot::Caption, &[], |panel, _| {
+                    layout::draw_attract(panel, icon, body);
+                });
             }
             VisitPhase::Welcome => self.draw_welcome(state, options),
             VisitPhase::Choice => self.draw_choice(state, options),

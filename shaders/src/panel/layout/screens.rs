@@ -10,10 +10,10 @@ use crate::panel::message::{Filling, Language, Message, TextPlace};
 use crate::panel::model::{BoxStyle, LINE_HEIGHT, Panel, PanelColor, TextAlign};
 use crate::panel::pose::PanelRect;
 
-/// What nobody has chosen a language for, in both; `body` says how to begin.
-pub fn draw_attract(panel: &mut Panel, body_message: Message) {
+/// What nobody has chosen a language for, in both; `icon` and `body_message` say how to begin.
+pub fn draw_attract(panel: &mut Panel, icon: Icon, body_message: Message) {
     begin_panel(panel, [1000.0, 610.0]);
-    add_medallion(panel, Icon::Headset, Vec2::new(500.0, 128.0), 82.0, palette::CLAY);
+    add_medallion(panel, icon, Vec2::new(500.0, 128.0), 82.0, palette::CLAY);
     for (language, foot) in Language::ALL.into_iter().zip([306.0, 494.0]) {
         let (title, body) = (Vec2::new(500.0, foot), Vec2::new(500.0, foot + 64.0));
         let ink = (palette::INK, TextAlign::Middle);
