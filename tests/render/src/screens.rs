@@ -125,6 +125,8 @@ fn visit_screens(language: Language) -> Vec<Screen> {
         ("badge", Message::BadgeBody, &[][..]),
         ("badge-seen", Message::BadgeBody, &next),
         ("badge-kept-here", Message::BadgeKeptHere, &[]),
+        ("badge-on-its-way", Message::BadgeOnItsWay, &next),
+        ("badge-lost", Message::BadgeLost, &next),
         ("badge-kept-at-booth", Message::BadgeKeptAtBooth, &next),
     ] {
         all.push(drawn(name, |panel| layout::draw_badge(panel, language, (&badge, told), buttons)));

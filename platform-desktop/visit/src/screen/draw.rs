@@ -361,9 +361,11 @@ fn new_visit_button() -> (PanelButton<'static>, ButtonAction) {
 /// What is told below a badge: where the sculpture is kept, once it is.
 fn badge_body(state: &ScreenState) -> Message {
     match state.booth.and_then(|booth| booth.keeping) {
-        Some(Keeping::KeptHere | Keeping::Refused) => Message::BadgeKeptHere,
+        Some(Keeping::KeptHere) => Message::BadgeOnItsWay,
+        Some(Keeping::Refused) => Message::BadgeKeptHere,
         Some(Keeping::KeptAtBooth) => Message::BadgeKeptAtBooth,
-        None | Some(Keeping::Making | Keeping::Waiting | Keeping::Lost) => Message::BadgeBody,
+        Some(Keeping::Lost) => Message::BadgeLost,
+        None | Some(Keeping::Making | Keeping::Waiting) => Message::BadgeBody,
     }
 }
 
