@@ -224,6 +224,8 @@ where
             let lifts_trigger = core::mem::take(&mut self.lifts_trigger);
             let pulled = if self.pulls_lightly { LIGHT_TRIGGER } else { 255 };
             input.hands[RIGHT].trigger = if self.running && !lifts_trigger { pulled } else { 0 };
+        } else {
+            self.bit_guide.forget_next_bite();
         }
         // A tool that was put back meanwhile finishes nothing once it is taken again; a stuck one is about to be.
         let has_tool = world.held_tool(RIGHT).is_some() || !self.pointers.is_empty();

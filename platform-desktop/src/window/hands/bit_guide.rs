@@ -96,6 +96,11 @@ where
         self.next_bite
     }
 
+    /// Forgets it where no bit lies over the surface any more, as there is none in hand.
+    pub(super) const fn forget_next_bite(&mut self) {
+        self.next_bite = None;
+    }
+
     /// Whether the bit has lagged for more than [`STUCK_TICKS`]. Clears the count if so.
     pub(super) fn take_is_stuck(&mut self) -> bool {
         let stuck = self.behind > STUCK_TICKS;
