@@ -23,7 +23,12 @@ const WELCOME: [f32; 2] = [1080.0, 476.0];
 const CHOICE: [f32; 2] = [1020.0, 580.0];
 
 /// Clicks on the middle of a button of a panel that nothing covers.
-fn click(visit: &mut ScriptedWindow, spot: PanelSpot, size: [f32; 2], button: PanelRect) {
+pub(crate) fn click(
+    visit: &mut ScriptedWindow,
+    spot: PanelSpot,
+    size: [f32; 2],
+    button: PanelRect,
+) {
     let right = HALF * WIDTH as f32 / HEIGHT as f32;
     let view = WindowView {
         position: Vec3::ZERO,
@@ -130,7 +135,7 @@ fn see_living_previews(visit: &mut ScriptedWindow, display: &XvfbDisplay) {
 }
 
 /// From the tool in hand to the badge, of which the visitor has seen enough.
-fn cut_and_finish(visit: &mut ScriptedWindow, display: &XvfbDisplay) {
+pub(crate) fn cut_and_finish(visit: &mut ScriptedWindow, display: &XvfbDisplay) {
     cut_and_see_badge(visit, display);
     visit.do_all(&["move 20 20", "wait 150"]);
     let next = layout::badge_buttons(0)[0].rect;

@@ -11,6 +11,7 @@ mod disk;
 mod exhibition;
 mod losses;
 mod newcomer;
+mod next_visitor;
 mod pictures;
 mod rig;
 mod sound;

@@ -52,6 +52,13 @@ impl XvfbDisplay {
         assert!(tool.status().expect("it is there").success(), "xdotool {arguments}");
     }
 
+    /// What `xdotool` answers.
+    pub(crate) fn ask_xdotool(&self, arguments: &str) -> String {
+        let mut tool = Command::new("xdotool");
+        let told = tool.env("DISPLAY", &self.name).args(arguments.split(' ')).output();
+        String::from_utf8_lossy(&told.expect("it is there").stdout).into_owned()
+    }
+
     /// Reads the screen from the server's framebuffer file (XWD format), and writes it as `name.png`.
     pub(crate) fn save_screenshot(&self, name: &str) -> Image {
         let bytes = fs::read(self.folder.join("Xvfb_screen0")).expect("the server's file");
