@@ -19,7 +19,8 @@ use crate::error::Error;
 use crate::own_file::OwnPart;
 use crate::sqlite_store::open_plain;
 
-/// What the archive begins with, up to the time of the copy in milliseconds.
+/// What the archive begins with, up to its version, and up to the time of the copy in milliseconds.
+pub(crate) const ABOUT_START: &str = "backup of a Paros booth, version ";
 pub(crate) const ABOUT_HEAD: &str = "backup of a Paros booth, version 1\ncopied_at = ";
 
 /// Names in the archive.

@@ -8,10 +8,11 @@ use std::path::Path;
 use paros_booth_rules::{BoothPlan, BoothTime, RestoreReport};
 use paros_core::outbox::messages::{ContentHash, SculptureId};
 use zip::ZipArchive;
-use zip::read::ZipFile;
+use zip::read::{ZipFile, read_zipfile_from_stream};
+use zip::result::ZipError;
 
 use crate::app::OpenBooth;
-use crate::backup::{ABOUT, ABOUT_HEAD, DATABASE, KEYS, PARTS};
+use crate::backup::{ABOUT, ABOUT_HEAD, ABOUT_START, DATABASE, KEYS, PARTS};
 use crate::clock::booth_time;
 use crate::deletion_log::{DELETIONS, read_deletions};
 use crate::error::Error;
@@ -69,8 +70,9 @@ fn tell(folder: &Path, report: &RestoreReport) -> String {
 
 /// Unpacks an archive into an empty folder. Returns when it was made.
 fn unpack(archive: &Path, folder: &Path) -> Result<BoothTime, Error> {
+    let fail = |error: ZipError| bad(archive, &tell_fault(archive, error));
     let file = File::open(archive).map_err(|error| bad(archive, &error))?;
-    let mut zip = ZipArchive::new(BufReader::new(file)).map_err(|error| bad(archive, &error))?;
+    let mut zip = ZipArchive::new(BufReader::new(file)).map_err(fail)?;
     for inner in ["keys", "sculptures"] {
         let path = folder.join(inner);
         let made = DirBuilder::new().mode(0o700).create(&path);
@@ -78,14 +80,14 @@ fn unpack(archive: &Path, folder: &Path) -> Result<BoothTime, Error> {
     }
     let mut copied_at = None;
     for k in 0..zip.len() {
-        let mut entry = zip.by_index(k).map_err(|error| bad(archive, &error))?;
-        let name = entry.name().map_err(|error| bad(archive, &error))?.into_owned();
+        let mut entry = zip.by_index(k).map_err(fail)?;
+        let name = entry.name().map_err(fail)?.into_owned();
         if name == ABOUT {
-            copied_at = read_about(&mut entry);
+            copied_at = Some(read_about(&mut entry).map_err(|why| bad(archive, &why))?);
             continue;
         }
         if copied_at.is_none() {
-            return Err(bad(archive, &"expected a backup of a booth, version 1"));
+            return Err(bad(archive, &format!("a ZIP archive of something else; {EXPECTED}")));
         }
         if !is_known(&name) {
             return Err(bad(archive, &format!("{name:?}: no file of a backup")));
@@ -98,14 +100,49 @@ fn unpack(archive: &Path, folder: &Path) -> Result<BoothTime, Error> {
             return Err(bad(archive, &format!("{name} is missing")));
         }
     }
-    copied_at.ok_or_else(|| bad(archive, &"expected a backup of a booth, version 1"))
+    copied_at.ok_or_else(|| bad(archive, &format!("a ZIP archive of nothing; {EXPECTED}")))
 }
 
-fn read_about(entry: &mut ZipFile<'_, BufReader<File>>) -> Option<BoothTime> {
+/// What a file should have been.
+const EXPECTED: &str = "expected a backup of a booth, as `paros-booth backup` makes it";
+
+/// When a backup was made; or what it is instead of one that this program reads.
+fn read_about(entry: &mut impl io::Read) -> Result<BoothTime, String> {
     let mut about = String::new();
-    entry.take(200).read_to_string(&mut about).ok()?;
-    let time = about.strip_prefix(ABOUT_HEAD)?.strip_suffix('\n')?;
-    time.parse().ok().map(BoothTime)
+    let read = entry.take(200).read_to_string(&mut about);
+    let time = about.strip_prefix(ABOUT_HEAD).and_then(|time| time.strip_suffix('\n'));
+    if let Some(time) = time.filter(|_| read.is_ok()).and_then(|time| time.parse().ok()) {
+        return Ok(BoothTime(time));
+    }
+    let version = about.strip_prefix(ABOUT_START).and_then(|rest| rest.lines().next());
+    match version.and_then(|version| version.parse::<u32>().ok()) {
+        Some(version) if version > 1 => Err(format!(
+            "a backup of version {version}, of a newer program; this one reads version 1"
+        )),
+        _ => Err(format!("its {ABOUT} is damaged; {EXPECTED}")),
+    }
+}
+
+/// What a file is that is no whole archive, as far as its beginning tells.
+fn tell_fault(archive: &Path, error: ZipError) -> String {
+    let error = match error {
+        ZipError::Io(error) => return error.to_string(),
+        error => error,
+    };
+    let mut file = match File::open(archive) {
+        Ok(file) => BufReader::new(file),
+        Err(error) => return error.to_string(),
+    };
+    match read_zipfile_from_stream(&mut file) {
+        Ok(Some(mut first)) if first.name().is_ok_and(|name| name == ABOUT) => {
+            match read_about(&mut first) {
+                Ok(_) => "a backup that is cut short or damaged; take another one".to_owned(),
+                Err(why) => why,
+            }
+        }
+        Ok(Some(_)) => format!("a ZIP archive of something else, or a damaged one; {EXPECTED}"),
+        _ => format!("no ZIP archive ({error}); {EXPECTED}"),
+    }
 }
 
 /// Whether a backup has a file of this name: nothing else is written anywhere.

@@ -131,6 +131,17 @@ fn a_backup_while_it_serves_comes_back_without_what_was_deleted_since() {
     assert_eq!(kept.iter().filter(|name| name.ends_with(".sculpture")).count(), 3);
 }
 
+/// How a backup of a later program begins.
+const NEWER: &str = "backup of a Paros booth, version 2\nsomething = else\n";
+
+/// An archive of one file.
+fn zip_of(name: &str, text: &str) -> Vec<u8> {
+    let mut zip = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    zip.start_file(name, zip::write::SimpleFileOptions::default()).expect("a name");
+    std::io::Write::write_all(&mut zip, text.as_bytes()).expect("room");
+    zip.finish().expect("an archive").into_inner()
+}
+
 #[test]
 fn what_is_no_backup_or_no_free_folder_is_refused_and_nothing_is_left() {
     let folder = BoothFolder::new("backup-damaged");
@@ -147,16 +158,26 @@ fn what_is_no_backup_or_no_free_folder_is_refused_and_nothing_is_left() {
     assert!(into_taken.contains("is empty"), "{into_taken}");
 
     let sum = whole.len() / 2;
-    for (name, bytes) in [
-        ("cut", whole[..whole.len() - 30].to_vec()),
-        ("turned", [&whole[..sum], &[!whole[sum]], &whole[sum + 1..]].concat()),
-        ("none", b"PK".to_vec()),
-        ("model", crate::rig::deflate(&whole)),
+    for (name, bytes, why) in [
+        ("cut", whole[..whole.len() - 30].to_vec(), "a backup that is cut short or damaged"),
+        ("half", whole[..whole.len() / 2].to_vec(), "a backup that is cut short or damaged"),
+        ("turned", [&whole[..sum], &[!whole[sum]], &whole[sum + 1..]].concat(), ""),
+        ("none", b"PK".to_vec(), "no ZIP archive"),
+        ("empty", Vec::new(), "no ZIP archive"),
+        ("model", crate::rig::deflate(&whole), "no ZIP archive"),
+        ("text", b"Dear diary,\n".repeat(99), "no ZIP archive"),
+        ("other", zip_of("notes.txt", "Dear diary"), "a ZIP archive of something else"),
+        ("newer", zip_of("backup.txt", NEWER), "a backup of version 2, of a newer program"),
+        ("strange", zip_of("backup.txt", "Dear diary"), "its backup.txt is damaged"),
     ] {
         fs::write(&file, bytes).unwrap();
         let parent = format!("backup-{name}");
         let told = restore(&folder, &parent, true).err().expect("no backup");
-        assert!(told.contains("booth.backup: "), "{name}: {told}");
+        assert!(told.contains(&format!("booth.backup: {why}")), "{name}: {told}");
+        assert!(
+            !told.contains("nvalid Zip") || told.contains("expected a backup"),
+            "{name}: {told}"
+        );
         let left = again.path().parent().unwrap().with_file_name(&parent);
         assert_eq!(fs::read_dir(left).unwrap().count(), 0, "{name}");
     }
