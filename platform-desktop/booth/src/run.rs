@@ -51,6 +51,13 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     let mailer = Mailer::new(&options.mail, public.clone())?;
     let plan = BoothPlan { retention_days: options.keep_days, ..BoothPlan::default() };
     let quota = u64::from(options.quota_gb) * 1_000_000_000;
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .enable_all()
+        .max_blocking_threads(WORK_THREADS)
+        .build()
+        .map_err(|error| Error::failure("threads", error))?;
+    // First of all: where the port is another's, no folder is made. Who comes before all is there, waits.
+    let listeners = runtime.block_on(Listeners::bind(options.listen, public.as_ref()))?;
     let demo = DemoFolder::make(options)?;
     let folder = demo.as_ref().map_or(options.folder.path(), |demo| demo.path());
     let shared = &options.folder.shared;
@@ -78,12 +85,7 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     let facts = SiteFacts { ca_pem: open.keys.ca_pem.clone(), settings: list_settings(options) };
     let (wakers, public_of_app) = ((wakers, printers), public.clone());
     let app = Arc::new(App::new(open.booth, open.files, wakers, logins, public_of_app, facts));
-    let runtime = tokio::runtime::Builder::new_multi_thread()
-        .enable_all()
-        .max_blocking_threads(WORK_THREADS)
-        .build()
-        .map_err(|error| Error::failure("threads", error))?;
-    let serving = Serving { app: app.clone(), public, first_code, names, listen: options.listen };
+    let serving = Serving { app: app.clone(), public, first_code, names, listeners };
     let served = runtime.block_on(serving.serve_until_told(open.keys));
     // Its threads end with what they do; the app goes with them, and then its workers can end.
     runtime.shutdown_timeout(Duration::from_secs(10));
@@ -99,20 +101,50 @@ struct Serving {
     public: Option<PublicAddress>,
     first_code: Option<String>,
     names: LeafNames,
-    listen: SocketAddr,
+    listeners: Listeners,
+}
+
+/// Where it listens: for staff and headsets, and for visitors where they have pages.
+struct Listeners {
+    all: TcpListener,
+    visitors: Option<TcpListener>,
+}
+
+impl Listeners {
+    async fn bind(listen: SocketAddr, public: Option<&PublicAddress>) -> Result<Self, Error> {
+        let visitors = match public {
+            Some(public) => Some(bind(public.listen, "--public-listen").await?),
+            None => None,
+        };
+        Ok(Listeners { all: bind(listen, "--listen").await?, visitors })
+    }
+}
+
+async fn bind(address: SocketAddr, option: &str) -> Result<TcpListener, Error> {
+    TcpListener::bind(address).await.map_err(|error| {
+        let hint = match error.kind() {
+            io::ErrorKind::AddrInUse => "; end what listens there, or name another address",
+            _ => "",
+        };
+        Error::failure(format!("{option} {address}"), format!("{error}{hint}"))
+    })
 }
 
 impl Serving {
     /// Serves staff and headsets, and visitors where they have pages, until the program is told to end.
     async fn serve_until_told(self, keys: BoothKeys) -> Result<(), Error> {
-        let Serving { app, public, first_code, names, listen } = self;
+        let Serving { app, public, first_code, names, listeners } = self;
+        let Listeners { all: listener, visitors } = listeners;
         let fingerprint = keys.site.ca_hash;
         let leaf = LeafKeeper::new(keys, names.now(), SystemTime::now())?;
         let tls = TlsAcceptor::from(Arc::new(leaf.tls_config()?));
-        let listener = TcpListener::bind(listen).await;
-        let listener = listener.map_err(|error| Error::failure(listen, error))?;
         let listen = listener.local_addr().map_err(|error| Error::failure("socket", error))?;
-        let visitors = listen_for_visitors(public.as_ref()).await?;
+        let visitors = visitors.map(|listener| {
+            if let Ok(address) = listener.local_addr() {
+                info!(%address, "listening for visitors");
+            }
+            (listener, public.and_then(|public| public.tls))
+        });
         let ends = (end_of_program()?, end_of_program()?);
         let hangup = signal(SignalKind::hangup());
         let hangup = hangup.map_err(|error| Error::failure("signals", error))?;
@@ -191,17 +223,6 @@ fn tell_address(listen: SocketAddr, fingerprint: &str, first_code: Option<&str>)
     if let Some(code) = first_code {
         let _ = writeln!(io::stdout(), "first account: {address}/staff/first with the code {code}");
     }
-}
-
-/// Listens for visitors, where they have pages. The log says where.
-async fn listen_for_visitors(
-    public: Option<&PublicAddress>,
-) -> Result<Option<(TcpListener, Option<TlsAcceptor>)>, Error> {
-    let Some(public) = public else { return Ok(None) };
-    let fail = |error| Error::failure(public.listen, error);
-    let listener = TcpListener::bind(public.listen).await.map_err(fail)?;
-    info!(address = %listener.local_addr().map_err(fail)?, "listening for visitors");
-    Ok(Some((listener, public.tls.clone())))
 }
 
 /// The code that the first account has to bring, as long as there is none. It isn't logged.

@@ -1,5 +1,6 @@
 //! What a booth is told, and who else may run, while it serves.
 
+use std::net::TcpListener;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
@@ -33,6 +34,31 @@ fn a_second_one_in_a_folder_is_refused_until_the_first_has_ended() {
     booth.wait();
     let booth = folder.start();
     assert_eq!(booth.client.get("/healthz").status, 200);
+}
+
+#[test]
+fn a_port_that_is_in_use_leaves_nothing_behind() {
+    let folder = BoothFolder::new("port-in-use");
+    let taken = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = taken.local_addr().expect("an address").to_string();
+    for arguments in [
+        &["--listen", &address] as &[&str],
+        &["--listen", "127.0.0.1:0", "--public-listen", &address, "--public-url", "http://x"],
+        &["--demo", "--listen", &address],
+    ] {
+        let mut booth = Command::new(env!("CARGO_BIN_EXE_paros-booth"));
+        booth.args(arguments).env("TMPDIR", folder.path().parent().expect("a folder"));
+        if !arguments.contains(&"--demo") {
+            booth.arg("--folder").arg(folder.path());
+        }
+        let told = booth.output().expect("the program");
+        let errors = String::from_utf8(told.stderr).expect("text");
+        assert_eq!(told.status.code(), Some(1), "{errors}");
+        assert!(errors.contains(&format!("listen {address}: ")), "{errors}");
+        assert!(told.stdout.is_empty(), "no address is told");
+        let left = std::fs::read_dir(folder.path().parent().expect("a folder")).unwrap();
+        assert_eq!(left.count(), 0, "{arguments:?}");
+    }
 }
 
 /// The certificate of a new connection.
