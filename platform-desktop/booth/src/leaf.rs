@@ -19,6 +19,7 @@ use tokio_rustls::rustls::version::TLS13;
 
 use crate::error::Error;
 use crate::keys::{BoothKeys, ca_params};
+use crate::staff_certificate::has_name;
 
 /// How long a leaf is valid. Browsers of tablets take none that is valid for longer than 825 days.
 const LEAF_LIFE: Duration = Duration::from_secs(800 * 86_400);
@@ -29,6 +30,8 @@ const LEAF_AGE: Duration = Duration::from_secs(400 * 86_400);
 /// The leaf of now.
 pub(crate) struct LeafKeeper {
     keys: BoothKeys,
+    /// Another's, for who asks by its names.
+    of_staff: Option<Arc<CertifiedKey>>,
     leaf: RwLock<Leaf>,
 }
 
@@ -45,12 +48,13 @@ impl LeafKeeper {
     /// A name that is none, or what the libraries say.
     pub(crate) fn new(
         keys: BoothKeys,
+        of_staff: Option<Arc<CertifiedKey>>,
         names: Vec<String>,
         now: SystemTime,
     ) -> Result<Arc<Self>, Error> {
         let certified = make_leaf(&keys, &names, now)?;
         let leaf = RwLock::new(Leaf { certified, names, made_at: now });
-        Ok(Arc::new(LeafKeeper { keys, leaf }))
+        Ok(Arc::new(LeafKeeper { keys, of_staff, leaf }))
     }
 
     /// Makes a new leaf where the names are others than the leaf's, or it is old. Returns whether it did.
@@ -101,8 +105,11 @@ impl LeafKeeper {
 }
 
 impl ResolvesServerCert for LeafKeeper {
-    fn resolve(&self, _: ClientHello<'_>) -> Option<Arc<CertifiedKey>> {
-        Some(self.current())
+    fn resolve(&self, hello: ClientHello<'_>) -> Option<Arc<CertifiedKey>> {
+        let of_staff = self.of_staff.as_ref();
+        let named =
+            hello.server_name().and_then(|name| of_staff.filter(|cert| has_name(cert, name)));
+        Some(named.cloned().unwrap_or_else(|| self.current()))
     }
 }
 
@@ -175,7 +182,7 @@ mod tests {
         fs::remove_dir_all(&folder).expect("they were made");
         let names = ["192.0.2.7".to_owned()];
         let start = SystemTime::UNIX_EPOCH + Duration::from_secs(1_790_000_000);
-        let keeper = LeafKeeper::new(keys, names.to_vec(), start).expect("made");
+        let keeper = LeafKeeper::new(keys, None, names.to_vec(), start).expect("made");
         let der = || keeper.current().cert[0].to_vec();
         let renew = |names: &[String], now| keeper.renew_if_due(names, now).expect("made");
         let first = der();

@@ -49,6 +49,7 @@ mod settings;
 mod shared;
 mod sqlite_store;
 mod staff;
+mod staff_certificate;
 mod threemf;
 mod viewer;
 mod worker;
@@ -66,6 +67,7 @@ pub use public::PublicOptions;
 pub use s3_files::S3Files;
 pub use shared::{DatabaseUrl, SharedOptions};
 pub use sqlite_store::SqliteStore;
+pub use staff_certificate::StaffCertificateOptions;
 
 /// Does what the command line asks. Returns output as whole lines.
 ///

@@ -11,6 +11,7 @@ use crate::mailer::MailOptions;
 use crate::printing::SlicerOptions;
 use crate::public::PublicOptions;
 use crate::shared::SharedOptions;
+use crate::staff_certificate::StaffCertificateOptions;
 
 /// Keeps what headsets send, and lets staff find it by its badge.
 #[derive(Debug, Parser)]
@@ -50,6 +51,9 @@ pub struct ServeOptions {
     /// Serve ten sculptures to try, in a folder that is gone at the end unless one is named.
     #[arg(long)]
     pub demo: bool,
+    /// What browsers of staff are shown.
+    #[command(flatten)]
+    pub certificate: StaffCertificateOptions,
     /// How mails go.
     #[command(flatten)]
     pub mail: MailOptions,

@@ -12,6 +12,7 @@ use paros_shell::durable::take_storage_warnings;
 use tokio::net::TcpListener;
 use tokio::signal::unix::{Signal, SignalKind, signal};
 use tokio_rustls::TlsAcceptor;
+use tokio_rustls::rustls::sign::CertifiedKey;
 use tracing::{info, warn};
 
 use crate::app::{App, OpenBooth, WORK_THREADS, Wakers};
@@ -48,6 +49,7 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     // Pictures are drawn on one thread, beside all that is more urgent. A pool that is there already stays.
     let _ = rayon::ThreadPoolBuilder::new().num_threads(1).build_global();
     let public = PublicAddress::new(&options.public)?;
+    let of_staff = options.certificate.load()?;
     let mailer = Mailer::new(&options.mail, public.clone())?;
     let plan = BoothPlan { retention_days: options.keep_days, ..BoothPlan::default() };
     let quota = u64::from(options.quota_gb) * 1_000_000_000;
@@ -85,7 +87,7 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     let facts = SiteFacts { ca_pem: open.keys.ca_pem.clone(), settings: list_settings(options) };
     let (wakers, public_of_app) = ((wakers, printers), public.clone());
     let app = Arc::new(App::new(open.booth, open.files, wakers, logins, public_of_app, facts));
-    let serving = Serving { app: app.clone(), public, first_code, names, listeners };
+    let serving = Serving { app: app.clone(), public, first_code, of_staff, names, listeners };
     let served = runtime.block_on(serving.serve_until_told(open.keys));
     // Its threads end with what they do; the app goes with them, and then its workers can end.
     runtime.shutdown_timeout(Duration::from_secs(10));
@@ -100,6 +102,7 @@ struct Serving {
     app: Arc<App>,
     public: Option<PublicAddress>,
     first_code: Option<String>,
+    of_staff: Option<Arc<CertifiedKey>>,
     names: LeafNames,
     listeners: Listeners,
 }
@@ -133,10 +136,10 @@ async fn bind(address: SocketAddr, option: &str) -> Result<TcpListener, Error> {
 impl Serving {
     /// Serves staff and headsets, and visitors where they have pages, until the program is told to end.
     async fn serve_until_told(self, keys: BoothKeys) -> Result<(), Error> {
-        let Serving { app, public, first_code, names, listeners } = self;
+        let Serving { app, public, first_code, of_staff, names, listeners } = self;
         let Listeners { all: listener, visitors } = listeners;
         let fingerprint = keys.site.ca_hash;
-        let leaf = LeafKeeper::new(keys, names.now(), SystemTime::now())?;
+        let leaf = LeafKeeper::new(keys, of_staff, names.now(), SystemTime::now())?;
         let tls = TlsAcceptor::from(Arc::new(leaf.tls_config()?));
         let listen = listener.local_addr().map_err(|error| Error::failure("socket", error))?;
         let visitors = visitors.map(|listener| {

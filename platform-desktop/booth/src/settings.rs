@@ -10,6 +10,7 @@ use crate::options::{FolderOption, ServeOptions};
 use crate::printing::SlicerOptions;
 use crate::public::PublicOptions;
 use crate::shared::SharedOptions;
+use crate::staff_certificate::StaffCertificateOptions;
 
 /// What the pages tell of the booth itself.
 pub(crate) struct SiteFacts {
@@ -29,6 +30,7 @@ pub(crate) fn list_settings(options: &ServeOptions) -> Vec<(&'static str, String
         keep_days,
         quota_gb,
         demo,
+        certificate,
         mail,
         slicer,
         public,
@@ -47,6 +49,8 @@ pub(crate) fn list_settings(options: &ServeOptions) -> Vec<(&'static str, String
         ("--quota-gb", quota_gb.to_string()),
         ("--demo", on_or_off(*demo)),
     ]);
+    let StaffCertificateOptions { staff_cert, staff_key } = certificate;
+    list.extend([("--staff-cert", path(staff_cert)), ("--staff-key", path(staff_key))]);
     list.extend(list_mail(mail));
     list.extend(list_slicer(slicer));
     list.extend(list_public(public));

@@ -1,7 +1,6 @@
 //! Where visitors' pages are, and links to them.
 
 use std::fmt::Write as _;
-use std::fs;
 use std::net::{IpAddr, SocketAddr};
 use std::path::Path;
 use std::sync::Arc;
@@ -13,10 +12,11 @@ use qrcode::{Color, EcLevel, QrCode};
 use tokio_rustls::TlsAcceptor;
 use tokio_rustls::rustls::ServerConfig;
 use tokio_rustls::rustls::crypto::ring::default_provider;
-use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer, pem::PemObject as _};
+use tokio_rustls::rustls::sign::SingleCertAndKey;
 
 use super::PublicOptions;
 use crate::error::Error;
+use crate::staff_certificate::load_certificate;
 
 /// White modules around a QR code, as its standard wants them.
 const QUIET: usize = 4;
@@ -88,23 +88,12 @@ pub(crate) fn draw_qr(text: &str, label: &str) -> Markup {
 }
 
 fn load_tls(cert: &Path, key: &Path) -> Result<TlsAcceptor, Error> {
-    let bad = |path: &Path, expected: &str| {
-        Error::Input(format!("{}: expected {expected}", path.display()))
-    };
-    let read = |path: &Path| {
-        fs::read(path).map_err(|error| Error::Input(format!("{}: {error}", path.display())))
-    };
-    let chain: Result<Vec<_>, _> = CertificateDer::pem_slice_iter(&read(cert)?).collect();
-    let chain = chain.ok().filter(|chain| !chain.is_empty());
-    let chain = chain.ok_or_else(|| bad(cert, "certificates in PEM"))?;
-    let key_of = PrivateKeyDer::from_pem_slice(&read(key)?);
-    let key_of = key_of.map_err(|_| bad(key, "a private key in PEM"))?;
+    let certified = load_certificate(cert, key)?;
     let config = ServerConfig::builder_with_provider(default_provider().into())
         .with_safe_default_protocol_versions()
         .map_err(|error| Error::failure("TLS", error))?
         .with_no_client_auth()
-        .with_single_cert(chain, key_of)
-        .map_err(|error| bad(key, &format!("the certificate's key ({error})")))?;
+        .with_cert_resolver(Arc::new(SingleCertAndKey::from(certified)));
     Ok(TlsAcceptor::from(Arc::new(config)))
 }
 

@@ -197,10 +197,17 @@ impl Client {
 
     /// A connection that trusts the booth's authority alone.
     pub(crate) fn connect(&self) -> io::Result<StreamOwned<ClientConnection, TcpStream>> {
+        self.connect_as(ServerName::IpAddress(self.address.ip().into()))
+    }
+
+    /// The same, asking for it by a name.
+    pub(crate) fn connect_as(
+        &self,
+        name: ServerName<'static>,
+    ) -> io::Result<StreamOwned<ClientConnection, TcpStream>> {
         let stream = TcpStream::connect(self.address)?;
         stream.set_read_timeout(Some(Duration::from_secs(40)))?;
         stream.set_nodelay(true)?;
-        let name = ServerName::IpAddress(self.address.ip().into());
         let connection =
             ClientConnection::new(self.config.clone(), name).map_err(io::Error::other)?;
         Ok(StreamOwned::new(connection, stream))

@@ -89,3 +89,40 @@ fn a_new_certificate_is_shown_without_a_restart() {
     write_request(&mut stays, "GET", "/healthz", &[], &[]).expect("it is open still");
     assert_eq!(read_answer(&mut stays).expect("an answer").status, 200);
 }
+
+/// Browsers that ask by its name see it; headsets, which trust the booth's authority alone, ask by the address.
+#[test]
+fn a_certificate_of_staff_is_for_its_name_alone() {
+    let folder = BoothFolder::new("staff-cert");
+    let key = rcgen::KeyPair::generate().expect("a key");
+    let params = rcgen::CertificateParams::new(vec!["booth.example".to_owned()]).expect("a name");
+    let certificate = params.self_signed(&key).expect("a certificate");
+    let at = |name: &str| folder.path().with_file_name(name).display().to_string();
+    let (cert_at, key_at, other_at) = (at("cert.pem"), at("key.pem"), at("other.pem"));
+    std::fs::write(&cert_at, certificate.pem()).unwrap();
+    std::fs::write(&key_at, key.serialize_pem()).unwrap();
+    std::fs::write(&other_at, rcgen::KeyPair::generate().expect("a key").serialize_pem()).unwrap();
+    let booth = folder.start_with(&["--staff-cert", &cert_at, "--staff-key", &key_at]);
+    assert_eq!(booth.client.get("/healthz").status, 200);
+    let browser = Client::new(booth.client.address, certificate.der().clone());
+    let health = |client: &Client, name: &str| {
+        let name = name.to_owned().try_into().expect("a name");
+        let mut stream = client.connect_as(name)?;
+        write_request(&mut stream, "GET", "/healthz", &[], &[])?;
+        read_answer(&mut stream).map(|answer| answer.status)
+    };
+    assert_eq!(health(&browser, "booth.example").expect("an answer"), 200);
+    assert!(health(&browser, "localhost").is_err(), "another name has the booth's own");
+    assert_eq!(health(&booth.client, "localhost").expect("an answer"), 200);
+    drop(booth);
+    for (cert, key, told) in [
+        (&key_at, &key_at, "expected certificates in PEM"),
+        (&cert_at, &cert_at, "expected a private key in PEM"),
+        (&cert_at, &other_at, "expected the certificate's key"),
+    ] {
+        let why =
+            folder.run(&["--listen", "127.0.0.1:0", "--staff-cert", cert, "--staff-key", key]);
+        let why = why.expect_err("it doesn't start");
+        assert!(why.contains(told), "{why}");
+    }
+}
