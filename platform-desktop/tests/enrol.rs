@@ -100,13 +100,17 @@ fn the_studio_is_enrolled_once_and_the_booth_ends_with_the_window() {
     }
     let file = folder.0.join("all/studio/paros/enrolment.toml");
     let exhibit = || {
-        let output =
-            folder.paros(&["exhibit", "--folder", "all", "--listen", "127.0.0.1:0", "--demo"]);
+        let arguments =
+            ["exhibit", "--folder", "all", "--listen", "127.0.0.1:0", "--mails-to-files"];
+        let output = folder.paros(&arguments);
         let errors = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(1), "{errors}");
         assert!(errors.contains("no window can be opened"), "{errors}");
         let said = String::from_utf8(output.stdout).expect("text");
         assert!(said.starts_with("booth: https://127.0.0.1:"), "{said}");
+        for told in ["all/studio/paros/paros.toml (not there", "mails become files in "] {
+            assert!(said.contains(told), "{said}");
+        }
         Enrolment::read(&file).expect("whole").expect("it is enrolled")
     };
     let first = exhibit();

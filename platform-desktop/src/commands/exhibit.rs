@@ -25,7 +25,8 @@ use mail_sink::MailSink;
 /// A whole exhibition on this machine: a booth, and a window with visits whose sculptures go there.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Where everything is kept: the booth's data, the studio's sessions, the sculptures, and with --demo the mails.
+    /// Where everything is kept: the booth's data, the studio's sessions, the sculptures, and with
+    /// --mails-to-files the mails. FOLDER/studio/paros/paros.toml has the studio's settings, if there is one.
     #[arg(long, value_name = "FOLDER", default_value = "paros-exhibit")]
     folder: PathBuf,
     /// The address that the booth listens at.
@@ -33,7 +34,7 @@ pub(super) struct Args {
     listen: SocketAddr,
     /// Take the booth's mails here instead of sending them: each becomes a file.
     #[arg(long)]
-    demo: bool,
+    mails_to_files: bool,
     /// What else the window is told, after `--`; `paros window --help` tells more.
     #[arg(last = true, value_name = "ARGUMENT")]
     window: Vec<OsString>,
@@ -74,9 +75,15 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
         sculptures: folder.join("sculptures"),
         mails: folder.join("mails"),
     };
-    let sink = args.demo.then(|| MailSink::start(&places.mails)).transpose()?;
+    let sink = args.mails_to_files.then(|| MailSink::start(&places.mails)).transpose()?;
     let start = |listen| RunningBooth::start(&program, listen, &places, sink.as_ref());
     let booth = start(args.listen)?;
+    let settings = places.data.join("paros/paros.toml");
+    let is_there = if settings.exists() { "" } else { " (not there: all defaults)" };
+    print_line(&format!("settings of the studio: {}{is_there}", settings.display()));
+    if sink.is_some() {
+        print_line(&format!("mails become files in {}", places.mails.display()));
+    }
     enrol(&program, &places, &booth.address)?;
     let window = Command::new(env::current_exe().map_err(Error::failure)?)
         .args(["window", "--visits", "--folder"])
