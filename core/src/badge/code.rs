@@ -81,7 +81,7 @@ pub struct BadgeNumber(u32);
 pub struct Badge {
     /// The colour of its ground.
     pub colour: BadgeColour,
-    /// Its pictures, from left to right.
+    /// Its pictures, as they are read: row by row from the upper one on, from left to right.
     pub pictograms: [Pictogram; 4],
 }
 
@@ -235,8 +235,8 @@ impl Badge {
         self.syndrome() == Gf64::ZERO
     }
 
-    /// The valid badges at one mistake from a wrong one: first those that swap two neighbours back, from left to
-    /// right, then the one of another colour, then one for each place at which a pictogram may be wrong. None where
+    /// The valid badges at one mistake from a wrong one: first those that swap two neighbours back, the first places
+    /// first, then the one of another colour, then one for each place at which a pictogram may be wrong. None where
     /// the badge is valid, mostly four or five otherwise; whoever knows which were ever shown keeps the few of them that were.
     #[must_use]
     pub fn nearest_candidates(&self) -> Vec<Badge, BADGE_CANDIDATES> {
