@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use paros_booth_rules::BoothPlan;
+use paros_booth_rules::{BoothPlan, Refusal};
 use paros_core::badge::{Language, Pictogram};
 
 use crate::app::OpenBooth;
@@ -25,7 +25,11 @@ pub(crate) fn run(command: &BoothCommand) -> Result<String, Error> {
         BoothCommand::FleetFile { folder, address, uses, days } => {
             let OpenBooth { booth, keys, .. } = open(folder)?;
             let token = FleetToken { address, uses: *uses, days: *days, note: "fleet file" };
-            Ok(make_fleet_file(&booth, &keys.ca_pem, &token, CONSOLE, booth_time())?)
+            let made = make_fleet_file(&booth, &keys.ca_pem, &token, CONSOLE, booth_time());
+            made.map_err(|refusal| match refusal {
+                Refusal::Unfit(_) => Error::Input(format!("--address {address}: {refusal}")),
+                refusal => refusal.into(),
+            })
         }
         BoothCommand::Backup { folder, file } => back_up(folder.path_alone()?, file),
         BoothCommand::Restore { folder, file, deletions } => {

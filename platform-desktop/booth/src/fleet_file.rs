@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use paros_booth_rules::{Booth, BoothTime, Refusal};
+use paros_booth_rules::{Booth, BoothTime, Expected, Refusal};
 use paros_core::outbox::messages::EnrolmentToken;
 
 use crate::random::random_bytes;
@@ -22,7 +22,7 @@ pub(crate) struct FleetToken<'a> {
 /// Makes a token, and the file with it. It can't be read again.
 ///
 /// # Errors
-/// [`Refusal::BadRequest`] for what is no address of a booth; those of the store.
+/// [`Refusal::Unfit`] for what is no address of a booth; those of the store.
 pub(crate) fn make_fleet_file(
     booth: &Booth,
     ca_pem: &str,
@@ -35,8 +35,7 @@ pub(crate) fn make_fleet_file(
         .chars()
         .all(|letter| letter.is_ascii_graphic() && !matches!(letter, '"' | '\\' | '<' | '>'));
     if !address.starts_with("https://") || address.len() > 200 || !is_plain {
-        let expected = "expected https:// and the address that headsets reach";
-        return Err(Refusal::BadRequest(format!("{address}: {expected}")));
+        return Err(Refusal::Unfit(Expected::BoothAddress));
     }
     let bits = EnrolmentToken(random_bytes()?);
     let expires_at = now.after(Duration::from_secs(86_400) * u32::from(days));

@@ -22,8 +22,13 @@ const HEADERS: [(HeaderName, &str); 5] = [
 /// Adds these to every answer.
 pub(crate) async fn guard(request: Request, next: Next) -> Response {
     let mut answer = next.run(request).await;
+    add_headers(&mut answer);
+    answer
+}
+
+/// Adds these to an answer.
+pub(crate) fn add_headers(answer: &mut Response) {
     for (name, value) in HEADERS {
         answer.headers_mut().insert(name, HeaderValue::from_static(value));
     }
-    answer
 }

@@ -61,6 +61,7 @@ pub(crate) fn router(app: &Arc<App>) -> Router {
         .route("/metrics", get(tell_metrics))
         .layer(DefaultBodyLimit::max(MAX_CHUNK_BYTES))
         .layer(middleware::from_fn_with_state(app.clone(), bound_and_count))
+        .layer(middleware::from_fn(staff::keep_frame))
         .with_state(app.clone())
 }
 

@@ -2,6 +2,7 @@
 
 use crate::audit::{Subject, note};
 use crate::booth::Booth;
+use crate::reason::Reason;
 use crate::records::{Account, StaffSession};
 use crate::refusal::Refusal;
 use crate::staff::sessions_of;
@@ -23,7 +24,7 @@ impl Booth {
         self.update(|tx| {
             let account: Option<Account> = tx.get(&[name.to_owned().to_value()])?;
             let account = account.filter(|account| !account.is_disabled);
-            let mut account = account.ok_or(Refusal::NotFound("no such account"))?;
+            let mut account = account.ok_or(Refusal::NotFound(Reason::NoAccount))?;
             password_hash.clone_into(&mut account.password_hash);
             tx.put(&account)?;
             for session in sessions_of(tx, name)? {

@@ -6,6 +6,7 @@ use crate::audit::{Subject, note};
 use crate::booth::Booth;
 use crate::heartbeat::device_status;
 use crate::limits::{COMMAND_LIFE, MAX_WAITING_COMMANDS};
+use crate::reason::Reason;
 use crate::records::{Command, CommandState, Device};
 use crate::refusal::Refusal;
 use crate::store::{Order, Query};
@@ -27,11 +28,10 @@ impl Booth {
     ) -> Result<u64, Refusal> {
         self.update(|tx| {
             let device: Option<Device> = tx.get(&[headset.to_value()])?;
-            let device = device.ok_or(Refusal::NotFound("no headset of this number"))?;
-            let status =
-                device_status(&device)?.ok_or(Refusal::Conflict("the headset never came"))?;
+            let device = device.ok_or(Refusal::NotFound(Reason::NoHeadset))?;
+            let status = device_status(&device)?.ok_or(Refusal::Conflict(Reason::NeverCame))?;
             if kind.is_for_visit() && status.session_id == 0 {
-                return Err(Refusal::Conflict("nobody wears the headset"));
+                return Err(Refusal::Conflict(Reason::NotWorn));
             }
             let of_headset = Query::all::<Command>().equal("headset", &headset);
             let waiting = of_headset.clone().equal("state", &CommandState::Waiting);

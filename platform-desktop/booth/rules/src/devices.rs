@@ -8,6 +8,7 @@ use crate::audit::{Subject, note};
 use crate::booth::{Booth, Tx, hash_of};
 use crate::ledger;
 use crate::limits::SILENCE_OF_WIPED;
+use crate::reason::Reason;
 use crate::records::Device;
 use crate::refusal::Refusal;
 use crate::store::{Query, StoreError};
@@ -55,7 +56,7 @@ impl Booth {
     ) -> Result<(), Refusal> {
         self.update(|tx| {
             let device: Option<Device> = tx.get(&[headset.to_value()])?;
-            let mut device = device.ok_or(Refusal::NotFound("no headset of this number"))?;
+            let mut device = device.ok_or(Refusal::NotFound(Reason::NoHeadset))?;
             device.revoked_at = Some(now);
             tx.put(&device)?;
             ledger::retire_headset(tx, &self.plan, headset, now)?;
@@ -122,10 +123,10 @@ pub(crate) fn enrol(
 fn next_number(tx: &mut Tx<'_>) -> Result<u32, Refusal> {
     let active = tx.count_rows(&Query::all::<Device>().absent("revoked_at"))?;
     if active >= MAX_HEADSETS as u64 {
-        return Err(Refusal::Conflict("as many headsets are enrolled as there may be"));
+        return Err(Refusal::Conflict(Reason::HeadsetsFull));
     }
     let query = Query::all::<Device>().ordered("headset", crate::store::Order::Descending);
     let last: Option<Device> = tx.find_first(query)?;
     let number = last.map_or(Some(1), |device| device.headset.checked_add(1));
-    number.ok_or(Refusal::Conflict("no number is left for a headset"))
+    number.ok_or(Refusal::Conflict(Reason::NumbersFull))
 }

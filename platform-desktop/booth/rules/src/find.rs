@@ -6,6 +6,7 @@ use paros_core::outbox::messages::SculptureId;
 use crate::booth::{Booth, Tx};
 use crate::limits::MAX_LISTED;
 use crate::records::{Announcement, BadgeClaim, Device, Sculpture};
+use crate::reason::Reason;
 use crate::refusal::Refusal;
 use crate::store::{Order, Query, StoreError};
 use crate::time::BoothTime;
@@ -135,7 +136,7 @@ impl Booth {
     }
 }
 
-pub(crate) const NO_SCULPTURE: Refusal = Refusal::NotFound("no such sculpture");
+pub(crate) const NO_SCULPTURE: Refusal = Refusal::NotFound(Reason::NoSculpture);
 
 fn find_matches(
     tx: &mut Tx<'_>,

@@ -11,6 +11,7 @@ use paros_core::outbox::messages::{
 use crate::booth::{Booth, Tx};
 use crate::ledger;
 use crate::limits::{COMMAND_LIFE, MAX_ANNOUNCED, STATUS_LIFE};
+use crate::reason::Reason;
 use crate::records::{Announcement, Command, CommandState, Device, Sculpture, Tombstone};
 use crate::refusal::Refusal;
 use crate::store::{Query, StoreError};
@@ -41,7 +42,7 @@ impl Booth {
         now: BoothTime,
     ) -> Result<HeartbeatAnswer, Refusal> {
         if beat.headset != device.headset {
-            return Err(Refusal::Forbidden("the heartbeat is another headset's"));
+            return Err(Refusal::Forbidden(Reason::ForeignHeartbeat));
         }
         let plan = self.view(|tx| plan_heartbeat(tx, device, beat, now))?;
         let (plan, lease) = if plan.changes_nothing() && beat.lease.is_none() {

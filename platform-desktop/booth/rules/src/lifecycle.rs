@@ -57,6 +57,14 @@ impl Booth {
         self.set_withdrawn(id, None, account, now)
     }
 
+    /// Until when a sculpture can be brought back; `None` where it isn't withdrawn.
+    #[must_use]
+    pub fn withdrawn_until(&self, sculpture: &Sculpture) -> Option<BoothTime> {
+        let by_age = BoothTime::of_day(sculpture.keep_day.saturating_add(1));
+        let days = DAY * u32::from(self.plan.withdrawn_days);
+        sculpture.withdrawn_at.map(|withdrawn_at| withdrawn_at.after(days).min(by_age))
+    }
+
     /// Keeps a sculpture until the end of a day at least.
     ///
     /// # Errors

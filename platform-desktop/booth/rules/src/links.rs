@@ -10,6 +10,7 @@ use subtle::ConstantTimeEq as _;
 use crate::audit::{Subject, note};
 use crate::booth::Booth;
 use crate::find::NO_SCULPTURE;
+use crate::reason::Reason;
 use crate::records::Sculpture;
 use crate::refusal::Refusal;
 use crate::time::BoothTime;
@@ -37,7 +38,7 @@ impl Booth {
     pub fn link_token(&self, id: &SculptureId, now: BoothTime) -> Result<LinkToken, Refusal> {
         let sculpture = self.find_sculpture(id, now)?;
         if sculpture.is_link_revoked {
-            return Err(Refusal::NotFound("the visitor's link was taken back"));
+            return Err(Refusal::NotFound(Reason::LinkRevoked));
         }
         Ok(self.make_token(&sculpture))
     }

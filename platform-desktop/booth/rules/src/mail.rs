@@ -14,6 +14,7 @@ use crate::lifecycle::{get_kept, subject_of};
 use crate::limits::{
     MAX_MAIL_TRIES, MAX_MAILS_OF_ONE, MAX_RETRY_WAIT, MAX_WORKERS, MIN_RETRY_WAIT,
 };
+use crate::reason::{Expected, Reason};
 use crate::records::{MailOrder, MailState, Sculpture, WorkKind};
 use crate::refusal::Refusal;
 use crate::store::{Order, Query, StoreError};
@@ -52,7 +53,7 @@ impl Booth {
     /// the address is kept as long as the sculpture. `order` is random bits.
     ///
     /// # Errors
-    /// [`Refusal::BadRequest`] where the address is none, [`Refusal::NotFound`] where the sculpture isn't shown,
+    /// [`Refusal::Unfit`] where the address is none, [`Refusal::NotFound`] where the sculpture isn't shown,
     /// [`Refusal::Conflict`] where it has as many orders as it may; or those of the store.
     pub fn ask_mail(
         &self,
@@ -64,9 +65,7 @@ impl Booth {
     ) -> Result<(), Refusal> {
         let address = address.trim();
         if !is_address(address) {
-            return Err(Refusal::BadRequest(
-                "expected an e-mail address, as ana@example.org".into(),
-            ));
+            return Err(Refusal::Unfit(Expected::MailAddress));
         }
         self.update(|tx| {
             let sculpture = get_kept(tx, id, now)?;
@@ -76,7 +75,7 @@ impl Booth {
             let key = [order.to_value()];
             let is_full = tx.count_rows(&orders_of(&id.0))? >= MAX_MAILS_OF_ONE;
             if is_full || tx.get::<MailOrder>(&key)?.is_some() {
-                return Err(Refusal::Conflict("as many mails of this sculpture as may be"));
+                return Err(Refusal::Conflict(Reason::MailsFull));
             }
             tx.put(&MailOrder {
                 order,

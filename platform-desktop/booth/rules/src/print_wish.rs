@@ -1,6 +1,7 @@
 //! What somebody wants of a print, and its bounds.
 
 use crate::limits::{MAX_FILAMENT_CHARS, MAX_NOTE_CHARS, PRINT_MINUTES, PRINT_TENTHS_MM};
+use crate::reason::Expected;
 use crate::refusal::Refusal;
 
 /// What somebody wants printed.
@@ -27,17 +28,17 @@ impl PrintWish {
     /// Checks that all of it is within its bounds. `can_slice` is whether there is a slicer.
     ///
     /// # Errors
-    /// [`Refusal::BadRequest`] with what was expected.
+    /// [`Refusal::Unfit`] with what was expected.
     pub(crate) fn check(&self, can_slice: bool) -> Result<(), Refusal> {
-        let bad = |why: String| Err(Refusal::BadRequest(why));
+        let bad = |expected| Err(Refusal::Unfit(expected));
         match self.size {
             PrintSize::Height(height) if !PRINT_TENTHS_MM.contains(&height) => {
                 let (least, most) = (PRINT_TENTHS_MM.start() / 10, PRINT_TENTHS_MM.end() / 10);
-                return bad(format!("expected a height of {least} to {most} mm"));
+                return bad(Expected::HeightWithin(least, most));
             }
             PrintSize::Minutes(minutes) if !PRINT_MINUTES.contains(&minutes) => {
-                let (least, most) = (PRINT_MINUTES.start(), PRINT_MINUTES.end());
-                return bad(format!("expected a time of {least} to {most} minutes"));
+                let (least, most) = (*PRINT_MINUTES.start(), *PRINT_MINUTES.end());
+                return bad(Expected::MinutesWithin(least, most));
             }
             PrintSize::Minutes(_) => check_minutes_can_be_found(can_slice)?,
             PrintSize::Height(_) => {}
@@ -48,10 +49,10 @@ impl PrintWish {
             text.chars().count() <= most && text.chars().all(is_fine)
         };
         if !is_text(&self.filament, MAX_FILAMENT_CHARS, true) {
-            return bad(format!("expected a filament of up to {MAX_FILAMENT_CHARS} letters"));
+            return bad(Expected::Filament(MAX_FILAMENT_CHARS));
         }
         if !is_text(&self.note, MAX_NOTE_CHARS, false) {
-            return bad(format!("expected a note of up to {MAX_NOTE_CHARS} letters"));
+            return bad(Expected::Note(MAX_NOTE_CHARS));
         }
         Ok(())
     }
@@ -60,8 +61,7 @@ impl PrintWish {
 /// Checks that a size can be found by time.
 ///
 /// # Errors
-/// [`Refusal::BadRequest`] where there is no slicer.
+/// [`Refusal::Unfit`] where there is no slicer.
 pub(crate) fn check_minutes_can_be_found(can_slice: bool) -> Result<(), Refusal> {
-    let why = "a size can't be found by time: the booth has no slicer";
-    if can_slice { Ok(()) } else { Err(Refusal::BadRequest(why.into())) }
+    if can_slice { Ok(()) } else { Err(Refusal::Unfit(Expected::HeightAlone)) }
 }

@@ -6,6 +6,7 @@ use crate::booth::Booth;
 use crate::lifecycle::subject_of;
 use crate::limits::{LIFE_AT_PRINTER, SENDING_LIFE};
 use crate::prints::{PrintJob, PrintStep, get_order, take_step};
+use crate::reason::Reason;
 use crate::records::{EstimateState, PrintOrder, PrintState, Sculpture};
 use crate::refusal::Refusal;
 use crate::store::Query;
@@ -54,10 +55,10 @@ impl Booth {
         self.update(|tx| {
             let (mut order, sculpture) = get_order(tx, order, now)?;
             if order.state != PrintState::Sliced || order.estimate != EstimateState::Known {
-                return Err(Refusal::Conflict("a print is sent once it is sliced"));
+                return Err(Refusal::Conflict(Reason::NotSliced));
             }
             if tx.find::<PrintOrder>(&orders_at(printer))?.iter().any(holds_printer) {
-                return Err(Refusal::Conflict("the printer has another print"));
+                return Err(Refusal::Conflict(Reason::PrinterTaken));
             }
             order.printer = Some(printer.to_owned());
             (order.changed_at, order.why) = (now, String::new());

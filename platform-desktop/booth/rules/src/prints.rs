@@ -8,13 +8,14 @@ use crate::find::NO_SCULPTURE;
 use crate::lifecycle::{get_kept, subject_of};
 use crate::limits::{MAX_LISTED, MAX_PRINTS_OF_ONE};
 use crate::print_wish::{PrintSize, PrintWish, check_minutes_can_be_found};
+use crate::reason::Reason;
 use crate::records::{EstimateState, PrintOrder, PrintState, Sculpture};
 use crate::refusal::Refusal;
 use crate::store::{Order, Query, StoreError};
 use crate::time::BoothTime;
 use crate::value::Field as _;
 
-pub(crate) const NO_ORDER: Refusal = Refusal::NotFound("no such order of a print");
+pub(crate) const NO_ORDER: Refusal = Refusal::NotFound(Reason::NoPrint);
 
 /// Said of a print whose sculpture isn't shown any more.
 const WITHDRAWN: &str = "the sculpture was withdrawn";
@@ -90,7 +91,7 @@ impl Booth {
     /// without which no size can be found by time.
     ///
     /// # Errors
-    /// [`Refusal::BadRequest`] where size or texts are out of their bounds, [`Refusal::NotFound`] where the sculpture
+    /// [`Refusal::Unfit`] where size or texts are out of their bounds, [`Refusal::NotFound`] where the sculpture
     /// isn't shown, [`Refusal::Conflict`] where it has as many orders as it may; or those of the store.
     pub fn ask_print(
         &self,
@@ -112,7 +113,7 @@ impl Booth {
             }
             let is_full = tx.count_rows(&orders_of(&id.0))? >= MAX_PRINTS_OF_ONE;
             if is_full || tx.get::<PrintOrder>(&[order.to_value()])?.is_some() {
-                return Err(Refusal::Conflict("as many prints of this sculpture as may be"));
+                return Err(Refusal::Conflict(Reason::PrintsFull));
             }
             tx.put(&PrintOrder {
                 order,
@@ -317,7 +318,7 @@ pub(crate) fn take_step(
     now: BoothTime,
 ) -> Result<(), Refusal> {
     let Some(state) = order.state.after(step) else {
-        return Err(Refusal::Conflict("the print is not at a state for that any more"));
+        return Err(Refusal::Conflict(Reason::PrintMovedOn));
     };
     order.state = state;
     order.changed_at = now;

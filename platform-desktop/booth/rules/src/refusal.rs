@@ -3,6 +3,7 @@
 use std::fmt;
 use std::io;
 
+use crate::reason::{Expected, Reason};
 use crate::store::StoreError;
 
 /// Why a request is refused. Nothing was changed.
@@ -10,14 +11,16 @@ use crate::store::StoreError;
 pub enum Refusal {
     /// The message isn't one.
     BadRequest(String),
+    /// What a person filled in isn't what it should be.
+    Unfit(Expected),
     /// No headset, account or enrolment has this token.
     UnknownToken,
     /// Who asks is known, and may not do this.
-    Forbidden(&'static str),
+    Forbidden(Reason),
     /// There is no such thing, or not any more.
-    NotFound(&'static str),
+    NotFound(Reason),
     /// It contradicts what is kept.
-    Conflict(&'static str),
+    Conflict(Reason),
     /// It is more than is taken.
     TooLarge {
         /// What is.
@@ -50,7 +53,7 @@ impl Refusal {
     #[must_use]
     pub const fn status(&self) -> u16 {
         match self {
-            Refusal::BadRequest(_) => 400,
+            Refusal::BadRequest(_) | Refusal::Unfit(_) => 400,
             Refusal::UnknownToken => 401,
             Refusal::Forbidden(_) => 403,
             Refusal::NotFound(_) => 404,
@@ -98,8 +101,9 @@ impl fmt::Display for Refusal {
         match self {
             Refusal::BadRequest(why) => f.write_str(why),
             Refusal::UnknownToken => f.write_str("no such token, or not any more"),
+            Refusal::Unfit(expected) => write!(f, "{expected}"),
             Refusal::Forbidden(why) | Refusal::NotFound(why) | Refusal::Conflict(why) => {
-                f.write_str(why)
+                f.write_str(why.text())
             }
             Refusal::TooLarge { what, most } => write!(f, "{what}: at most {most} are taken"),
             Refusal::Undecodable(why) => write!(f, "no sculpture: {why}"),

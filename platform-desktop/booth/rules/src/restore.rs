@@ -9,6 +9,7 @@ use crate::ledger;
 use crate::lifecycle::kept_name;
 use crate::mail::fail_queued_mails;
 use crate::parcel_files::KeptPart;
+use crate::reason::Reason;
 use crate::records::{EnrolToken, Sculpture, StaffSession, Tombstone};
 use crate::refusal::Refusal;
 use crate::store::{Query, StoreError};
@@ -95,7 +96,7 @@ impl Booth {
         for mut sculpture in tx.find::<Sculpture>(&Query::all::<Sculpture>())? {
             let name = |part| kept_name(&sculpture.id, &sculpture.hash, part);
             if !is_there(name(KeptPart::Sculpture))? {
-                return Err(Refusal::Conflict("a sculpture's file is missing in the copy"));
+                return Err(Refusal::Conflict(Reason::FileMissing));
             }
             if sculpture.has_trace && !is_there(name(KeptPart::Trace))? {
                 sculpture.has_trace = false;

@@ -7,6 +7,7 @@ use subtle::ConstantTimeEq as _;
 use crate::audit::{Subject, note};
 use crate::booth::{Booth, Tx, hash_of};
 use crate::limits::{SESSION_IDLE, SESSION_LIFE};
+use crate::reason::{Expected, Reason};
 use crate::records::{Account, StaffRole, StaffSession};
 use crate::refusal::Refusal;
 use crate::store::{Query, StoreError};
@@ -43,7 +44,7 @@ impl LoggedIn {
     /// [`Refusal::Forbidden`] where it isn't.
     pub fn check_form(&self, form_token: &[u8; 16]) -> Result<(), Refusal> {
         let is_ours = bool::from(self.form_token.ct_eq(form_token));
-        if is_ours { Ok(()) } else { Err(Refusal::Forbidden("the form is of another login")) }
+        if is_ours { Ok(()) } else { Err(Refusal::Forbidden(Reason::ForeignForm)) }
     }
 
     /// Checks that somebody is an admin.
@@ -53,7 +54,7 @@ impl LoggedIn {
     pub fn check_admin(&self) -> Result<(), Refusal> {
         match self.role {
             StaffRole::Admin => Ok(()),
-            StaffRole::Attendant => Err(Refusal::Forbidden("only an admin may do this")),
+            StaffRole::Attendant => Err(Refusal::Forbidden(Reason::AdminsOnly)),
         }
     }
 }
@@ -80,7 +81,7 @@ impl Booth {
         let account = make_account(name, password_hash, StaffRole::Admin)?;
         self.update(|tx| {
             if tx.count_rows(&Query::all::<Account>())? > 0 {
-                return Err(Refusal::Conflict("there is an account"));
+                return Err(Refusal::Conflict(Reason::FirstAccountThere));
             }
             tx.put(&account)?;
             Ok(note(tx, now, Some(name), "first account", Subject::default())?)
@@ -102,7 +103,7 @@ impl Booth {
         let account = make_account(name, password_hash, role)?;
         self.update(|tx| {
             if tx.get::<Account>(&[account.name.to_value()])?.is_some() {
-                return Err(Refusal::Conflict("the name is taken"));
+                return Err(Refusal::Conflict(Reason::NameTaken));
             }
             tx.put(&account)?;
             let action = format!("add account {name}");
@@ -123,14 +124,14 @@ impl Booth {
     ) -> Result<(), Refusal> {
         self.update(|tx| {
             let account: Option<Account> = tx.get(&[name.to_owned().to_value()])?;
-            let mut account = account.ok_or(Refusal::NotFound("no such account"))?;
+            let mut account = account.ok_or(Refusal::NotFound(Reason::NoAccount))?;
             account.is_disabled = is_disabled;
             tx.put(&account)?;
             let admins = Query::all::<Account>()
                 .equal("role", &StaffRole::Admin)
                 .equal("is_disabled", &false);
             if tx.count_rows(&admins)? == 0 {
-                return Err(Refusal::Conflict("somebody has to be an admin"));
+                return Err(Refusal::Conflict(Reason::LastAdmin));
             }
             for session in sessions_of(tx, name)? {
                 tx.remove::<StaffSession>(&[session.token_hash.to_value()])?;
@@ -222,8 +223,7 @@ impl Booth {
 fn make_account(name: &str, password_hash: &str, role: StaffRole) -> Result<Account, Refusal> {
     let is_plain = name.chars().all(|letter| letter.is_alphanumeric() || "._-".contains(letter));
     if name.is_empty() || name.len() > 64 || !is_plain {
-        let expected = "a name of letters, digits, dots and dashes";
-        return Err(Refusal::BadRequest(format!("expected {expected}")));
+        return Err(Refusal::Unfit(Expected::AccountName));
     }
     let (name, password_hash) = (name.to_owned(), password_hash.to_owned());
     Ok(Account { name, password_hash, role, is_disabled: false })

@@ -10,6 +10,7 @@ use crate::booth::{Booth, Tx, hash_of};
 use crate::grants::is_granted;
 use crate::limits::{MAX_CHUNK_BYTES, MAX_OPEN_PARCELS};
 use crate::parcel_files::{KeptName, KeptPart, ParcelName};
+use crate::reason::Reason;
 use crate::records::{Announcement, BadgeClaim, Device, ExportState, Sculpture, Tombstone};
 use crate::refusal::Refusal;
 use crate::store::Query;
@@ -182,10 +183,10 @@ impl Booth {
             return Ok(None);
         };
         if headset != name.headset {
-            return Err(Refusal::Conflict("the sculpture is another headset's"));
+            return Err(Refusal::Conflict(Reason::ForeignSculpture));
         }
         if hash != name.hash.0 {
-            return Err(Refusal::Conflict("another parcel of this sculpture was taken before"));
+            return Err(Refusal::Conflict(Reason::OtherParcel));
         }
         Ok(Some(self.sign_receipt(name, badge.and_then(BadgeNumber::new), outcome)))
     }

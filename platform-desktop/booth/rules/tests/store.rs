@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use paros_booth_rules::records::LedgerSave;
 use paros_booth_rules::{
-    Access, Field as _, MemoryStore, Query, Refusal, Row, Store, StoreError, Table, Transaction,
-    Value, check_store, update, view,
+    Access, Field as _, MemoryStore, Query, Reason, Refusal, Row, Store, StoreError, Table,
+    Transaction, Value, check_store, update, view,
 };
 
 #[test]
@@ -77,7 +77,7 @@ fn put_once(conflicts: u32, passes_over: bool) -> (u32, Result<(), Refusal>, u64
         match tx.put(&LedgerSave { row: 0, bytes: vec![1] }) {
             Err(_) if passes_over => Ok(()),
             // Rules make something else of what a store says.
-            Err(_) => Err(Refusal::Conflict("something")),
+            Err(_) => Err(Refusal::Conflict(Reason::NoSculpture)),
             Ok(()) => Ok(()),
         }
     });

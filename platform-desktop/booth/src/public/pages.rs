@@ -15,7 +15,7 @@ use axum::response::{Html, IntoResponse, Response};
 use axum::routing::get;
 use maud::{DOCTYPE, Markup, html};
 use paros_booth_rules::records::Sculpture;
-use paros_booth_rules::{BoothTime, LinkToken, Refusal};
+use paros_booth_rules::{BoothTime, Expected, LinkToken, Reason, Refusal};
 use paros_core::badge::{BadgeNumber, Language};
 use paros_core::outbox::messages::SculptureId;
 use tracing::warn;
@@ -99,7 +99,8 @@ pub(crate) fn router(app: &Arc<App>) -> Router {
         .route("/s/{id}/{token}/delete", get(ask_delete).post(delete))
         .route("/public.css", get(send_style))
         .fallback(|headers: HeaderMap| async move {
-            PublicAnswer(texts_of_browser(&headers), Refusal::NotFound("")).into_response()
+            PublicAnswer(texts_of_browser(&headers), Refusal::NotFound(Reason::NoSculpture))
+                .into_response()
         })
         .layer(from_fn(hide_from_robots))
         .layer(from_fn(guard));
@@ -139,7 +140,7 @@ impl FromRequestParts<Arc<App>> for Visit {
                 let found = app.run(move |app| app.booth.find_by_link(&id, &token, booth_time()));
                 found.await.map(|sculpture| (sculpture, token))
             }
-            _ => Err(Refusal::NotFound("")),
+            _ => Err(Refusal::NotFound(Reason::NoSculpture)),
         };
         let (sculpture, token) = found.map_err(|refusal| {
             if matches!(refusal, Refusal::NotFound(_)) {
@@ -242,7 +243,7 @@ async fn delete(
     let texts = visit.texts;
     let fail = |refusal| PublicAnswer(texts, refusal);
     if fields.get("confirm").map(String::as_str) != Some("delete") {
-        return Err(fail(Refusal::BadRequest("expected that it is confirmed".into())));
+        return Err(fail(Refusal::Unfit(Expected::Confirmation)));
     }
     let (id, token) = (visit.id(), visit.token);
     let done = app.run(move |app| app.booth.delete_by_link(&id, &token, booth_time()));
@@ -286,7 +287,7 @@ impl IntoResponse for PublicAnswer {
         let why = match &refusal {
             Refusal::NotFound(_) => texts.not_here,
             Refusal::Busy { .. } => texts.too_often,
-            Refusal::BadRequest(_) => texts.delete_really,
+            Refusal::Unfit(_) | Refusal::BadRequest(_) => texts.delete_really,
             _ => texts.busy,
         };
         if refusal.is_failure() {

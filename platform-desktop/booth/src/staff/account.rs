@@ -1,54 +1,88 @@
 //! Who is logged in, and their password.
 
+use std::net::IpAddr;
 use std::sync::Arc;
 
 use axum::extract::{Extension, State};
 use axum::response::Response;
 use maud::html;
-use paros_booth_rules::Refusal;
+use paros_booth_rules::{Reason, Refusal};
 
 use super::admin_texts::AdminTexts;
+use super::done::Done;
+use super::forms::{FormView, Refused};
 use super::login::{MIN_PASSWORD_CHARS, begin_session, hash_password, verify_password};
-use super::page::{StaffAnswer, StaffForm, StaffView, form_token, page};
+use super::page::{StaffForm, StaffView, form_token};
 use crate::app::App;
 use crate::clock::booth_time;
 use crate::routes::Peer;
 
+/// The form's name on its page.
+const PASSWORD_FORM: &str = "password";
+
 /// `GET /staff/account`.
-pub(crate) async fn show_account(StaffView { login, texts }: StaffView) -> Response {
-    let words = AdminTexts::of(texts);
+pub(crate) async fn show_account(view: StaffView) -> Response {
+    account_page(&view, None)
+}
+
+fn account_page(view: &StaffView, refused: Option<&Refused>) -> Response {
+    let (login, words) = (&view.login, AdminTexts::of(view.texts));
+    let form = FormView::of(refused, PASSWORD_FORM);
     let body = html! {
         p { (login.account) ", " (words.role_name(login.role)) }
         form class="narrow" method="post" action="/staff/account/password" {
-            input type="hidden" name="form" value=(form_token(&login));
+            (form.why(""))
+            input type="hidden" name="form" value=(form_token(login));
             input type="hidden" name="name" value=(login.account) autocomplete="username";
-            label { (words.old_password) input name="old" type="password" autocomplete="current-password" required; }
-            label { (words.new_password) input name="new" type="password" autocomplete="new-password" required minlength=(MIN_PASSWORD_CHARS); }
+            label {
+                (words.old_password)
+                input name="old" type="password" autocomplete="current-password" required
+                    aria-invalid=[form.invalid("old")] aria-describedby=[form.described("old")];
+            }
+            (form.why("old"))
+            label {
+                (words.new_password)
+                input name="new" type="password" autocomplete="new-password" required minlength=(MIN_PASSWORD_CHARS)
+                    aria-invalid=[form.invalid("password")] aria-describedby=[form.described("password")];
+            }
+            (form.why("password"))
             p { (words.logins_end) }
             button { (words.change_password) }
         }
     };
-    page(texts, Some(&login), words.account, &body)
+    view.page(words.account, &body)
 }
 
 /// `POST /staff/account/password`: ends all logins of the account, and begins one anew.
 pub(crate) async fn change_password(
     State(app): State<Arc<App>>,
     Extension(Peer(peer)): Extension<Peer>,
-    StaffForm { login, texts, fields }: StaffForm,
-) -> Result<Response, StaffAnswer> {
-    let fail = |refusal| StaffAnswer(texts, refusal);
-    let name = login.account;
-    // Whoever found a tablet logged in guesses no faster than at the door.
-    app.logins.take_turn(&name, peer).map_err(fail)?;
-    let of_name = name.clone();
-    let hash = app.run(move |app| app.booth.password_hash(&of_name)).await.map_err(fail)?;
-    if !verify_password(&app, fields.get("old"), hash).await.map_err(fail)? {
-        return Err(fail(Refusal::Forbidden("the password of now is another")));
+    form: StaffForm,
+) -> Response {
+    match set_password(&app, peer, &form).await {
+        Ok(answer) => Done::PasswordChanged.tell_on_next_page(answer),
+        Err(refusal) => {
+            let (view, refused) = form.refuse(PASSWORD_FORM, &refusal);
+            refused.answer(account_page(&view, Some(&refused)))
+        }
     }
-    let hash = hash_password(&app, fields.get("new")).await.map_err(fail)?;
+}
+
+async fn set_password(
+    app: &Arc<App>,
+    peer: IpAddr,
+    StaffForm { login, fields, .. }: &StaffForm,
+) -> Result<Response, Refusal> {
+    let name = login.account.clone();
+    // Whoever found a tablet logged in guesses no faster than at the door.
+    app.logins.take_turn(&name, peer)?;
     let of_name = name.clone();
-    let set = app.run(move |app| app.booth.set_password(&of_name, &hash, booth_time())).await;
-    set.map_err(fail)?;
-    begin_session(&app, name).await.map_err(fail)
+    let hash = app.run(move |app| app.booth.password_hash(&of_name)).await?;
+    if !verify_password(app, fields.get("old"), hash).await? {
+        return Err(Refusal::Forbidden(Reason::WrongPassword));
+    }
+    let hash = hash_password(app, fields.get("new")).await?;
+    let of_name = name.clone();
+    app.run(move |app| app.booth.set_password(&of_name, &hash, booth_time())).await?;
+    begin_session(app, name).await
 }

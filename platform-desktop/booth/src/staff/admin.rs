@@ -5,15 +5,17 @@ use std::sync::Arc;
 use axum::extract::{Extension, Path, Query, Request, State};
 use axum::http::{HeaderMap, header};
 use axum::middleware::Next;
-use axum::response::{IntoResponse, Redirect, Response};
+use axum::response::{IntoResponse, Response};
 use maud::{Markup, html};
 use paros_booth_rules::records::{Account, AuditEntry, EnrolToken, StaffRole};
-use paros_booth_rules::{BoothTime, LoggedIn, Refusal};
+use paros_booth_rules::{BoothTime, Expected, LoggedIn, Reason, Refusal};
 use paros_core::outbox::messages::{ContentHash, SculptureId};
 
 use super::admin_texts::AdminTexts;
+use super::done::Done;
+use super::forms::{FormView, Refused};
 use super::login::{MIN_PASSWORD_CHARS, hash_password};
-use super::page::{Fields, StaffAnswer, StaffForm, StaffView, action_button, form_token, page};
+use super::page::{Fields, StaffAnswer, StaffForm, StaffView, action_button, form_token};
 use super::sculptures::utc;
 use super::texts::Texts;
 use crate::app::App;
@@ -26,6 +28,10 @@ const LISTED_ENTRIES: usize = 100;
 /// Headsets that a token lets in at most, and days that it is valid.
 const MAX_USES: u32 = 1000;
 const MAX_DAYS: u16 = 365;
+
+/// The forms' names on the page.
+const ACCOUNT_FORM: &str = "account";
+const TOKEN_FORM: &str = "token";
 
 type Answer = Result<Response, StaffAnswer>;
 
@@ -43,9 +49,20 @@ pub(crate) async fn require_admin(
 /// `GET /staff/admin`.
 pub(crate) async fn show_admin(
     State(app): State<Arc<App>>,
-    StaffView { login, texts }: StaffView,
+    view: StaffView,
     headers: HeaderMap,
 ) -> Answer {
+    admin_page(&app, &view, &headers, None).await
+}
+
+/// The admins' page, and why one of its forms was refused.
+async fn admin_page(
+    app: &Arc<App>,
+    view: &StaffView,
+    headers: &HeaderMap,
+    refused: Option<&Refused>,
+) -> Answer {
+    let (login, texts) = (&view.login, view.texts);
     let words = AdminTexts::of(texts);
     let found = app.run(|app| Ok((app.booth.list_accounts()?, app.booth.list_enrol_tokens()?)));
     let (accounts, tokens) = found.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
@@ -53,13 +70,13 @@ pub(crate) async fn show_admin(
     let body = html! {
         p { a href="/staff/audit" { (words.audit) } }
         h2 { (words.accounts) }
-        div class="wide" tabindex="0" role="region" aria-label=(words.accounts) { (accounts_table(texts, words, &login, &accounts)) }
-        (new_account_form(texts, words, &login))
+        div class="wide" tabindex="0" role="region" aria-label=(words.accounts) { (accounts_table(texts, words, login, &accounts)) }
+        (new_account_form(texts, words, login, FormView::of(refused, ACCOUNT_FORM)))
         h2 { (words.fleet_tokens) }
         @if !tokens.is_empty() {
-            div class="wide" tabindex="0" role="region" aria-label=(words.fleet_tokens) { (tokens_table(words, &login, &tokens)) }
+            div class="wide" tabindex="0" role="region" aria-label=(words.fleet_tokens) { (tokens_table(words, login, &tokens)) }
         }
-        (new_token_form(words, &login, host))
+        (new_token_form(words, login, host, FormView::of(refused, TOKEN_FORM)))
         h2 { (words.settings) }
         div class="wide" tabindex="0" role="region" aria-label=(words.settings) {
             table {
@@ -69,27 +86,36 @@ pub(crate) async fn show_admin(
             }
         }
     };
-    Ok(page(texts, Some(&login), words.admin, &body))
+    Ok(view.page(words.admin, &body))
 }
 
 /// `POST /staff/admin/accounts`.
 pub(crate) async fn add_account(
     State(app): State<Arc<App>>,
-    StaffForm { login, texts, fields }: StaffForm,
+    headers: HeaderMap,
+    form: StaffForm,
 ) -> Answer {
-    let fail = |refusal| StaffAnswer(texts, refusal);
+    match make_account(&app, &form).await {
+        Ok(()) => Ok(Done::AccountAdded.lead_to("/staff/admin")),
+        Err(refusal) => {
+            let (view, refused) = form.refuse(ACCOUNT_FORM, &refusal);
+            Ok(refused.answer(admin_page(&app, &view, &headers, Some(&refused)).await?))
+        }
+    }
+}
+
+async fn make_account(
+    app: &Arc<App>,
+    StaffForm { login, fields, .. }: &StaffForm,
+) -> Result<(), Refusal> {
     let role = match fields.get("role").as_str() {
         "attendant" => StaffRole::Attendant,
         "admin" => StaffRole::Admin,
-        _ => return Err(fail(Refusal::BadRequest("expected attendant or admin".into()))),
+        _ => return Err(Refusal::Unfit(Expected::Role)),
     };
-    let hash = hash_password(&app, fields.get("password")).await.map_err(fail)?;
-    let name = fields.get("name");
-    let added = app.run(move |app| {
-        app.booth.add_account(name.trim(), &hash, role, &login.account, booth_time())
-    });
-    added.await.map_err(fail)?;
-    Ok(Redirect::to("/staff/admin").into_response())
+    let hash = hash_password(app, fields.get("password")).await?;
+    let (name, by) = (fields.get("name"), login.account.clone());
+    app.run(move |app| app.booth.add_account(name.trim(), &hash, role, &by, booth_time())).await
 }
 
 /// `POST /staff/admin/accounts/{name}/{action}`: `disable` or `enable`.
@@ -102,40 +128,54 @@ pub(crate) async fn change_account(
     let is_disabled = match action.as_str() {
         "disable" => true,
         "enable" => false,
-        _ => return Err(fail(Refusal::NotFound("no such action"))),
+        _ => return Err(fail(Refusal::NotFound(Reason::NoPage))),
     };
     let done = app.run(move |app| {
         app.booth.set_account_disabled(&name, is_disabled, &login.account, booth_time())
     });
     done.await.map_err(fail)?;
-    Ok(Redirect::to("/staff/admin").into_response())
+    let told = if is_disabled { Done::AccountDisabled } else { Done::AccountEnabled };
+    Ok(told.lead_to("/staff/admin"))
 }
 
 /// `POST /staff/admin/tokens`: makes one, and sends the fleet's file, which is all that ever shows it.
 pub(crate) async fn add_token(
     State(app): State<Arc<App>>,
-    StaffForm { login, texts, fields }: StaffForm,
+    headers: HeaderMap,
+    form: StaffForm,
 ) -> Answer {
-    let fail = |refusal| StaffAnswer(texts, refusal);
+    match make_token(&app, &form).await {
+        Ok(file) => {
+            let head = [
+                (header::CONTENT_TYPE, "application/toml"),
+                (header::CONTENT_DISPOSITION, "attachment; filename=\"paros-fleet.toml\""),
+            ];
+            Ok(Done::TokenMade.tell_on_next_page((head, file).into_response()))
+        }
+        Err(refusal) => {
+            let (view, refused) = form.refuse(TOKEN_FORM, &refusal);
+            Ok(refused.answer(admin_page(&app, &view, &headers, Some(&refused)).await?))
+        }
+    }
+}
+
+async fn make_token(
+    app: &Arc<App>,
+    StaffForm { login, fields, .. }: &StaffForm,
+) -> Result<String, Refusal> {
     let (uses, days) = (fields.get("uses").parse().ok(), fields.get("days").parse().ok());
     let uses = uses.filter(|uses| (1..=MAX_USES).contains(uses));
     let days = days.filter(|days| (1..=MAX_DAYS).contains(days));
     let (Some(uses), Some(days)) = (uses, days) else {
-        let why = format!("expected 1 to {MAX_USES} headsets and 1 to {MAX_DAYS} days");
-        return Err(fail(Refusal::BadRequest(why)));
+        return Err(Refusal::Unfit(Expected::FleetBounds { uses: MAX_USES, days: MAX_DAYS }));
     };
-    let made = app.run(move |app| {
-        let (address, note) = (fields.get("address"), fields.get("note"));
+    let (address, note, by) = (fields.get("address"), fields.get("note"), login.account.clone());
+    app.run(move |app| {
         let note: String = note.trim().chars().take(80).collect();
         let token = FleetToken { address: address.trim(), uses, days, note: &note };
-        make_fleet_file(&app.booth, &app.facts.ca_pem, &token, &login.account, booth_time())
-    });
-    let file = made.await.map_err(fail)?;
-    let head = [
-        (header::CONTENT_TYPE, "application/toml"),
-        (header::CONTENT_DISPOSITION, "attachment; filename=\"paros-fleet.toml\""),
-    ];
-    Ok((head, file).into_response())
+        make_fleet_file(&app.booth, &app.facts.ca_pem, &token, &by, booth_time())
+    })
+    .await
 }
 
 /// `POST /staff/admin/tokens/{hash}/revoke`.
@@ -146,20 +186,21 @@ pub(crate) async fn revoke_token(
 ) -> Answer {
     let fail = |refusal| StaffAnswer(texts, refusal);
     let hash = ContentHash::parse_hex(&hash);
-    let hash = hash.ok_or(fail(Refusal::NotFound("no such enrolment token")))?;
+    let hash = hash.ok_or(fail(Refusal::NotFound(Reason::NoEnrolToken)))?;
     let done = app
         .run(move |app| app.booth.revoke_enrol_token(&hash.0, &login.account, booth_time()))
         .await;
     done.map_err(fail)?;
-    Ok(Redirect::to("/staff/admin").into_response())
+    Ok(Done::TokenRevoked.lead_to("/staff/admin"))
 }
 
 /// `GET /staff/audit?before=MILLISECONDS`.
 pub(crate) async fn show_audit(
     State(app): State<Arc<App>>,
-    StaffView { login, texts }: StaffView,
+    view: StaffView,
     Query(fields): Query<Fields>,
 ) -> Answer {
+    let texts = view.texts;
     let words = AdminTexts::of(texts);
     let before = fields.get("before").parse().map_or(BoothTime(u64::MAX), BoothTime);
     let found = app.run(move |app| app.booth.list_audit_before(before, LISTED_ENTRIES)).await;
@@ -172,7 +213,7 @@ pub(crate) async fn show_audit(
             p { a class="button" href={ "/staff/audit?before=" (older) } { (words.older) } }
         }
     };
-    Ok(page(texts, Some(&login), words.audit, &body))
+    Ok(view.page(words.audit, &body))
 }
 
 fn accounts_table(
@@ -202,21 +243,39 @@ fn accounts_table(
     }
 }
 
-fn new_account_form(texts: &Texts, words: &AdminTexts, login: &LoggedIn) -> Markup {
+fn new_account_form(
+    texts: &Texts,
+    words: &AdminTexts,
+    login: &LoggedIn,
+    form: FormView<'_>,
+) -> Markup {
+    let is_admin = form.value("role", "") == "admin";
     html! {
-        details {
+        details open[form.is_refused()] {
             summary { (words.new_account) }
             form class="narrow" method="post" action="/staff/admin/accounts" {
+                (form.why(""))
                 input type="hidden" name="form" value=(form_token(login));
-                label { (texts.name) input name="name" autocomplete="off" required maxlength="64"; }
-                label { (words.first_password) input name="password" type="password" autocomplete="new-password" required minlength=(MIN_PASSWORD_CHARS); }
+                label {
+                    (texts.name)
+                    input name="name" autocomplete="off" required maxlength="64" value=(form.value("name", ""))
+                        aria-invalid=[form.invalid("name")] aria-describedby=[form.described("name")];
+                }
+                (form.why("name"))
+                label {
+                    (words.first_password)
+                    input name="password" type="password" autocomplete="new-password" required minlength=(MIN_PASSWORD_CHARS)
+                        aria-invalid=[form.invalid("password")] aria-describedby=[form.described("password")];
+                }
+                (form.why("password"))
                 label {
                     (words.role)
                     select name="role" {
                         option value="attendant" { (words.role_name(StaffRole::Attendant)) }
-                        option value="admin" { (words.role_name(StaffRole::Admin)) }
+                        option value="admin" selected[is_admin] { (words.role_name(StaffRole::Admin)) }
                     }
                 }
+                (form.why("role"))
                 button { (words.new_account) }
             }
         }
@@ -251,16 +310,32 @@ fn tokens_table(words: &AdminTexts, login: &LoggedIn, tokens: &[EnrolToken]) -> 
     }
 }
 
-fn new_token_form(words: &AdminTexts, login: &LoggedIn, host: &str) -> Markup {
+fn new_token_form(words: &AdminTexts, login: &LoggedIn, host: &str, form: FormView<'_>) -> Markup {
+    let address = form.value("address", &format!("https://{host}"));
     html! {
-        details {
+        details open[form.is_refused()] {
             summary { (words.new_token) }
             form class="narrow" method="post" action="/staff/admin/tokens" {
+                (form.why(""))
                 input type="hidden" name="form" value=(form_token(login));
-                label { (words.note) input name="note" autocomplete="off" maxlength="80"; }
-                label { (words.booth_address) input name="address" type="url" required maxlength="200" value={ "https://" (host) }; }
-                label { (words.uses) input name="uses" type="number" min="1" max=(MAX_USES) value="50" required; }
-                label { (words.days) input name="days" type="number" min="1" max=(MAX_DAYS) value="30" required; }
+                label { (words.note) input name="note" autocomplete="off" maxlength="80" value=(form.value("note", "")); }
+                label {
+                    (words.booth_address)
+                    input name="address" type="url" required maxlength="200" value=(address)
+                        aria-invalid=[form.invalid("address")] aria-describedby=[form.described("address")];
+                }
+                (form.why("address"))
+                label {
+                    (words.uses)
+                    input name="uses" type="number" min="1" max=(MAX_USES) value=(form.value("uses", "50")) required
+                        aria-invalid=[form.invalid("uses")] aria-describedby=[form.described("uses")];
+                }
+                label {
+                    (words.days)
+                    input name="days" type="number" min="1" max=(MAX_DAYS) value=(form.value("days", "30")) required
+                        aria-invalid=[form.invalid("uses")] aria-describedby=[form.described("uses")];
+                }
+                (form.why("uses"))
                 p { (words.keep_file_secret) }
                 button { (words.new_token) }
             }

@@ -4,14 +4,15 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use axum::extract::{Path, State};
-use axum::response::{IntoResponse, Redirect, Response};
+use axum::response::Response;
 use maud::{Markup, html};
 use paros_booth_rules::records::{Command, Device};
-use paros_booth_rules::{AttemptView, BoothTime, LoggedIn, Refusal, device_status};
+use paros_booth_rules::{AttemptView, BoothTime, LoggedIn, Reason, Refusal, device_status};
 use paros_core::badge::Pictogram;
 use paros_core::outbox::messages::{CommandKind, Heartbeat};
 
-use super::page::{StaffAnswer, StaffForm, StaffView, action_button, page};
+use super::done::Done;
+use super::page::{StaffAnswer, StaffForm, StaffView, action_button};
 use super::svg::draw_pictogram;
 use super::texts::Texts;
 use crate::app::App;
@@ -30,10 +31,8 @@ struct HeadsetView {
 }
 
 /// `GET /staff/headsets`.
-pub(crate) async fn show_headsets(
-    State(app): State<Arc<App>>,
-    StaffView { login, texts }: StaffView,
-) -> Answer {
+pub(crate) async fn show_headsets(State(app): State<Arc<App>>, view: StaffView) -> Answer {
+    let (login, texts) = (&view.login, view.texts);
     let now = booth_time();
     let found = app.run(move |app| {
         let mut views = Vec::new();
@@ -49,12 +48,12 @@ pub(crate) async fn show_headsets(
     let body = html! {
         @if is_admin && !attempts.is_empty() {
             h2 { (texts.new_headsets) }
-            @for attempt in &attempts { (attempt_card(texts, &login, attempt)) }
+            @for attempt in &attempts { (attempt_card(texts, login, attempt)) }
         }
         @if views.is_empty() { p { (texts.nothing) } }
-        @for view in &views { (headset_card(texts, &login, view, now)) }
+        @for view in &views { (headset_card(texts, login, view, now)) }
     };
-    Ok(page(texts, Some(&login), texts.headsets, &body))
+    Ok(view.page(texts.headsets, &body))
 }
 
 /// `POST /staff/headsets/{number}/{command}`.
@@ -65,11 +64,11 @@ pub(crate) async fn ask_command(
 ) -> Answer {
     let fail = |refusal| StaffAnswer(texts, refusal);
     let kind = CommandKind::ALL.get(usize::from(kind)).copied();
-    let kind = kind.ok_or(fail(Refusal::NotFound("no such command")))?;
+    let kind = kind.ok_or(fail(Refusal::NotFound(Reason::NoPage)))?;
     let done =
         app.run(move |app| app.booth.ask_command(headset, kind, &login.account, booth_time()));
     done.await.map_err(fail)?;
-    Ok(Redirect::to("/staff/headsets").into_response())
+    Ok(Done::CommandAsked.lead_to("/staff/headsets"))
 }
 
 /// `POST /staff/attempts/{number}/{action}`: `accept`, `decline`, or the number of the headset that it is.
@@ -80,17 +79,19 @@ pub(crate) async fn decide_attempt(
 ) -> Answer {
     let fail = |refusal| StaffAnswer(texts, refusal);
     login.check_admin().map_err(fail)?;
+    let is_declined = action == "decline";
     let done = app.run(move |app| {
         let (booth, by, now) = (&app.booth, login.account.as_str(), booth_time());
         match (action.as_str(), action.parse()) {
             ("accept", _) => booth.accept_attempt(attempt, None, by, now).map(drop),
             ("decline", _) => booth.decline_attempt(attempt, by, now),
             (_, Ok(headset)) => booth.accept_attempt(attempt, Some(headset), by, now).map(drop),
-            _ => Err(Refusal::NotFound("no such action")),
+            _ => Err(Refusal::NotFound(Reason::NoPage)),
         }
     });
     done.await.map_err(fail)?;
-    Ok(Redirect::to("/staff/headsets").into_response())
+    let told = if is_declined { Done::HeadsetDeclined } else { Done::HeadsetAccepted };
+    Ok(told.lead_to("/staff/headsets"))
 }
 
 fn attempt_card(texts: &Texts, login: &LoggedIn, attempt: &AttemptView) -> Markup {

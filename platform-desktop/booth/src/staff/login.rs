@@ -7,16 +7,18 @@ use std::time::Instant;
 use argon2::password_hash::phc::PasswordHash;
 use argon2::{Argon2, PasswordHasher as _, PasswordVerifier as _};
 use axum::extract::{Extension, Form, Request, State};
-use axum::http::{HeaderMap, StatusCode, header};
+use axum::http::{HeaderMap, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Redirect, Response};
 use maud::html;
-use paros_booth_rules::{Refusal, SessionBits};
+use paros_booth_rules::{Expected, Reason, Refusal, SessionBits};
 use std::sync::Arc;
 use subtle::ConstantTimeEq as _;
 use tokio::sync::Semaphore;
 
-use super::page::{Fields, StaffAnswer, page, with_cookie};
+use super::done::Done;
+use super::forms::{FormView, Refused};
+use super::page::{Fields, StaffAnswer, frame_page, with_cookie};
 use super::texts::Texts;
 use crate::app::App;
 use crate::clock::booth_time;
@@ -26,6 +28,10 @@ use crate::routes::Peer;
 
 /// The cookie of a login: sent to this host alone, over TLS alone, unseen by scripts, from no other site's pages.
 const COOKIE: &str = "__Host-paros";
+
+/// The forms' names on their pages.
+const LOGIN_FORM: &str = "login";
+const FIRST_FORM: &str = "first";
 
 /// The shortest password.
 pub(super) const MIN_PASSWORD_CHARS: usize = 10;
@@ -96,7 +102,7 @@ pub(crate) async fn require_login(
 
 /// `GET /staff/login`.
 pub(crate) async fn show_login(headers: HeaderMap) -> Response {
-    login_page(Texts::of_request(&headers), StatusCode::OK, None)
+    login_page(Texts::of_request(&headers), None)
 }
 
 /// `POST /staff/login`.
@@ -105,35 +111,28 @@ pub(crate) async fn log_in(
     Extension(Peer(peer)): Extension<Peer>,
     headers: HeaderMap,
     Form(fields): Form<Fields>,
-) -> Result<Response, StaffAnswer> {
+) -> Response {
     let texts = Texts::of_request(&headers);
-    let fail = |refusal| StaffAnswer(texts, refusal);
+    try_to_log_in(&app, peer, &fields).await.unwrap_or_else(|refusal| {
+        let refused = Refused::new(texts, LOGIN_FORM, fields, &refusal);
+        refused.answer(login_page(texts, Some(&refused)))
+    })
+}
+
+async fn try_to_log_in(app: &Arc<App>, peer: IpAddr, fields: &Fields) -> Result<Response, Refusal> {
     let (name, password) = (fields.get("name"), fields.get("password"));
-    app.logins.take_turn(&name, peer).map_err(fail)?;
+    app.logins.take_turn(&name, peer)?;
     let of_name = name.clone();
-    let hash = app.run(move |app| app.booth.password_hash(&of_name)).await.map_err(fail)?;
-    if !verify_password(&app, password, hash).await.map_err(fail)? {
-        return Ok(login_page(texts, StatusCode::FORBIDDEN, Some(texts.wrong_login)));
+    let hash = app.run(move |app| app.booth.password_hash(&of_name)).await?;
+    if !verify_password(app, password, hash).await? {
+        return Err(Refusal::Forbidden(Reason::WrongLogin));
     }
-    begin_session(&app, name).await.map_err(fail)
+    begin_session(app, name).await
 }
 
 /// `GET /staff/first`.
 pub(crate) async fn show_first(headers: HeaderMap) -> Response {
-    let texts = Texts::of_request(&headers);
-    page(
-        texts,
-        None,
-        texts.first_account,
-        &html! {
-            form class="narrow" method="post" action="/staff/first" {
-                label { (texts.code_of_start) input name="code" autocomplete="off" required; }
-                label { (texts.name) input name="name" autocomplete="username" required; }
-                label { (texts.password) input name="password" type="password" autocomplete="new-password" required minlength=(MIN_PASSWORD_CHARS); }
-                button { (texts.first_account) }
-            }
-        },
-    )
+    first_page(Texts::of_request(&headers), None)
 }
 
 /// `POST /staff/first`.
@@ -142,20 +141,32 @@ pub(crate) async fn add_first(
     Extension(Peer(peer)): Extension<Peer>,
     headers: HeaderMap,
     Form(fields): Form<Fields>,
-) -> Result<Response, StaffAnswer> {
+) -> Response {
     let texts = Texts::of_request(&headers);
-    let fail = |refusal| StaffAnswer(texts, refusal);
-    app.logins.take_turn("", peer).map_err(fail)?;
+    match try_to_add_first(&app, peer, &fields).await {
+        Ok(answer) => Done::AccountAdded.tell_on_next_page(answer),
+        Err(refusal) => {
+            let refused = Refused::new(texts, FIRST_FORM, fields, &refusal);
+            refused.answer(first_page(texts, Some(&refused)))
+        }
+    }
+}
+
+async fn try_to_add_first(
+    app: &Arc<App>,
+    peer: IpAddr,
+    fields: &Fields,
+) -> Result<Response, Refusal> {
+    app.logins.take_turn("", peer)?;
     if !app.logins.is_first_code(fields.get("code").trim()) {
-        return Err(fail(Refusal::Forbidden("the code is another, or was used")));
+        return Err(Refusal::Forbidden(Reason::WrongFirstCode));
     }
     let name = fields.get("name");
-    let hash = hash_password(&app, fields.get("password")).await.map_err(fail)?;
+    let hash = hash_password(app, fields.get("password")).await?;
     let of_name = name.clone();
-    let added = app.run(move |app| app.booth.add_first_admin(&of_name, &hash, booth_time())).await;
-    added.map_err(fail)?;
+    app.run(move |app| app.booth.add_first_admin(&of_name, &hash, booth_time())).await?;
     *app.logins.first_code.lock().unwrap_or_else(PoisonError::into_inner) = None;
-    begin_session(&app, name).await.map_err(fail)
+    begin_session(app, name).await
 }
 
 /// `POST /staff/logout`.
@@ -188,28 +199,57 @@ fn read_cookie(headers: &HeaderMap) -> Option<[u8; 32]> {
     paros_core::outbox::messages::DeviceToken::parse_hex(value).map(|token| token.0)
 }
 
-fn login_page(texts: &Texts, status: StatusCode, fault: Option<&str>) -> Response {
-    let mut answer = page(
-        texts,
-        None,
-        texts.log_in,
-        &html! {
-            form class="narrow" method="post" action="/staff/login" {
-                @if let Some(fault) = fault { p class="note" role="alert" { (fault) } }
-                label { (texts.name) input name="name" autocomplete="username" required; }
-                label { (texts.password) input name="password" type="password" autocomplete="current-password" required; }
-                button { (texts.log_in) }
+fn login_page(texts: &Texts, refused: Option<&Refused>) -> Response {
+    let form = FormView::of(refused, LOGIN_FORM);
+    let body = html! {
+        form class="narrow" method="post" action="/staff/login" {
+            (form.why(""))
+            label {
+                (texts.name)
+                input name="name" autocomplete="username" required value=(form.value("name", ""));
             }
-        },
-    );
-    *answer.status_mut() = status;
-    answer
+            label {
+                (texts.password)
+                input name="password" type="password" autocomplete="current-password" required;
+            }
+            button { (texts.log_in) }
+        }
+    };
+    frame_page(texts, None, None, texts.log_in, &body)
+}
+
+fn first_page(texts: &Texts, refused: Option<&Refused>) -> Response {
+    let form = FormView::of(refused, FIRST_FORM);
+    let body = html! {
+        form class="narrow" method="post" action="/staff/first" {
+            (form.why(""))
+            label {
+                (texts.code_of_start)
+                input name="code" autocomplete="off" required value=(form.value("code", ""))
+                    aria-invalid=[form.invalid("code")] aria-describedby=[form.described("code")];
+            }
+            (form.why("code"))
+            label {
+                (texts.name)
+                input name="name" autocomplete="username" required value=(form.value("name", ""))
+                    aria-invalid=[form.invalid("name")] aria-describedby=[form.described("name")];
+            }
+            (form.why("name"))
+            label {
+                (texts.password)
+                input name="password" type="password" autocomplete="new-password" required minlength=(MIN_PASSWORD_CHARS)
+                    aria-invalid=[form.invalid("password")] aria-describedby=[form.described("password")];
+            }
+            (form.why("password"))
+            button { (texts.first_account) }
+        }
+    };
+    frame_page(texts, None, None, texts.first_account, &body)
 }
 
 pub(super) async fn hash_password(app: &Arc<App>, password: String) -> Result<String, Refusal> {
     if password.chars().count() < MIN_PASSWORD_CHARS {
-        let why = format!("expected a password of {MIN_PASSWORD_CHARS} characters or more");
-        return Err(Refusal::BadRequest(why));
+        return Err(Refusal::Unfit(Expected::Password(MIN_PASSWORD_CHARS)));
     }
     let _turn = app.logins.hashes.acquire().await;
     app.run(move |_| {

@@ -3,6 +3,10 @@
 mod account;
 mod admin;
 mod admin_texts;
+mod done;
+mod find;
+mod forms;
+mod frame;
 mod headsets;
 mod login;
 mod mails;
@@ -10,6 +14,7 @@ mod page;
 mod print_texts;
 mod prints;
 mod privacy;
+mod refusal_texts;
 mod sculptures;
 mod slip;
 mod svg;
@@ -22,12 +27,16 @@ use axum::extract::Path;
 use axum::http::header;
 use axum::middleware::{from_fn, from_fn_with_state};
 use axum::response::{IntoResponse, Redirect, Response};
-use axum::routing::{MethodRouter, get, post};
+use axum::routing::{MethodRouter, any, get, post};
 
+pub(crate) use frame::keep_frame;
 pub(crate) use login::LoginGate;
 pub(crate) use sculptures::utc;
 pub(crate) use svg::draw_badge;
 
+use paros_booth_rules::{Reason, Refusal};
+
+use self::page::{StaffAnswer, StaffView};
 use crate::app::App;
 use crate::model::ModelFormat;
 use crate::page_guard::guard;
@@ -53,7 +62,7 @@ pub(crate) fn router(app: &Arc<App>) -> Router<Arc<App>> {
         .route("/staff", get(sculptures::show_newest))
         .route("/staff/withdrawn", get(sculptures::show_withdrawn))
         .route("/staff/missing", get(sculptures::show_missing))
-        .route("/staff/find", get(sculptures::find))
+        .route("/staff/find", get(find::find))
         .route("/staff/sculptures/{id}", get(sculptures::show))
         .route("/staff/sculptures/{id}/picture.png", get(sculptures::send_picture))
         .route("/staff/sculptures/{id}/model.stl", send_model(ModelFormat::Stl))
@@ -70,6 +79,8 @@ pub(crate) fn router(app: &Arc<App>) -> Router<Arc<App>> {
         .route("/staff/headsets", get(headsets::show_headsets))
         .route("/staff/headsets/{number}/{command}", post(headsets::ask_command))
         .route("/staff/attempts/{number}/{action}", post(headsets::decide_attempt))
+        .route("/staff/{*rest}", any(no_page))
+        .route_layer(from_fn(keep_frame))
         .route_layer(from_fn_with_state(app.clone(), login::require_login));
     Router::new()
         .merge(for_staff)
@@ -94,6 +105,11 @@ fn send_model(format: ModelFormat) -> MethodRouter<Arc<App>> {
 
 fn asset(kind: &'static str, text: &'static str) -> Response {
     ([(header::CONTENT_TYPE, kind)], text).into_response()
+}
+
+/// What nothing of ours is at.
+async fn no_page(StaffView { texts, .. }: StaffView) -> StaffAnswer {
+    StaffAnswer(texts, Refusal::NotFound(Reason::NoPage))
 }
 
 /// `GET /staff/language/{code}`: the language of this browser from now on.

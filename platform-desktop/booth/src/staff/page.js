@@ -32,3 +32,17 @@ if (chosen) {
 }
 const slip = document.getElementById("print-slip");
 if (slip) slip.addEventListener("click", () => print());
+// Screen readers say what comes into a status; what is there from the start they may pass over.
+const done = document.getElementById("done");
+if (done) {
+  const text = done.textContent;
+  done.textContent = "";
+  setTimeout(() => { done.textContent = text; }, 100);
+}
+// A refused form is where one was, not at the top of its page.
+const reason = document.getElementById("reason");
+if (reason) {
+  const field = document.querySelector("[aria-invalid]");
+  if (field) field.focus({ preventScroll: true });
+  (field || reason).scrollIntoView({ block: "center" });
+}

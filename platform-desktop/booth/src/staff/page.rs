@@ -9,10 +9,12 @@ use axum::response::{Html, IntoResponse, Response};
 use maud::{DOCTYPE, Markup, html};
 use paros_booth_rules::{LoggedIn, Refusal};
 use serde::Deserialize;
-use tracing::warn;
 
 use super::admin_texts::AdminTexts;
+use super::done::{Done, forget_done};
+use super::forms::Refused;
 use super::print_texts::PrintTexts;
+use super::refusal_texts::tell_refusal;
 use super::texts::Texts;
 
 /// The fields of a form.
@@ -34,10 +36,19 @@ impl Fields {
     }
 }
 
-/// Who asks for a page, and in which language it is.
+/// Who asks for a page, in which language it is, and what was just done.
 pub(crate) struct StaffView {
     pub(crate) login: LoggedIn,
     pub(crate) texts: &'static Texts,
+    done: Option<Done>,
+}
+
+impl StaffView {
+    /// A page for who asks. It tells what was just done, once.
+    pub(crate) fn page(&self, heading: &str, body: &Markup) -> Response {
+        let page = frame_page(self.texts, Some(&self.login), self.done, heading, body);
+        if self.done.is_some() { forget_done(page) } else { page }
+    }
 }
 
 /// A form that was made for who sends it: no handler sees another one.
@@ -47,13 +58,23 @@ pub(crate) struct StaffForm {
     pub(crate) fields: Fields,
 }
 
+impl StaffForm {
+    /// What its page shows of it that it was refused, by the form's name there.
+    pub(crate) fn refuse(self, form: &'static str, refusal: &Refusal) -> (StaffView, Refused) {
+        let StaffForm { login, texts, fields } = self;
+        let refused = Refused::new(texts, form, fields, refusal);
+        (StaffView { login, texts, done: None }, refused)
+    }
+}
+
 impl<S: Send + Sync> FromRequestParts<S> for StaffView {
     type Rejection = Response;
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Response> {
         let login = Extension::from_request_parts(parts, state).await;
         let Extension(login) = login.map_err(IntoResponse::into_response)?;
-        Ok(StaffView { login, texts: Texts::of_request(&parts.headers) })
+        let (texts, done) = (Texts::of_request(&parts.headers), Done::of_request(&parts.headers));
+        Ok(StaffView { login, texts, done })
     }
 }
 
@@ -62,7 +83,8 @@ impl<S: Send + Sync> FromRequest<S> for StaffForm {
 
     async fn from_request(request: Request, state: &S) -> Result<Self, Response> {
         let (mut parts, body) = request.into_parts();
-        let StaffView { login, texts } = StaffView::from_request_parts(&mut parts, state).await?;
+        let StaffView { login, texts, .. } =
+            StaffView::from_request_parts(&mut parts, state).await?;
         let form = Form::from_request(Request::from_parts(parts, body), state).await;
         let Form(fields): Form<Fields> = form.map_err(IntoResponse::into_response)?;
         match fields.check(&login) {
@@ -72,6 +94,10 @@ impl<S: Send + Sync> FromRequest<S> for StaffForm {
     }
 }
 
+/// Why an answer is no page of what was asked for: who is logged in gets their menu beside it.
+#[derive(Clone)]
+pub(crate) struct Told(pub(crate) String);
+
 /// A refusal as a page.
 pub(crate) struct StaffAnswer(pub(crate) &'static Texts, pub(crate) Refusal);
 
@@ -80,30 +106,26 @@ impl IntoResponse for StaffAnswer {
         let StaffAnswer(texts, refusal) = self;
         let status = StatusCode::from_u16(refusal.status());
         let status = status.unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
-        let why = if refusal.is_failure() {
-            warn!(%refusal, "a page failed");
-            "the booth can't now; its log says why".to_owned()
-        } else {
-            refusal.to_string()
+        let why = tell_refusal(texts.language, &refusal);
+        let body = html! {
+            p class="note" role="alert" { (why) }
+            p { a class="button" href="/staff" { (texts.back) } }
         };
-        let mut answer = page(
-            texts,
-            None,
-            texts.title,
-            &html! {
-                p class="note" role="alert" { (why) }
-                p { a class="button" href="/staff" { (texts.newest) } }
-            },
-        );
+        let mut answer = frame_page(texts, None, None, texts.not_done, &body);
         *answer.status_mut() = status;
+        if let Some(seconds) = refusal.retry_after() {
+            answer.headers_mut().insert(header::RETRY_AFTER, seconds.into());
+        }
+        answer.extensions_mut().insert(Told(why));
         answer
     }
 }
 
-/// A page with its frame: for who is logged in, with the way to the others.
-pub(crate) fn page(
+/// A page with its frame: for who is logged in, with the way to the others, and with what was just done.
+pub(crate) fn frame_page(
     texts: &Texts,
     login: Option<&LoggedIn>,
+    done: Option<Done>,
     heading: &str,
     body: &Markup,
 ) -> Response {
@@ -139,6 +161,7 @@ pub(crate) fn page(
                     a href={ "/staff/language/" (texts.other_code) } lang=(texts.other_code) { (texts.other_language) }
                 }
                 main {
+                    @if let Some(done) = done { (done.draw(texts.language)) }
                     h1 { (heading) }
                     (body)
                 }

@@ -9,12 +9,17 @@ use paros_booth_rules::limits::{
     MAX_FILAMENT_CHARS, MAX_NOTE_CHARS, PRINT_MINUTES, PRINT_TENTHS_MM,
 };
 use paros_booth_rules::records::{EstimateState, PrintOrder, PrintState, Sculpture};
-use paros_booth_rules::{LoggedIn, PrintJob, PrintSize, PrintStep, PrintWish, Refusal};
+use paros_booth_rules::{
+    Expected, LoggedIn, PrintJob, PrintSize, PrintStep, PrintWish, Reason, Refusal,
+};
 use paros_core::outbox::messages::{SculptureId, UploadFacts};
 
-use super::page::{StaffAnswer, StaffForm, StaffView, action_button, form_token, page};
+use super::done::Done;
+use super::forms::FormView;
+use super::page::{StaffAnswer, StaffForm, StaffView, action_button, form_token};
 use super::print_texts::PrintTexts;
-use super::sculptures::{badge_of, parse_id, utc};
+use super::refusal_texts::tell_cause;
+use super::sculptures::{badge_of, parse_id, show_sculpture, utc};
 use super::texts::Texts;
 use crate::app::App;
 use crate::clock::booth_time;
@@ -33,10 +38,8 @@ const STEPS: [(PrintStep, &str); 5] = [
 type Answer = Result<Response, StaffAnswer>;
 
 /// `GET /staff/prints`: all that is open, then what is over.
-pub(crate) async fn show_queue(
-    State(app): State<Arc<App>>,
-    StaffView { login, texts }: StaffView,
-) -> Answer {
+pub(crate) async fn show_queue(State(app): State<Arc<App>>, view: StaffView) -> Answer {
+    let (login, texts) = (&view.login, view.texts);
     let jobs = app.run(|app| app.booth.list_print_queue()).await;
     let jobs = jobs.map_err(|refusal| StaffAnswer(texts, refusal))?;
     let printers: Vec<PrinterView> = app.printers.iter().map(Printer::view).collect();
@@ -50,33 +53,42 @@ pub(crate) async fn show_queue(
                         (badge_of(texts, sculpture.badge))
                     }
                     (order_facts(texts, order))
-                    (order_actions(texts, &login, order))
-                    (send_actions(texts, &login, order, &printers))
+                    (order_actions(texts, login, order))
+                    (send_actions(texts, login, order, &printers))
                 }
             }
         }
     };
-    Ok(page(texts, Some(&login), PrintTexts::of(texts.language).prints, &body))
+    Ok(view.page(PrintTexts::of(texts.language).prints, &body))
 }
+
+/// The form's name on the page of a sculpture.
+pub(super) const PRINT_FORM: &str = "print";
 
 /// `POST /staff/sculptures/{id}/print`.
 pub(crate) async fn ask_print(
     State(app): State<Arc<App>>,
     Path(id): Path<String>,
-    StaffForm { login, texts, fields }: StaffForm,
+    form: StaffForm,
 ) -> Answer {
-    let fail = |refusal| StaffAnswer(texts, refusal);
-    let id = parse_id(&id).map_err(fail)?;
-    let size = read_size(&fields.get("height"), &fields.get("minutes")).map_err(fail)?;
+    match order_print(&app, &id, &form).await {
+        Ok(()) => Ok(Done::PrintOrdered.lead_to(&format!("/staff/sculptures/{id}"))),
+        Err(refusal) => {
+            let (view, refused) = form.refuse(PRINT_FORM, &refusal);
+            Ok(refused.answer(show_sculpture(&app, &view, &id, Some(&refused)).await?))
+        }
+    }
+}
+
+async fn order_print(app: &Arc<App>, id: &str, form: &StaffForm) -> Result<(), Refusal> {
+    let (id, fields) = (parse_id(id)?, &form.fields);
+    let size = read_size(&fields.get("height"), &fields.get("minutes"))?;
     let wish = PrintWish { size, filament: fields.get("filament"), note: fields.get("note") };
-    let order = random_number().map_err(|error| fail(error.into()))?;
-    let order = (order, app.wakers.slices.is_some());
-    let asked = app
-        .run(move |app| app.booth.ask_print(&id, &wish, order, &login.account, booth_time()))
-        .await;
-    asked.map_err(fail)?;
-    wake_slicer(&app);
-    Ok(Redirect::to(&format!("/staff/sculptures/{id}")).into_response())
+    let order = (random_number()?, app.wakers.slices.is_some());
+    let account = form.login.account.clone();
+    app.run(move |app| app.booth.ask_print(&id, &wish, order, &account, booth_time())).await?;
+    wake_slicer(app);
+    Ok(())
 }
 
 /// `POST /staff/prints/{order}/{step}`.
@@ -87,7 +99,8 @@ pub(crate) async fn step_print(
 ) -> Answer {
     let fail = |refusal| StaffAnswer(texts, refusal);
     let step = STEPS.into_iter().find(|(_, name)| *name == step);
-    let (step, _) = step.ok_or(fail(Refusal::NotFound("no such action")))?;
+    let (step, _) = step.ok_or(fail(Refusal::NotFound(Reason::NoPage)))?;
+    let told = Done::of_step(step);
     let step = (step, app.wakers.slices.is_some());
     let done =
         app.run(move |app| app.booth.step_print(order, step, &login.account, booth_time())).await;
@@ -95,7 +108,10 @@ pub(crate) async fn step_print(
     wake_slicer(&app);
     // One may have to be stopped.
     app.printers.iter().for_each(Printer::wake);
-    Ok(Redirect::to("/staff/prints").into_response())
+    Ok(told.map_or_else(
+        || Redirect::to("/staff/prints").into_response(),
+        |told| told.lead_to("/staff/prints"),
+    ))
 }
 
 /// `POST /staff/prints/{order}/send/{printer}`, by the printer's place in the list.
@@ -106,13 +122,13 @@ pub(crate) async fn send_print(
 ) -> Answer {
     let fail = |refusal| StaffAnswer(texts, refusal);
     let done = app.run(move |app| {
-        let printer = app.printers.get(printer).ok_or(Refusal::NotFound("no such printer"))?;
+        let printer = app.printers.get(printer).ok_or(Refusal::NotFound(Reason::NoPrinter))?;
         app.booth.send_print(order, printer.name(), &login.account, booth_time())?;
         printer.wake();
         Ok(())
     });
     done.await.map_err(fail)?;
-    Ok(Redirect::to("/staff/prints").into_response())
+    Ok(Done::PrintSent.lead_to("/staff/prints"))
 }
 
 /// The prints of a sculpture; and a form for one more, where it isn't withdrawn.
@@ -121,14 +137,14 @@ pub(crate) fn prints_of(
     login: &LoggedIn,
     sculpture: &Sculpture,
     prints: &[PrintOrder],
-    can_slice: bool,
+    (form, can_slice): (FormView<'_>, bool),
 ) -> Markup {
     let of_prints = PrintTexts::of(texts.language);
     html! {
         @if sculpture.withdrawn_at.is_none() {
-            details {
+            details open[form.is_refused()] {
                 summary { (of_prints.order) }
-                (order_form(of_prints, login, sculpture, can_slice))
+                (order_form(of_prints, login, sculpture, (form, can_slice)))
             }
         }
         @for order in prints {
@@ -144,7 +160,7 @@ fn order_form(
     of_prints: &PrintTexts,
     login: &LoggedIn,
     sculpture: &Sculpture,
-    can_slice: bool,
+    (form, can_slice): (FormView<'_>, bool),
 ) -> Markup {
     let action = format!("/staff/sculptures/{}/print", SculptureId(sculpture.id));
     let facts = UploadFacts::from_bytes(&sculpture.facts);
@@ -152,47 +168,69 @@ fn order_form(
     let (least, most) = (PRINT_TENTHS_MM.start() / 10, PRINT_TENTHS_MM.end() / 10);
     html! {
         form class="narrow" method="post" action=(action) {
+            (form.why(""))
             input type="hidden" name="form" value=(form_token(login));
             label {
                 (of_prints.height_mm)
-                input name="height" type="number" min=(least) max=(most) value=(height);
+                input name="height" type="number" min=(least) max=(most)
+                    value=(form.value("height", &height.to_string()))
+                    aria-invalid=[form.invalid("height")] aria-describedby=[form.described("height")];
             }
+            (form.why("height"))
             @if can_slice {
                 label {
                     (of_prints.or_minutes)
                     input name="minutes" type="number"
-                        min=(PRINT_MINUTES.start()) max=(PRINT_MINUTES.end());
+                        min=(PRINT_MINUTES.start()) max=(PRINT_MINUTES.end())
+                        value=(form.value("minutes", ""))
+                        aria-invalid=[form.invalid("minutes")] aria-describedby=[form.described("minutes")];
                 }
             }
+            (form.why("minutes"))
             label {
                 (of_prints.filament)
-                input name="filament" maxlength=(MAX_FILAMENT_CHARS) autocomplete="off";
+                input name="filament" maxlength=(MAX_FILAMENT_CHARS) autocomplete="off"
+                    value=(form.value("filament", ""))
+                    aria-invalid=[form.invalid("filament")] aria-describedby=[form.described("filament")];
             }
+            (form.why("filament"))
             label {
                 (of_prints.note)
-                input name="note" maxlength=(MAX_NOTE_CHARS) autocomplete="off";
+                input name="note" maxlength=(MAX_NOTE_CHARS) autocomplete="off"
+                    value=(form.value("note", ""))
+                    aria-invalid=[form.invalid("note")] aria-describedby=[form.described("note")];
             }
+            (form.why("note"))
             button { (of_prints.order) }
         }
     }
 }
 
-/// What is known of an order.
+/// What staff know of an order.
 pub(crate) fn order_facts(texts: &Texts, order: &PrintOrder) -> Markup {
     let of_prints = PrintTexts::of(texts.language);
     html! {
         p {
             strong { (of_prints.state(order.state)) } " " (utc(order.changed_at))
             @if let Some(printer) = &order.printer { ", " (printer) }
-            @if !order.why.is_empty() { span class="note" { " (" (order.why) ")" } }
+            @if !order.why.is_empty() { span class="note" { " (" (tell_cause(texts.language, &order.why)) ")" } }
         }
+        (order_wish(texts, order))
+        // Staff write it for themselves.
+        @if !order.note.is_empty() { p { (of_prints.note) ": " (order.note) } }
+    }
+}
+
+/// What a visitor is to get.
+pub(crate) fn order_wish(texts: &Texts, order: &PrintOrder) -> Markup {
+    let of_prints = PrintTexts::of(texts.language);
+    html! {
         p {
             @if order.height_tenths_mm > 0 { (tenths(order.height_tenths_mm)) " mm" br; }
             @if let Some(most) = order.most_minutes {
                 (of_prints.at_most) " " (most) " " (texts.minutes) br;
             }
             @if !order.filament.is_empty() { (of_prints.filament) ": " (order.filament) br; }
-            @if !order.note.is_empty() { (of_prints.note) ": " (order.note) br; }
             @match (order.estimate, order.minutes, order.tenths_gram) {
                 (EstimateState::Known, Some(minutes), Some(tenths_gram)) => {
                     (minutes / 60) " h " (minutes % 60) " " (texts.minutes) ", "
@@ -278,9 +316,8 @@ fn tenths(count: u32) -> String {
 /// A size of a form's fields: minutes, or where there are none a height in millimetres.
 fn read_size(height: &str, minutes: &str) -> Result<PrintSize, Refusal> {
     let (height, minutes) = (height.trim(), minutes.trim());
-    let bad = |expected: &str| Refusal::BadRequest(format!("expected {expected}"));
     if !minutes.is_empty() {
-        let minutes = minutes.parse().map_err(|_| bad("a time in whole minutes"))?;
+        let minutes = minutes.parse().map_err(|_| Refusal::Unfit(Expected::Minutes))?;
         return Ok(PrintSize::Minutes(minutes));
     }
     let (whole, tenth) = height.split_once(['.', ',']).unwrap_or((height, "0"));
@@ -288,7 +325,7 @@ fn read_size(height: &str, minutes: &str) -> Result<PrintSize, Refusal> {
     let tenth = tenth.parse().ok().filter(|digit: &u32| *digit < 10 && tenth.len() == 1);
     let tenths =
         whole.zip(tenth).and_then(|(whole, tenth)| whole.checked_mul(10)?.checked_add(tenth));
-    tenths.map(PrintSize::Height).ok_or_else(|| bad("a height in millimetres"))
+    tenths.map(PrintSize::Height).ok_or(Refusal::Unfit(Expected::Height))
 }
 
 fn wake_slicer(app: &App) {

@@ -5,15 +5,16 @@ use std::sync::Arc;
 use axum::body::Body;
 use axum::extract::{Path, State};
 use axum::http::{HeaderMap, header};
-use axum::response::{IntoResponse, Redirect, Response};
+use axum::response::{IntoResponse, Response};
 use maud::{Markup, html};
 use paros_booth_rules::records::{BadgeClaim, MailOrder};
-use paros_booth_rules::{BadgeRecords, BoothTime, Refusal, SculptureRecords};
+use paros_booth_rules::{BadgeRecords, BoothTime, Reason, Refusal, SculptureRecords};
 use paros_core::badge::BadgeNumber;
 use paros_core::outbox::messages::SculptureId;
 
 use super::admin_texts::AdminTexts;
-use super::page::{StaffAnswer, StaffForm, StaffView, action_button, page};
+use super::done::Done;
+use super::page::{StaffAnswer, StaffForm, StaffView, action_button, frame_page};
 use super::sculptures::utc;
 use super::svg::draw_badge;
 use super::texts::Texts;
@@ -30,15 +31,16 @@ pub(crate) async fn show_privacy(State(app): State<Arc<App>>, headers: HeaderMap
     let body = html! {
         @for line in words.privacy(&app.booth.plan()) { p { (line) } }
     };
-    page(texts, None, words.privacy_title, &body)
+    frame_page(texts, None, None, words.privacy_title, &body)
 }
 
 /// `GET /staff/badges/{number}`: all that is known under a badge.
 pub(crate) async fn show_known(
     State(app): State<Arc<App>>,
-    StaffView { login, texts }: StaffView,
+    view: StaffView,
     Path(number): Path<u32>,
 ) -> Answer {
+    let (login, texts) = (&view.login, view.texts);
     let words = AdminTexts::of(texts);
     let fail = |refusal| StaffAnswer(texts, refusal);
     let badge = find_badge(number).map_err(fail)?;
@@ -59,11 +61,11 @@ pub(crate) async fn show_known(
             @if is_shared { p class="note" { (words.others_too) } }
             details {
                 summary { (words.delete_all) }
-                (action_button(&login, &format!("{at}/delete"), texts.delete_for_good, "danger"))
+                (action_button(login, &format!("{at}/delete"), texts.delete_for_good, "danger"))
             }
         }
     };
-    Ok(page(texts, Some(&login), words.known, &body))
+    Ok(view.page(words.known, &body))
 }
 
 /// `GET /staff/badges/{number}/export.zip`.
@@ -92,11 +94,11 @@ pub(crate) async fn delete_known(
     let badge = find_badge(number).map_err(fail)?;
     let done = app.run(move |app| app.booth.delete_known(badge, &login.account, booth_time()));
     done.await.map_err(fail)?;
-    Ok(Redirect::to(&format!("/staff/badges/{number}")).into_response())
+    Ok(Done::BadgeDeleted.lead_to(&format!("/staff/badges/{number}")))
 }
 
 fn find_badge(number: u32) -> Result<BadgeNumber, Refusal> {
-    BadgeNumber::new(number).ok_or(Refusal::NotFound("no such badge"))
+    BadgeNumber::new(number).ok_or(Refusal::NotFound(Reason::NoBadge))
 }
 
 fn records_of(texts: &Texts, words: &AdminTexts, known: &SculptureRecords) -> Markup {

@@ -1,26 +1,26 @@
-//! Sculptures: listed, found, shown, downloaded, withdrawn and deleted.
+//! Sculptures: listed, shown, downloaded, withdrawn and deleted.
 
 use std::sync::Arc;
 
 use axum::body::Body;
-use axum::extract::{Path, Query, State};
+use axum::extract::{Path, State};
 use axum::http::{StatusCode, header};
-use axum::response::{IntoResponse, Redirect, Response};
+use axum::response::{IntoResponse, Response};
 use maud::{Markup, html};
 use paros_booth_rules::records::{Announcement, Sculpture};
-use paros_booth_rules::{
-    BadgeMatches, BoothTime, FoundByBadge, MissingSculpture, Refusal, parse_badge_words,
-};
-use paros_core::badge::{Badge, BadgeColour, BadgeNumber, Pictogram};
+use paros_booth_rules::{BoothTime, MissingSculpture, Reason, Refusal};
+use paros_core::badge::BadgeNumber;
 use paros_core::outbox::messages::SculptureId;
 
 use super::admin_texts::AdminTexts;
-use super::mails::mails_of;
-use super::page::{Fields, StaffAnswer, StaffForm, StaffView, action_button, page};
+use super::done::Done;
+use super::forms::{FormView, Refused};
+use super::mails::{MAIL_FORM, mails_of};
+use super::page::{StaffAnswer, StaffForm, StaffView, action_button};
 use super::print_texts::PrintTexts;
-use super::prints::prints_of;
+use super::prints::{PRINT_FORM, prints_of};
 use super::slip::link_actions;
-use super::svg::{draw_badge, draw_colour, draw_pictogram};
+use super::svg::draw_badge;
 use super::texts::Texts;
 use crate::app::App;
 use crate::clock::booth_time;
@@ -33,30 +33,24 @@ const LISTED: usize = 60;
 type Answer = Result<Response, StaffAnswer>;
 
 /// `GET /staff`: the newest.
-pub(crate) async fn show_newest(
-    State(app): State<Arc<App>>,
-    StaffView { login, texts }: StaffView,
-) -> Answer {
+pub(crate) async fn show_newest(State(app): State<Arc<App>>, view: StaffView) -> Answer {
+    let texts = view.texts;
     let found = app.run(|app| app.booth.list_newest(LISTED, booth_time())).await;
     let found = found.map_err(|refusal| StaffAnswer(texts, refusal))?;
-    Ok(page(texts, Some(&login), texts.newest, &cards(texts, &found)))
+    Ok(view.page(texts.newest, &cards(texts, &found)))
 }
 
 /// `GET /staff/withdrawn`.
-pub(crate) async fn show_withdrawn(
-    State(app): State<Arc<App>>,
-    StaffView { login, texts }: StaffView,
-) -> Answer {
+pub(crate) async fn show_withdrawn(State(app): State<Arc<App>>, view: StaffView) -> Answer {
+    let texts = view.texts;
     let found = app.run(|app| app.booth.list_withdrawn(LISTED, booth_time())).await;
     let found = found.map_err(|refusal| StaffAnswer(texts, refusal))?;
-    Ok(page(texts, Some(&login), texts.withdrawn, &cards(texts, &found)))
+    Ok(view.page(texts.withdrawn, &cards(texts, &found)))
 }
 
 /// `GET /staff/missing`: what was announced and hasn't come.
-pub(crate) async fn show_missing(
-    State(app): State<Arc<App>>,
-    StaffView { login, texts }: StaffView,
-) -> Answer {
+pub(crate) async fn show_missing(State(app): State<Arc<App>>, view: StaffView) -> Answer {
+    let texts = view.texts;
     let found = app.run(|app| app.booth.list_missing(LISTED)).await;
     let found = found.map_err(|refusal| StaffAnswer(texts, refusal))?;
     let body = html! {
@@ -67,74 +61,37 @@ pub(crate) async fn show_missing(
             }
         }
     };
-    Ok(page(texts, Some(&login), texts.missing, &body))
-}
-
-/// `GET /staff/find`: by words, or by the numbers of a colour and four pictograms.
-pub(crate) async fn find(
-    State(app): State<Arc<App>>,
-    StaffView { login, texts }: StaffView,
-    Query(fields): Query<Fields>,
-) -> Answer {
-    let (words, colour) = (fields.get("words"), fields.get("colour"));
-    let asked = if !words.is_empty() {
-        Some(parse_badge_words(&words).map_err(|fault| fault.to_string()))
-    } else if !colour.is_empty() {
-        let badge = read_tapped(&colour, &fields.get("pictures"));
-        Some(badge.ok_or_else(|| "expected a colour and four pictures".to_owned()))
-    } else {
-        None
-    };
-    let result = match asked {
-        None => html! {},
-        Some(Err(why)) => html! { p class="note" role="alert" { (why) } },
-        Some(Ok(badge)) => {
-            let found = app.run(move |app| app.booth.find_by_badge(&badge, booth_time())).await;
-            found_by_badge(texts, &badge, &found.map_err(|refusal| StaffAnswer(texts, refusal))?)
-        }
-    };
-    let body = html! {
-        (result)
-        form method="get" action="/staff/find" {
-            label { (texts.words) input name="words" value=(words) lang=(texts.code) autocomplete="off"; }
-            button { (texts.find) }
-        }
-        h2 { (texts.tap_badge) }
-        div class="chosen" {
-            div id="chosen" aria-live="polite" {}
-            button id="back" type="button" aria-label=(AdminTexts::of(texts).take_back) { "⌫" }
-        }
-        div class="keys" {
-            @for colour in BadgeColour::ALL {
-                button type="button" data-colour=(colour as u8) aria-label=(colour.name(texts.language)) {
-                    (draw_colour(colour))
-                }
-            }
-        }
-        div class="keys" {
-            @for pictogram in Pictogram::all() {
-                button type="button" data-picture=(pictogram.number()) aria-label=(pictogram.name(texts.language)) {
-                    (draw_pictogram(pictogram))
-                }
-            }
-        }
-    };
-    Ok(page(texts, Some(&login), texts.find, &body))
+    Ok(view.page(texts.missing, &body))
 }
 
 /// `GET /staff/sculptures/{id}`.
 pub(crate) async fn show(
     State(app): State<Arc<App>>,
-    StaffView { login, texts }: StaffView,
+    view: StaffView,
     Path(id): Path<String>,
 ) -> Answer {
-    let found = find_sculpture(&app, &id).await.map_err(|refusal| StaffAnswer(texts, refusal))?;
+    show_sculpture(&app, &view, &id, None).await
+}
+
+/// The page of a sculpture, and why one of its forms was refused.
+pub(super) async fn show_sculpture(
+    app: &Arc<App>,
+    view: &StaffView,
+    id: &str,
+    refused: Option<&Refused>,
+) -> Answer {
+    let (login, texts) = (&view.login, view.texts);
+    let found = find_sculpture(app, id).await.map_err(|refusal| StaffAnswer(texts, refusal))?;
     let id = SculptureId(found.id);
     let orders = app.run(move |app| Ok((app.booth.list_mails(&id)?, app.booth.list_prints(&id)?)));
     let (mails, prints) = orders.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
     let at = format!("/staff/sculptures/{id}");
-    let is_admin = login.check_admin().is_ok();
+    let mail_form = app.wakers.mails.as_ref().map(|_| FormView::of(refused, MAIL_FORM));
+    let print_form = FormView::of(refused, PRINT_FORM);
     let body = html! {
+        @if let Some(until) = app.booth.withdrawn_until(&found) {
+            p class="note" { (texts.withdrawn_until) " " (utc(until)) "." }
+        }
         div class="card" { (sculpture_facts(texts, &found)) }
         (draw_viewer(&format!("{at}/model.glb"), texts.language))
         p class="actions" {
@@ -145,35 +102,47 @@ pub(crate) async fn show(
             }
             a class="button" href={ (at) "/slip" } { (PrintTexts::of(texts.language).slip) }
         }
-        (mails_of(texts, &login, &found, &mails, app.wakers.mails.is_some()))
-        (prints_of(texts, &login, &found, &prints, app.wakers.slices.is_some()))
+        (mails_of(texts, login, &found, &mails, mail_form))
+        (prints_of(texts, login, &found, &prints, (print_form, app.wakers.slices.is_some())))
+        (actions_of(app, view, &found))
+    };
+    Ok(view.page(&heading_of(texts, &found), &body))
+}
+
+/// What else may be done with a sculpture.
+fn actions_of(app: &App, view: &StaffView, sculpture: &Sculpture) -> Markup {
+    let (login, texts) = (&view.login, view.texts);
+    let at = format!("/staff/sculptures/{}", SculptureId(sculpture.id));
+    html! {
         div class="actions" {
-            @if found.withdrawn_at.is_none() {
-                (action_button(&login, &format!("{at}/withdraw"), texts.withdraw, ""))
+            @if sculpture.withdrawn_at.is_none() {
+                (action_button(login, &format!("{at}/withdraw"), texts.withdraw, ""))
             } @else {
-                (action_button(&login, &format!("{at}/bring-back"), texts.bring_back, ""))
+                (action_button(login, &format!("{at}/bring-back"), texts.bring_back, ""))
             }
-            @if app.public_address.is_some() { (link_actions(texts, &login, &found)) }
+            @if app.public_address.is_some() { (link_actions(texts, login, sculpture)) }
         }
-        @if is_admin {
-            @if let Some(number) = found.badge {
+        @if login.check_admin().is_ok() {
+            @if let Some(number) = sculpture.badge {
                 p { a href={ "/staff/badges/" (number) } { (AdminTexts::of(texts).known) } }
             }
             details {
                 summary { (texts.delete) }
-                (action_button(&login, &format!("{at}/delete"), texts.delete_for_good, "danger"))
+                (action_button(login, &format!("{at}/delete"), texts.delete_for_good, "danger"))
             }
         }
-    };
-    let badge = found.badge.and_then(BadgeNumber::new);
+    }
+}
+
+fn heading_of(texts: &Texts, sculpture: &Sculpture) -> String {
     let mut heading = String::new();
-    if let Some(badge) = badge {
+    if let Some(badge) = sculpture.badge.and_then(BadgeNumber::new) {
         // Writing to a String doesn't fail.
         let _ = paros_core::badge::write_words(&mut heading, &badge.badge(), texts.language);
     } else {
         heading.push_str(texts.no_badge);
     }
-    Ok(page(texts, Some(&login), &heading, &body))
+    heading
 }
 
 /// `GET /staff/sculptures/{id}/picture.png`.
@@ -212,26 +181,33 @@ pub(crate) async fn change(
 ) -> Answer {
     let fail = |refusal| StaffAnswer(texts, refusal);
     let id = parse_id(&id).map_err(fail)?;
-    let to =
-        if action == "delete" { "/staff".to_owned() } else { format!("/staff/sculptures/{id}") };
-    let done = app.run(move |app| {
+    let done = match action.as_str() {
+        "withdraw" => Done::Withdrawn,
+        "bring-back" => Done::BroughtBack,
+        "revoke-link" => Done::LinkRevoked,
+        "renew-link" => Done::LinkRenewed,
+        "delete" => Done::Deleted,
+        _ => return Err(fail(Refusal::NotFound(Reason::NoPage))),
+    };
+    let at = format!("/staff/sculptures/{id}");
+    let to = if done == Done::Deleted { "/staff" } else { at.as_str() };
+    let changed = app.run(move |app| {
         let (booth, by, now) = (&app.booth, login.account.as_str(), booth_time());
-        match action.as_str() {
-            "withdraw" => booth.withdraw(&id, by, now),
-            "bring-back" => booth.bring_back(&id, by, now),
-            "revoke-link" => booth.revoke_link(&id, by, now),
-            "renew-link" => booth.renew_link(&id, by, now).map(drop),
-            "delete" => login.check_admin().and_then(|()| booth.delete(&id, by, now)),
-            _ => Err(Refusal::NotFound("no such action")),
+        match done {
+            Done::Withdrawn => booth.withdraw(&id, by, now),
+            Done::BroughtBack => booth.bring_back(&id, by, now),
+            Done::LinkRevoked => booth.revoke_link(&id, by, now),
+            Done::LinkRenewed => booth.renew_link(&id, by, now).map(drop),
+            _ => login.check_admin().and_then(|()| booth.delete(&id, by, now)),
         }
     });
-    done.await.map_err(fail)?;
-    Ok(Redirect::to(&to).into_response())
+    changed.await.map_err(fail)?;
+    Ok(done.lead_to(to))
 }
 
 /// The id in a page's address.
 pub(super) fn parse_id(id: &str) -> Result<SculptureId, Refusal> {
-    SculptureId::parse_hex(id).ok_or(Refusal::NotFound("no such sculpture"))
+    SculptureId::parse_hex(id).ok_or(Refusal::NotFound(Reason::NoSculpture))
 }
 
 async fn find_sculpture(app: &Arc<App>, id: &str) -> Result<Sculpture, Refusal> {
@@ -239,42 +215,7 @@ async fn find_sculpture(app: &Arc<App>, id: &str) -> Result<Sculpture, Refusal> 
     app.run(move |app| app.booth.find_sculpture(&id, booth_time())).await
 }
 
-/// A badge of the numbers of a colour and of four pictograms with dashes between them.
-fn read_tapped(colour: &str, pictures: &str) -> Option<Badge> {
-    let colour = *BadgeColour::ALL.get(colour.parse::<usize>().ok()?)?;
-    let numbers = pictures.split('-').map(|number| number.parse().ok().and_then(Pictogram::new));
-    let pictograms: Vec<Pictogram> = numbers.collect::<Option<_>>()?;
-    Some(Badge { colour, pictograms: pictograms.try_into().ok()? })
-}
-
-fn found_by_badge(texts: &Texts, badge: &Badge, found: &FoundByBadge) -> Markup {
-    match found {
-        FoundByBadge::Exact(matches) => html! {
-            (draw_badge(badge, texts.language))
-            (matches_of(texts, matches))
-        },
-        FoundByBadge::Nearest(nearest) => html! {
-            (draw_badge(badge, texts.language))
-            p class="note" { (texts.nearest) }
-            @if nearest.is_empty() { p { (texts.nothing) } }
-            @for (_, matches) in nearest { (matches_of(texts, matches)) }
-        },
-    }
-}
-
-fn matches_of(texts: &Texts, matches: &BadgeMatches) -> Markup {
-    html! {
-        @if matches.is_empty() { p { (texts.nothing) } }
-        @if !matches.kept.is_empty() { (cards(texts, &matches.kept)) }
-        ul class="cards" {
-            @for announcement in &matches.missing {
-                li class="card" { (missing_card(texts, announcement, false)) }
-            }
-        }
-    }
-}
-
-fn cards(texts: &Texts, sculptures: &[Sculpture]) -> Markup {
+pub(super) fn cards(texts: &Texts, sculptures: &[Sculpture]) -> Markup {
     html! {
         @if sculptures.is_empty() { p { (texts.nothing) } }
         ul class="cards" {
@@ -304,7 +245,7 @@ fn sculpture_facts(texts: &Texts, sculpture: &Sculpture) -> Markup {
     }
 }
 
-fn missing_card(texts: &Texts, announcement: &Announcement, is_lost: bool) -> Markup {
+pub(super) fn missing_card(texts: &Texts, announcement: &Announcement, is_lost: bool) -> Markup {
     html! {
         (badge_of(texts, announcement.badge))
         p class="note" { (if is_lost { texts.lost } else { texts.not_here_yet }) }
@@ -338,7 +279,7 @@ pub(crate) fn utc(time: BoothTime) -> String {
 mod tests {
     use paros_booth_rules::BoothTime;
 
-    use super::{read_tapped, utc};
+    use super::utc;
 
     #[test]
     fn times_are_dates() {
@@ -351,21 +292,6 @@ mod tests {
             (4_102_444_799, "2099-12-31 23:59 UTC"),
         ] {
             assert_eq!(utc(BoothTime(seconds * 1000)), text);
-        }
-    }
-
-    #[test]
-    fn a_badge_is_tapped_whole() {
-        assert!(read_tapped("7", "0-1-2-63").is_some());
-        for (colour, pictures) in [
-            ("8", "0-1-2-3"),
-            ("-1", "0-1-2-3"),
-            ("0", "0-1-2-64"),
-            ("0", "0-1-2"),
-            ("0", "0-1-2-3-4"),
-            ("0", ""),
-        ] {
-            assert_eq!(read_tapped(colour, pictures), None, "{colour} {pictures}");
         }
     }
 }

@@ -1,5 +1,5 @@
-//! A slip of paper for the visitor: the badge, its words and number, the print that was ordered, and the way to the
-//! sculpture as a QR code where visitors have a page.
+//! A slip of paper for the visitor: the badge and its words, the print that was ordered, and the way to the
+//! sculpture as a QR code where visitors have a page. What staff note for themselves isn't on it.
 
 use std::sync::Arc;
 
@@ -11,9 +11,9 @@ use paros_booth_rules::{LoggedIn, PrintJob};
 use paros_core::badge::BadgeNumber;
 use paros_core::outbox::messages::SculptureId;
 
-use super::page::{StaffAnswer, StaffView, action_button, page};
+use super::page::{StaffAnswer, StaffView, action_button};
 use super::print_texts::PrintTexts;
-use super::prints::order_facts;
+use super::prints::order_wish;
 use super::sculptures::{parse_id, utc};
 use super::svg::draw_badge;
 use super::texts::Texts;
@@ -26,29 +26,29 @@ type Answer = Result<Response, StaffAnswer>;
 /// `GET /staff/sculptures/{id}/slip`.
 pub(crate) async fn show_slip(
     State(app): State<Arc<App>>,
-    StaffView { login, texts }: StaffView,
+    view: StaffView,
     Path(id): Path<String>,
 ) -> Answer {
     let found = app.run(move |app| {
         let sculpture = app.booth.find_sculpture(&parse_id(&id)?, booth_time())?;
         Ok(slip(app, &sculpture, None))
     });
-    let slip = found.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
-    Ok(page(texts, Some(&login), PrintTexts::of(texts.language).slip, &slip))
+    let slip = found.await.map_err(|refusal| StaffAnswer(view.texts, refusal))?;
+    Ok(view.page(PrintTexts::of(view.texts.language).slip, &slip))
 }
 
 /// `GET /staff/prints/{order}/slip`.
 pub(crate) async fn show_order_slip(
     State(app): State<Arc<App>>,
-    StaffView { login, texts }: StaffView,
+    view: StaffView,
     Path(order): Path<u64>,
 ) -> Answer {
     let found = app.run(move |app| {
         let PrintJob { order, sculpture } = app.booth.find_print(order)?;
         Ok(slip(app, &sculpture, Some(&order)))
     });
-    let slip = found.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
-    Ok(page(texts, Some(&login), PrintTexts::of(texts.language).slip, &slip))
+    let slip = found.await.map_err(|refusal| StaffAnswer(view.texts, refusal))?;
+    Ok(view.page(PrintTexts::of(view.texts.language).slip, &slip))
 }
 
 /// The slip, in the language of the visit.
@@ -58,14 +58,14 @@ fn slip(app: &App, sculpture: &Sculpture, order: Option<&PrintOrder>) -> Markup 
     html! {
         section class="slip" lang=(texts.code) {
             @match sculpture.badge.and_then(BadgeNumber::new) {
-                Some(number) => {
-                    (draw_badge(&number.badge(), texts.language))
-                    p { (of_prints.number) " " strong { (number.get()) } }
-                },
+                Some(number) => { (draw_badge(&number.badge(), texts.language)) },
                 None => { p { (texts.no_badge) } },
             }
             p { (texts.headset) " " (sculpture.headset) ", " (utc(sculpture.received_at)) }
-            @if let Some(order) = order { (order_facts(texts, order)) }
+            @if let Some(order) = order {
+                p { strong { (of_prints.state(order.state)) } }
+                (order_wish(texts, order))
+            }
             @if let Some(link) = link_of(app, sculpture) {
                 p { (of_prints.scan) }
                 (draw_qr(&link, of_prints.scan))

@@ -24,6 +24,7 @@ mod running;
 mod several;
 mod smtp_sink;
 mod staff;
+mod told;
 mod uploads;
 mod viewer;
 mod visitors;

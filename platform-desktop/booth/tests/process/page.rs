@@ -98,6 +98,14 @@ fn staff_log_in_find_by_badge_mail_withdraw_and_undo_in_a_browser() {
 
     browser.fill("input[name=address]", "eleni@example.org");
     browser.follow("form[action$='/mail'] button");
+    // Told, and announced once the page is there; not again when it is loaded again.
+    let told = "document.getElementById('done')?.textContent.startsWith('The mail waits')";
+    browser.wait_for(told);
+    look_at(&mut browser, "done-phone");
+    let at_sculpture = browser.ask("location.href").as_str().expect("an address").to_owned();
+    assert!(!at_sculpture.contains('?'), "{at_sculpture}");
+    browser.open(&at_sculpture);
+    assert!(!browser.has("#done"), "it was told");
     assert!(sink.wait_for(1)[0].to[0].contains("eleni@example.org"));
     let here = browser.ask("location.href");
     let here = here.as_str().expect("an address").to_owned();
@@ -107,6 +115,8 @@ fn staff_log_in_find_by_badge_mail_withdraw_and_undo_in_a_browser() {
     });
 
     browser.follow("form[action$='/withdraw'] button");
+    assert!(browser.text().contains("It can be brought back until"));
+    look_at(&mut browser, "sculpture-withdrawn-phone");
     browser.open(&format!("{at}/staff"));
     assert!(!browser.text().contains(&words), "it is hidden");
     browser.follow("a[href='/staff/withdrawn']");
@@ -123,6 +133,29 @@ fn staff_log_in_find_by_badge_mail_withdraw_and_undo_in_a_browser() {
     assert!(browser.has(".cards .card a"));
     browser.follow("header form button");
     assert!(browser.has("form[action='/staff/login']"));
+}
+
+/// Forms that are refused, pages that aren't there, and badges that are half remembered.
+fn look_at_what_goes_wrong(browser: &mut Chromium, at: &str, sculpture: &str, name: &str) {
+    for (form, field, typed) in [("mail", "address", "ana at home"), ("print", "height", "5")] {
+        browser.open(&format!("{at}{sculpture}"));
+        // Past what the browser itself checks.
+        browser.ask(&format!(
+            "(() => {{ const form = document.querySelector(\"form[action$='/{form}']\");
+             form.noValidate = true; if (form.closest('details')) form.closest('details').open = true;
+             form.elements['{field}'].value = '{typed}'; }})()"
+        ));
+        browser.follow(&format!("form[action$='/{form}'] button"));
+        assert!(browser.has("nav") && browser.has("[aria-invalid]"), "{}", browser.text());
+        let kept = format!("document.querySelector(\"[name='{field}']\").getAttribute('value')");
+        assert_eq!(browser.ask(&kept), typed);
+        let at_field = "document.activeElement.matches('[aria-invalid]')
+            && document.activeElement.getBoundingClientRect().bottom < innerHeight";
+        assert_eq!(browser.ask(at_field), true, "one is where one was");
+        look_at(browser, &format!("refused-{form}-{name}"));
+    }
+    browser.open(&format!("{at}/staff/nothing"));
+    look_at(browser, &format!("error-{name}"));
 }
 
 #[test]
@@ -164,6 +197,10 @@ fn every_page_is_for_everybody_on_a_phone_and_a_tablet() {
                     .ask("document.querySelectorAll('details').forEach((all) => all.open = true)");
                 look_at(&mut browser, &format!("{name}-{size}-{language}"));
             }
+        }
+        for (size, place, is_phone) in [("tablet", TABLET, false), ("phone", PHONE, true)] {
+            browser.resize(place, is_phone);
+            look_at_what_goes_wrong(&mut browser, &at, &sculpture, &format!("{size}-{language}"));
         }
     }
 }

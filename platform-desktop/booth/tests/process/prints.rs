@@ -162,7 +162,7 @@ fn a_booth_without_a_slicer_works_by_hand() {
 }
 
 #[test]
-fn a_slip_has_the_badge_its_words_and_its_number() {
+fn a_slip_has_the_badge_and_its_words_and_nothing_for_staff_alone() {
     let folder = BoothFolder::new("slip");
     let booth = folder.start_with(&["--slicer", "none"]);
     let at = with_sculpture(&booth.client, &folder, 77);
@@ -171,18 +171,27 @@ fn a_slip_has_the_badge_its_words_and_its_number() {
     let badge = BadgeNumber::new(77).expect("a number").badge();
     write_words(&mut words, &badge, Language::English).expect("text");
     let slip = browser.get(&format!("{at}/slip"));
-    for text in [words.as_str(), "Number <strong>77</strong>", "<svg", "id=\"print-slip\""] {
+    for text in [words.as_str(), "<svg", "id=\"print-slip\""] {
         assert!(slip.text().contains(text), "{text}: {}", slip.text());
     }
+    assert!(!slip.text().contains("Number"), "{}", slip.text());
     assert_eq!(
-        send_form(&browser, &at, &format!("{at}/print"), "height=60&filament=blue").status,
+        send_form(
+            &browser,
+            &at,
+            &format!("{at}/print"),
+            "height=60&filament=blue&note=loud+father"
+        )
+        .status,
         303
     );
     let of_order = browser.get("/staff/prints");
+    assert!(of_order.text().contains("loud father"), "{}", of_order.text());
     let link =
         of_order.text().split("href=\"").find(|rest| rest.contains("/slip\"")).expect("a link");
     let slip = browser.get(link.split('"').next().unwrap());
     assert!(slip.text().contains("blue") && slip.text().contains(&words), "{}", slip.text());
+    assert!(!slip.text().contains("loud father"), "staff's notes are theirs: {}", slip.text());
     assert!(booth.client.get(&format!("{at}/slip")).head.contains("location: /staff/login"));
 }
 

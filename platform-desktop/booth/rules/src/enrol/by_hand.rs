@@ -11,6 +11,7 @@ use crate::audit::{Subject, note};
 use crate::booth::{Booth, Tx, hash_of};
 use crate::devices::{NewDevice, enrol, find_wiped};
 use crate::limits::{ATTEMPT_LIFE, MAX_OPEN_ATTEMPTS, MAX_RECENT_ATTEMPTS};
+use crate::reason::Reason;
 use crate::records::{AttemptState, EnrolAttempt};
 use crate::refusal::Refusal;
 use crate::store::{Query, StoreError};
@@ -62,7 +63,7 @@ impl Booth {
                 return Err(Refusal::Busy { what: "enrolments by hand", retry_after });
             }
             if tx.get::<EnrolAttempt>(&[attempt.to_value()])?.is_some() {
-                return Err(Refusal::Conflict("an enrolment has this number"));
+                return Err(Refusal::Conflict(Reason::AttemptTaken));
             }
             Ok(tx.put(&EnrolAttempt {
                 attempt,
@@ -224,7 +225,7 @@ impl Booth {
     }
 }
 
-const NOTHING_WAITS: Refusal = Refusal::NotFound("no enrolment waits under this number");
+const NOTHING_WAITS: Refusal = Refusal::NotFound(Reason::NoAttempt);
 
 fn is_living(attempt: &EnrolAttempt, now: BoothTime) -> bool {
     now.since(attempt.began_at) < ATTEMPT_LIFE

@@ -5,6 +5,7 @@ use paros_core::outbox::messages::{EnrolAnswer, EnrolmentToken, FleetEnrolment};
 use crate::audit::{Subject, note};
 use crate::booth::{Booth, Tx, hash_of};
 use crate::devices::{NewDevice, enrol, find_by_token, find_wiped};
+use crate::reason::Reason;
 use crate::records::EnrolToken;
 use crate::refusal::Refusal;
 use crate::store::Query;
@@ -57,7 +58,7 @@ impl Booth {
     ) -> Result<(), Refusal> {
         self.update(|tx| {
             let token: Option<EnrolToken> = tx.get(&[token_hash.to_value()])?;
-            let mut token = token.ok_or(Refusal::NotFound("no such enrolment token"))?;
+            let mut token = token.ok_or(Refusal::NotFound(Reason::NoEnrolToken))?;
             token.is_revoked = true;
             tx.put(&token)?;
             Ok(note(tx, now, Some(account), "revoke enrolment token", Subject::default())?)

@@ -1,0 +1,132 @@
+//! Why something that a person asked for isn't done: each reason is one of these, so that pages tell all of them in
+//! their language.
+
+use std::fmt;
+
+macro_rules! reasons {
+    ($($name:ident: $text:literal,)*) => {
+        /// Why the booth doesn't do what was asked.
+        #[derive(Clone, Copy, PartialEq, Eq, Debug)]
+        pub enum Reason {
+            $(#[doc = $text] $name,)*
+        }
+
+        impl Reason {
+            /// All of them.
+            pub const ALL: &'static [Reason] = &[$(Reason::$name,)*];
+
+            /// In English, as headsets and the command line are told.
+            #[must_use]
+            pub const fn text(self) -> &'static str {
+                match self {
+                    $(Reason::$name => $text,)*
+                }
+            }
+        }
+    };
+}
+
+reasons! {
+    ForeignHeartbeat: "the heartbeat is another headset's",
+    ForeignForm: "the form is of another login",
+    AdminsOnly: "only an admin may do this",
+    WrongLogin: "name or password is wrong",
+    WrongPassword: "the password of now is another",
+    WrongFirstCode: "the code is another, or was used",
+    NoPage: "there is no such page",
+    NoHeadset: "no headset of this number",
+    NoSculpture: "no such sculpture",
+    NoEnrolToken: "no such enrolment token",
+    NoAttempt: "no enrolment waits under this number",
+    NoAccount: "no such account",
+    NoPrint: "no such order of a print",
+    NoBadge: "no such badge",
+    NoPrinter: "no such printer",
+    NoMailServer: "no mail server was set",
+    LinkRevoked: "the visitor's link was taken back",
+    NeverCame: "the headset never came",
+    NotWorn: "nobody wears the headset",
+    ForeignSculpture: "the sculpture is another headset's",
+    OtherParcel: "another parcel of this sculpture was taken before",
+    FileMissing: "a sculpture's file is missing in the copy",
+    MailsFull: "as many mails of this sculpture as may be",
+    PrintsFull: "as many prints of this sculpture as may be",
+    AttemptTaken: "an enrolment has this number",
+    HeadsetsFull: "as many headsets are enrolled as there may be",
+    NumbersFull: "no number is left for a headset",
+    PrintMovedOn: "the print is not at a state for that any more",
+    NotSliced: "a print is sent once it is sliced",
+    PrinterTaken: "the printer has another print",
+    FirstAccountThere: "there is an account",
+    NameTaken: "the name is taken",
+    LastAdmin: "somebody has to be an admin",
+}
+
+/// What a field of a form should have been.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Expected {
+    /// An e-mail address.
+    MailAddress,
+    /// The name of an account.
+    AccountName,
+    /// A password of so many characters at least.
+    Password(usize),
+    /// What an account may do.
+    Role,
+    /// A count of headsets and one of days, up to these.
+    FleetBounds {
+        /// Headsets.
+        uses: u32,
+        /// Days.
+        days: u16,
+    },
+    /// Where headsets reach the booth.
+    BoothAddress,
+    /// A number of millimetres.
+    Height,
+    /// A height within these, in millimetres.
+    HeightWithin(u32, u32),
+    /// A height and no time: without a slicer no size is found by it.
+    HeightAlone,
+    /// A number of whole minutes.
+    Minutes,
+    /// A time within these, in minutes.
+    MinutesWithin(u32, u32),
+    /// A filament's colour of so many letters at most.
+    Filament(usize),
+    /// A note of so many letters at most.
+    Note(usize),
+    /// A form as the page has it.
+    Form,
+    /// That what can't be undone is confirmed.
+    Confirmation,
+}
+
+impl fmt::Display for Expected {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("expected ")?;
+        match self {
+            Expected::MailAddress => f.write_str("an e-mail address, as ana@example.org"),
+            Expected::AccountName => f.write_str("a name of letters, digits, dots and dashes"),
+            Expected::Password(least) => write!(f, "a password of {least} characters or more"),
+            Expected::Role => f.write_str("attendant or admin"),
+            Expected::FleetBounds { uses, days } => {
+                write!(f, "1 to {uses} headsets and 1 to {days} days")
+            }
+            Expected::BoothAddress => f.write_str("https:// and the address that headsets reach"),
+            Expected::Height => f.write_str("a height in millimetres"),
+            Expected::HeightWithin(least, most) => write!(f, "a height of {least} to {most} mm"),
+            Expected::HeightAlone => {
+                f.write_str("a height: the booth has no slicer, which finds a size for a time")
+            }
+            Expected::Minutes => f.write_str("a time in whole minutes"),
+            Expected::MinutesWithin(least, most) => {
+                write!(f, "a time of {least} to {most} minutes")
+            }
+            Expected::Filament(most) => write!(f, "a filament of up to {most} letters"),
+            Expected::Note(most) => write!(f, "a note of up to {most} letters"),
+            Expected::Form => f.write_str("a form as the page has it"),
+            Expected::Confirmation => f.write_str("that it is confirmed"),
+        }
+    }
+}

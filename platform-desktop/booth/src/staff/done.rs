@@ -1,0 +1,190 @@
+//! What was just done, told once on the page that it leads to. A cookie of a minute carries which of these it was: nothing
+//! of it is in an address, and nobody's words are in it.
+
+use axum::http::{HeaderMap, header};
+use axum::response::{IntoResponse, Redirect, Response};
+use maud::{Markup, html};
+use paros_booth_rules::PrintStep;
+use paros_core::badge::Language;
+
+use super::page::with_cookie;
+
+/// What was done.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Done {
+    MailAsked,
+    PrintOrdered,
+    PrintStarted,
+    PrintFinished,
+    PrintFailed,
+    PrintCancelled,
+    PrintRetried,
+    PrintSent,
+    Withdrawn,
+    BroughtBack,
+    Deleted,
+    BadgeDeleted,
+    LinkRevoked,
+    LinkRenewed,
+    CommandAsked,
+    HeadsetAccepted,
+    HeadsetDeclined,
+    AccountAdded,
+    AccountDisabled,
+    AccountEnabled,
+    PasswordChanged,
+    TokenMade,
+    TokenRevoked,
+}
+
+/// As the cookie has it, and as people are told in English and in Greek, by [`Done`].
+const TEXTS: [(Done, &str, [&str; 2]); 23] = [
+    (
+        Done::MailAsked,
+        "mail",
+        [
+            "The mail waits to be sent. Below you see when it has gone.",
+            "Το μήνυμα περιμένει να σταλεί. Παρακάτω φαίνεται πότε έφυγε.",
+        ],
+    ),
+    (
+        Done::PrintOrdered,
+        "print",
+        [
+            "The print is ordered. It stands below, and among all prints.",
+            "Η εκτύπωση παραγγέλθηκε. Είναι παρακάτω, και σε όλες τις εκτυπώσεις.",
+        ],
+    ),
+    (Done::PrintStarted, "start", ["Noted: it is being printed.", "Σημειώθηκε: εκτυπώνεται."]),
+    (
+        Done::PrintFinished,
+        "finish",
+        ["Noted: the print is done.", "Σημειώθηκε: η εκτύπωση είναι έτοιμη."],
+    ),
+    (Done::PrintFailed, "fail", ["Noted: the print failed.", "Σημειώθηκε: η εκτύπωση απέτυχε."]),
+    (Done::PrintCancelled, "cancel", ["The print is cancelled.", "Η εκτύπωση ακυρώθηκε."]),
+    (Done::PrintRetried, "retry", ["The print is ordered again.", "Η εκτύπωση παραγγέλθηκε ξανά."]),
+    (
+        Done::PrintSent,
+        "send",
+        ["The print goes to the printer.", "Η εκτύπωση πηγαίνει στον εκτυπωτή."],
+    ),
+    (
+        Done::Withdrawn,
+        "withdraw",
+        [
+            "The sculpture is withdrawn: no list shows it, and its visitor's link is closed.",
+            "Το γλυπτό αποσύρθηκε: δεν φαίνεται σε λίστες, και ο σύνδεσμος του επισκέπτη έκλεισε.",
+        ],
+    ),
+    (Done::BroughtBack, "bring-back", ["The sculpture is back.", "Το γλυπτό επανήλθε."]),
+    (Done::Deleted, "delete", ["The sculpture is deleted.", "Το γλυπτό διαγράφηκε."]),
+    (
+        Done::BadgeDeleted,
+        "delete-badge",
+        ["All sculptures of this badge are deleted.", "Όλα τα γλυπτά με αυτό το σήμα διαγράφηκαν."],
+    ),
+    (
+        Done::LinkRevoked,
+        "revoke-link",
+        ["The visitor's link leads nowhere now.", "Ο σύνδεσμος του επισκέπτη δεν ισχύει πια."],
+    ),
+    (
+        Done::LinkRenewed,
+        "renew-link",
+        [
+            "There is a new link, on the next slip; the one before leads nowhere.",
+            "Υπάρχει νέος σύνδεσμος, στην επόμενη απόδειξη· ο προηγούμενος δεν ισχύει πια.",
+        ],
+    ),
+    (
+        Done::CommandAsked,
+        "command",
+        [
+            "The headset is asked. Below you see what becomes of it.",
+            "Η συσκευή ειδοποιείται. Παρακάτω φαίνεται τι έγινε.",
+        ],
+    ),
+    (Done::HeadsetAccepted, "accept", ["The headset is let in.", "Η συσκευή έγινε δεκτή."]),
+    (Done::HeadsetDeclined, "decline", ["The headset is sent away.", "Η συσκευή απορρίφθηκε."]),
+    (Done::AccountAdded, "account", ["The account is made.", "Ο λογαριασμός δημιουργήθηκε."]),
+    (Done::AccountDisabled, "disable", ["The account is shut out.", "Ο λογαριασμός αποκλείστηκε."]),
+    (Done::AccountEnabled, "enable", ["The account is let in again.", "Ο λογαριασμός επανήλθε."]),
+    (Done::PasswordChanged, "password", ["The password is changed.", "Ο κωδικός άλλαξε."]),
+    (Done::TokenMade, "token", ["The file was made.", "Το αρχείο δημιουργήθηκε."]),
+    (
+        Done::TokenRevoked,
+        "revoke-token",
+        [
+            "The file is taken back: it lets no headset in any more.",
+            "Το αρχείο ανακλήθηκε: δεν εγγράφει πια συσκευές.",
+        ],
+    ),
+];
+
+/// What of a cookie is the same each time.
+const ATTRIBUTES: &str = "Path=/staff; Secure; HttpOnly; SameSite=Strict";
+
+impl Done {
+    /// Leads to a page, which tells it.
+    pub(crate) fn lead_to(self, to: &str) -> Response {
+        self.tell_on_next_page(Redirect::to(to).into_response())
+    }
+
+    /// Has the next page tell it.
+    pub(crate) fn tell_on_next_page(self, answer: Response) -> Response {
+        let (_, key, _) = TEXTS[self as usize];
+        with_cookie(answer, &format!("done={key}; {ATTRIBUTES}; Max-Age=60"))
+    }
+
+    /// What a browser was told to have told.
+    pub(crate) fn of_request(headers: &HeaderMap) -> Option<Done> {
+        let cookies = headers.get(header::COOKIE)?.to_str().ok()?;
+        let key = cookies.split("; ").find_map(|pair| pair.strip_prefix("done="))?;
+        TEXTS.into_iter().find(|(_, other, _)| *other == key).map(|(done, ..)| done)
+    }
+
+    /// A step that somebody took by hand; `None` for what printers do.
+    pub(crate) const fn of_step(step: PrintStep) -> Option<Done> {
+        Some(match step {
+            PrintStep::Slice => return None,
+            PrintStep::Start => Done::PrintStarted,
+            PrintStep::Finish => Done::PrintFinished,
+            PrintStep::Fail => Done::PrintFailed,
+            PrintStep::Cancel => Done::PrintCancelled,
+            PrintStep::Retry => Done::PrintRetried,
+        })
+    }
+
+    /// As the page tells it; screen readers say it.
+    pub(crate) fn draw(self, language: Language) -> Markup {
+        let (.., texts) = TEXTS[self as usize];
+        html! { p class="done" role="status" id="done" { (texts[language as usize]) } }
+    }
+}
+
+/// An answer after which nothing is told any more.
+pub(crate) fn forget_done(answer: Response) -> Response {
+    with_cookie(answer, &format!("done=; {ATTRIBUTES}; Max-Age=0"))
+}
+
+#[cfg(test)]
+mod tests {
+    use axum::http::HeaderMap;
+
+    use super::{Done, TEXTS};
+
+    #[test]
+    fn each_has_its_texts_and_its_key() {
+        for (k, (done, key, texts)) in TEXTS.into_iter().enumerate() {
+            assert_eq!(done as usize, k, "{key}");
+            assert!(texts.iter().all(|text| text.ends_with('.')), "{key}");
+            let mut headers = HeaderMap::new();
+            headers.insert("cookie", format!("a=b; done={key}; c=d").parse().unwrap());
+            assert_eq!(Done::of_request(&headers), Some(done));
+            headers.insert("cookie", format!("done={key}x").parse().unwrap());
+            assert_eq!(Done::of_request(&headers), None);
+        }
+        assert_eq!(Done::TokenRevoked as usize + 1, TEXTS.len());
+    }
+}

@@ -1,0 +1,129 @@
+//! Finding a sculpture by its badge: by words, or tapped.
+
+use std::sync::Arc;
+
+use axum::extract::{Query, State};
+use axum::response::Response;
+use maud::{Markup, html};
+use paros_booth_rules::{BadgeMatches, FoundByBadge, WordsFault, parse_badge_words};
+use paros_core::badge::{Badge, BadgeColour, Pictogram};
+
+use super::admin_texts::AdminTexts;
+use super::page::{Fields, StaffAnswer, StaffView};
+use super::refusal_texts::tell_words_fault;
+use super::sculptures::{cards, missing_card};
+use super::svg::{draw_badge, draw_colour, draw_pictogram};
+use super::texts::Texts;
+use crate::app::App;
+use crate::clock::booth_time;
+
+/// `GET /staff/find`: by words, or by the numbers of a colour and four pictograms.
+pub(crate) async fn find(
+    State(app): State<Arc<App>>,
+    view: StaffView,
+    Query(fields): Query<Fields>,
+) -> Result<Response, StaffAnswer> {
+    let texts = view.texts;
+    let (words, colour) = (fields.get("words"), fields.get("colour"));
+    let asked = if !words.is_empty() {
+        let badge = parse_badge_words(&words);
+        Some(badge.map_err(|fault| tell_words_fault(texts.language, &fault)))
+    } else if !colour.is_empty() {
+        let badge = read_tapped(&colour, &fields.get("pictures"));
+        let fault = WordsFault::Pictograms(0);
+        Some(badge.ok_or_else(|| tell_words_fault(texts.language, &fault)))
+    } else {
+        None
+    };
+    let result = match asked {
+        None => html! {},
+        Some(Err(why)) => html! { p class="note" role="alert" { (why) } },
+        Some(Ok(badge)) => {
+            let found = app.run(move |app| app.booth.find_by_badge(&badge, booth_time())).await;
+            found_by_badge(texts, &badge, &found.map_err(|refusal| StaffAnswer(texts, refusal))?)
+        }
+    };
+    let body = html! {
+        (result)
+        form method="get" action="/staff/find" {
+            label { (texts.words) input name="words" value=(words) lang=(texts.code) autocomplete="off"; }
+            button { (texts.find) }
+        }
+        h2 { (texts.tap_badge) }
+        p { (texts.how_to_tap) }
+        div class="chosen" {
+            div id="chosen" aria-live="polite" {}
+            button id="back" type="button" aria-label=(AdminTexts::of(texts).take_back) { "⌫" }
+        }
+        div class="keys" {
+            @for colour in BadgeColour::ALL {
+                button type="button" data-colour=(colour as u8) aria-label=(colour.name(texts.language)) {
+                    (draw_colour(colour))
+                }
+            }
+        }
+        div class="keys" {
+            @for pictogram in Pictogram::all() {
+                button type="button" data-picture=(pictogram.number()) aria-label=(pictogram.name(texts.language)) {
+                    (draw_pictogram(pictogram))
+                }
+            }
+        }
+    };
+    Ok(view.page(texts.find, &body))
+}
+
+/// A badge of the numbers of a colour and of four pictograms with dashes between them.
+fn read_tapped(colour: &str, pictures: &str) -> Option<Badge> {
+    let colour = *BadgeColour::ALL.get(colour.parse::<usize>().ok()?)?;
+    let numbers = pictures.split('-').map(|number| number.parse().ok().and_then(Pictogram::new));
+    let pictograms: Vec<Pictogram> = numbers.collect::<Option<_>>()?;
+    Some(Badge { colour, pictograms: pictograms.try_into().ok()? })
+}
+
+fn found_by_badge(texts: &Texts, badge: &Badge, found: &FoundByBadge) -> Markup {
+    match found {
+        FoundByBadge::Exact(matches) => html! {
+            (draw_badge(badge, texts.language))
+            (matches_of(texts, matches))
+        },
+        FoundByBadge::Nearest(nearest) => html! {
+            (draw_badge(badge, texts.language))
+            p class="note" { (texts.nearest) }
+            @if nearest.is_empty() { p { (texts.nothing) } }
+            @for (_, matches) in nearest { (matches_of(texts, matches)) }
+        },
+    }
+}
+
+fn matches_of(texts: &Texts, matches: &BadgeMatches) -> Markup {
+    html! {
+        @if matches.is_empty() { p { (texts.nothing) } }
+        @if !matches.kept.is_empty() { (cards(texts, &matches.kept)) }
+        ul class="cards" {
+            @for announcement in &matches.missing {
+                li class="card" { (missing_card(texts, announcement, false)) }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::read_tapped;
+
+    #[test]
+    fn a_badge_is_tapped_whole() {
+        assert!(read_tapped("7", "0-1-2-63").is_some());
+        for (colour, pictures) in [
+            ("8", "0-1-2-3"),
+            ("-1", "0-1-2-3"),
+            ("0", "0-1-2-64"),
+            ("0", "0-1-2"),
+            ("0", "0-1-2-3-4"),
+            ("0", ""),
+        ] {
+            assert_eq!(read_tapped(colour, pictures), None, "{colour} {pictures}");
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! The frame that errors keep: the menu of who is logged in, and the way back to where they were.
+
+use axum::extract::Request;
+use axum::http::{Method, StatusCode, header};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Redirect, Response};
+use maud::html;
+use paros_booth_rules::{Expected, LoggedIn, Reason, Refusal};
+
+use super::page::{Told, frame_page};
+use super::refusal_texts::tell_refusal;
+use super::texts::Texts;
+use crate::page_guard::add_headers;
+
+/// Makes a page of every error that isn't one, in the language of the browser. Who asks for a form's address, as by
+/// pressing Enter there after it was refused, gets its page.
+pub(crate) async fn keep_frame(request: Request, next: Next) -> Response {
+    let path = request.uri().path().to_owned();
+    if !is_for_people(&path) {
+        return next.run(request).await;
+    }
+    let texts = Texts::of_request(request.headers());
+    let login = request.extensions().get::<LoggedIn>().cloned();
+    let is_get = request.method() == Method::GET;
+    let answer = next.run(request).await;
+    let status = answer.status();
+    if is_get && status == StatusCode::METHOD_NOT_ALLOWED {
+        return Redirect::to(page_of(&path)).into_response();
+    }
+    let why = match answer.extensions().get::<Told>() {
+        Some(Told(why)) if login.is_some() => why.clone(),
+        None if is_error(status) && !is_page(&answer) => {
+            tell_refusal(texts.language, &refusal_of(status))
+        }
+        _ => return answer,
+    };
+    let body = html! {
+        p class="note" role="alert" { (why) }
+        p { a class="button" href=(page_of(&path)) { (texts.back) } }
+    };
+    let mut framed = frame_page(texts, login.as_ref(), None, texts.not_done, &body);
+    *framed.status_mut() = status;
+    add_headers(&mut framed);
+    if let Some(seconds) = answer.headers().get(header::RETRY_AFTER) {
+        framed.headers_mut().insert(header::RETRY_AFTER, seconds.clone());
+    }
+    framed
+}
+
+/// The page on which a form or a file is; that of all sculptures otherwise.
+fn page_of(path: &str) -> &str {
+    let end_of = |count: usize| path.match_indices('/').nth(count).map(|(end, _)| &path[..end]);
+    let (page, parts) = match path.split('/').nth(2) {
+        Some("sculptures" | "badges") => (end_of(3), 4),
+        Some("prints" | "headsets" | "admin" | "account") => (end_of(2), 3),
+        Some("attempts") => (Some("/staff/headsets"), 3),
+        Some("login") => (Some("/staff/login"), 2),
+        Some("first") => (Some("/staff/first"), 2),
+        _ => (None, 0),
+    };
+    page.filter(|_| path.split('/').count() > parts).unwrap_or("/staff")
+}
+
+/// Whether people ask there, not headsets or what watches the booth.
+fn is_for_people(path: &str) -> bool {
+    !["/v1/", "/viewer/", "/healthz", "/metrics"].iter().any(|start| path.starts_with(start))
+}
+
+fn is_error(status: StatusCode) -> bool {
+    status.is_client_error() || status.is_server_error()
+}
+
+fn is_page(answer: &Response) -> bool {
+    let kind = answer.headers().get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok());
+    kind.is_some_and(|kind| kind.starts_with("text/html"))
+}
+
+/// What an error means that came from below the pages.
+const fn refusal_of(status: StatusCode) -> Refusal {
+    match status {
+        StatusCode::NOT_FOUND | StatusCode::METHOD_NOT_ALLOWED => Refusal::NotFound(Reason::NoPage),
+        StatusCode::SERVICE_UNAVAILABLE | StatusCode::REQUEST_TIMEOUT => {
+            Refusal::Overloaded { retry_after: 5 }
+        }
+        _ => Refusal::Unfit(Expected::Form),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::page_of;
+
+    #[test]
+    fn the_way_back_is_the_page_of_the_form() {
+        for (path, page) in [
+            ("/staff/sculptures/12/mail", "/staff/sculptures/12"),
+            ("/staff/sculptures/12/model.stl", "/staff/sculptures/12"),
+            ("/staff/sculptures/12", "/staff"),
+            ("/staff/prints/5/slip", "/staff/prints"),
+            ("/staff/prints/5/send/1", "/staff/prints"),
+            ("/staff/headsets/1/2", "/staff/headsets"),
+            ("/staff/attempts/1/accept", "/staff/headsets"),
+            ("/staff/admin/accounts/ana/disable", "/staff/admin"),
+            ("/staff/admin", "/staff"),
+            ("/staff/account/password", "/staff/account"),
+            ("/staff/badges/7/delete", "/staff/badges/7"),
+            ("/staff/badges/7", "/staff"),
+            ("/staff/login", "/staff/login"),
+            ("/staff/nothing", "/staff"),
+            ("/", "/staff"),
+            ("", "/staff"),
+        ] {
+            assert_eq!(page_of(path), page, "{path}");
+        }
+    }
+}
