@@ -4,20 +4,21 @@ use paros_core::badge::{Badge, BadgeNumber};
 use paros_core::outbox::messages::SculptureId;
 
 use crate::booth::{Booth, Tx};
-use crate::limits::MAX_LISTED;
-use crate::records::{Announcement, BadgeClaim, Device, Sculpture};
+use crate::limits::{MAX_LISTED, MAX_NEAREST};
 use crate::reason::Reason;
+use crate::records::{Announcement, BadgeClaim, Device, Sculpture};
 use crate::refusal::Refusal;
 use crate::store::{Order, Query, StoreError};
 use crate::time::BoothTime;
 use crate::value::Field as _;
+use crate::words::HeardBadge;
 
 /// What a badge leads to.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum FoundByBadge {
-    /// The badge is a right one.
+    /// The badge is a right one. Nothing may have it.
     Exact(BadgeMatches),
-    /// The badge is wrong: right ones at one mistake from it that something has.
+    /// It is wrong, incomplete, or nothing has it: right ones near to it that something has, the nearest first.
     Nearest(Vec<(Badge, BadgeMatches)>),
 }
 
@@ -49,24 +50,40 @@ impl BadgeMatches {
 }
 
 impl Booth {
-    /// What has a badge, or may be meant by a wrong one. What is withdrawn or past its last day isn't found.
+    /// What has a badge, or may be meant by a wrong one or by a part of one. What is withdrawn or past its last day isn't found.
     ///
     /// # Errors
     /// Those of the store.
-    pub fn find_by_badge(&self, badge: &Badge, now: BoothTime) -> Result<FoundByBadge, Refusal> {
+    pub fn find_by_badge(
+        &self,
+        heard: &HeardBadge,
+        now: BoothTime,
+    ) -> Result<FoundByBadge, Refusal> {
+        let whole = heard.badge().and_then(|badge| badge.number().ok());
         self.view(|tx| {
-            if let Ok(number) = badge.number() {
-                return Ok(FoundByBadge::Exact(find_matches(tx, number, now)?));
+            let mut exact = None;
+            if let Some(number) = whole {
+                let matches = find_matches(tx, number, now)?;
+                if !matches.is_empty() {
+                    return Ok(FoundByBadge::Exact(matches));
+                }
+                exact = Some(matches);
             }
             let mut nearest = Vec::new();
-            for candidate in badge.nearest_candidates() {
+            for candidate in heard.candidates() {
                 let Ok(number) = candidate.number() else { continue };
                 let matches = find_matches(tx, number, now)?;
                 if !matches.is_empty() {
                     nearest.push((candidate, matches));
                 }
+                if nearest.len() == MAX_NEAREST {
+                    break;
+                }
             }
-            Ok(FoundByBadge::Nearest(nearest))
+            Ok(match exact {
+                Some(exact) if nearest.is_empty() => FoundByBadge::Exact(exact),
+                _ => FoundByBadge::Nearest(nearest),
+            })
         })
     }
 

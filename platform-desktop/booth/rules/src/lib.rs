@@ -72,4 +72,4 @@ pub use table::{Column, Record, Row, Table};
 pub use time::BoothTime;
 pub use upload::{Chunk, DecodeParcel, ParcelProgress};
 pub use value::{ColumnKind, Field, Value};
-pub use words::{WordsFault, parse_badge_words};
+pub use words::{HeardBadge, WordsFault};

@@ -91,6 +91,15 @@ pub const MAX_FILAMENT_CHARS: usize = 40;
 /// Letters of a print's note: what fits on its slip.
 pub const MAX_NOTE_CHARS: usize = 300;
 
+/// Pictograms that find a sculpture: with two there are too many badges to look at.
+pub const LEAST_HEARD: usize = 3;
+
+/// Letters of a long word that may be wrong: any two names differ in two at least, long ones in more.
+pub const MAX_SLIPS: usize = 2;
+
+/// Badges that may be meant, and something has: a page of them.
+pub const MAX_NEAREST: usize = 12;
+
 /// Slices by which a size is found for a time: each takes up to a minute of a processor.
 pub const MAX_SIZE_SLICES: u32 = 6;
 

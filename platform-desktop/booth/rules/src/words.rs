@@ -1,17 +1,29 @@
-//! Badges as people say them: "green: owl, kite, anchor, bell", or in Greek, without accents and with a slip.
+//! Badges as people say them: "green: owl, kite, anchor, bell", or in Greek, without accents, with a slip, in another
+//! order, or without what was forgotten.
 
 use std::fmt;
 
 use paros_core::badge::{Badge, BadgeColour, Language, Pictogram};
 
+use crate::limits::{LEAST_HEARD, MAX_SLIPS};
+
+/// What was understood of somebody's words: a colour, if one was said, and three or four pictograms.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct HeardBadge {
+    colour: Option<BadgeColour>,
+    pictograms: Vec<Pictogram>,
+    /// Words that are neither.
+    pub unknown: Vec<String>,
+}
+
 /// Why words are no badge.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum WordsFault {
-    /// A word that is neither a colour nor a pictogram.
+    /// A word that is neither a colour nor a pictogram, and too few that are.
     UnknownWord(String),
-    /// No colour, or more than one.
+    /// More than one colour.
     Colours(usize),
-    /// Not four pictograms.
+    /// Not three or four pictograms.
     Pictograms(usize),
 }
 
@@ -22,49 +34,170 @@ enum Meaning {
     Pictogram(Pictogram),
 }
 
-/// Reads a badge of words in either language, or in both: a colour anywhere, and four pictograms in their order. A
-/// letter may be wrong, missing or too many. Whether the check fits is not looked at.
-///
-/// # Errors
-/// The first word that is unknown, or what is missing or too much.
-pub fn parse_badge_words(text: &str) -> Result<Badge, WordsFault> {
-    let (mut colours, mut pictograms) = (Vec::new(), Vec::new());
-    for word in text.split(|letter: char| !letter.is_alphabetic()) {
-        let folded = fold(word);
-        if folded.is_empty() || FILLERS.contains(&folded.as_str()) {
-            continue;
+impl HeardBadge {
+    /// Reads words in either language, or in both: a colour anywhere, or none, and pictograms in any order. A letter or
+    /// two may be wrong, missing or too many, and one of a thing may be several of it.
+    ///
+    /// # Errors
+    /// What is too little or too much; the first word that is unknown where there is too little.
+    pub fn parse(text: &str) -> Result<Self, WordsFault> {
+        let (mut colours, mut pictograms, mut unknown) = (Vec::new(), Vec::new(), Vec::new());
+        // An accent may come as a letter of its own.
+        let text: String = text.chars().filter(|letter| !ACCENTS.contains(letter)).collect();
+        for word in text.split(|letter: char| !letter.is_alphabetic()) {
+            let folded = fold(word);
+            if folded.chars().count() < 2 || FILLERS.contains(&folded.as_str()) {
+                continue;
+            }
+            match find_meaning(&folded) {
+                Some(Meaning::Colour(colour)) => colours.push(colour),
+                Some(Meaning::Pictogram(pictogram)) => pictograms.push(pictogram),
+                None => unknown.push(word.to_owned()),
+            }
         }
-        match find_meaning(&folded).ok_or_else(|| WordsFault::UnknownWord(word.to_owned()))? {
-            Meaning::Colour(colour) => colours.push(colour),
-            Meaning::Pictogram(pictogram) => pictograms.push(pictogram),
+        if colours.len() > 1 {
+            return Err(WordsFault::Colours(colours.len()));
         }
+        if pictograms.len() > 4 {
+            return Err(WordsFault::Pictograms(pictograms.len()));
+        }
+        if pictograms.len() < LEAST_HEARD {
+            let fault = WordsFault::Pictograms(pictograms.len());
+            return Err(unknown.into_iter().next().map_or(fault, WordsFault::UnknownWord));
+        }
+        Ok(HeardBadge { colour: colours.first().copied(), pictograms, unknown })
     }
-    let [colour] = colours[..] else { return Err(WordsFault::Colours(colours.len())) };
-    let wrong = |pictograms: Vec<_>| WordsFault::Pictograms(pictograms.len());
-    Ok(Badge { colour, pictograms: pictograms.try_into().map_err(wrong)? })
+
+    /// The badge, where a colour and four pictograms were said. Whether its check fits is not looked at.
+    #[must_use]
+    pub fn badge(&self) -> Option<Badge> {
+        let pictograms = self.pictograms.as_slice().try_into().ok()?;
+        Some(Badge { colour: self.colour?, pictograms })
+    }
+
+    /// Right badges that have three of the pictograms at least, in any order: first those at the fewest mistakes. Some
+    /// hundreds, as without a colour any of the eight may be meant.
+    #[must_use]
+    pub(crate) fn candidates(&self) -> Vec<Badge> {
+        let heard = &self.pictograms;
+        let mut candidates: Vec<Badge> = Vec::new();
+        let places = 0..heard.len();
+        let orders = places.clone().flat_map(|a| {
+            let others = places.clone().filter(move |b| *b != a);
+            others.flat_map(move |b| (0..heard.len()).map(move |c| [a, b, c]))
+        });
+        for [a, b, c] in orders.filter(|[a, b, c]| c != a && c != b) {
+            for missing in 0..4 {
+                for colour in BadgeColour::ALL {
+                    let mut three = [heard[a], heard[b], heard[c]].into_iter();
+                    let pictograms = [0, 1, 2, 3].map(|place| {
+                        let known = if place == missing { None } else { three.next() };
+                        known.unwrap_or(heard[a])
+                    });
+                    candidates.extend(complete(Badge { colour, pictograms }, missing));
+                }
+            }
+        }
+        candidates.sort_by_key(|badge| (self.mistakes(badge), badge.colour, badge.pictograms));
+        candidates.dedup();
+        candidates
+    }
+
+    /// What is otherwise in a badge: its colour, each pictogram that wasn't said, and the order.
+    fn mistakes(&self, badge: &Badge) -> usize {
+        let mut left = badge.pictograms.to_vec();
+        let mut found = Vec::new();
+        for pictogram in &self.pictograms {
+            if let Some(place) = left.iter().position(|other| other == pictogram) {
+                found.push(left.remove(place));
+            }
+        }
+        let mut rest = badge.pictograms.iter();
+        let is_in_order = found.iter().all(|pictogram| rest.any(|other| other == pictogram));
+        let is_other_colour = self.colour.is_some_and(|colour| colour != badge.colour);
+        4 - found.len() + usize::from(!is_in_order) + usize::from(is_other_colour)
+    }
+}
+
+impl From<Badge> for HeardBadge {
+    fn from(badge: Badge) -> Self {
+        let pictograms = badge.pictograms.to_vec();
+        HeardBadge { colour: Some(badge.colour), pictograms, unknown: Vec::new() }
+    }
+}
+
+/// The right badge that differs from one at a place at most.
+fn complete(badge: Badge, place: usize) -> Option<Badge> {
+    let with = |pictogram| {
+        let mut badge = badge;
+        badge.pictograms[place] = pictogram;
+        badge
+    };
+    Pictogram::all().map(with).find(Badge::is_valid)
 }
 
 /// Words between those of a badge.
-const FILLERS: [&str; 10] = ["a", "an", "the", "and", "και", "ενα", "ενας", "μια", "ο", "η"];
+const FILLERS: [&str; 22] = [
+    "an", "the", "and", "with", "on", "it", "is", "was", "και", "ενα", "ενασ", "εναν", "μια", "με",
+    "το", "τον", "την", "τη", "τα", "οι", "σε", "ηταν",
+];
 
-/// The meaning of a word: the word itself, or the only one at a letter from it.
+/// Accents of Greek letters that are written as letters of their own.
+const ACCENTS: [char; 3] = ['\u{301}', '\u{308}', '\u{384}'];
+
+/// The meaning of a word: the only one that is nearest to it.
 fn find_meaning(folded: &str) -> Option<Meaning> {
     let colours = BadgeColour::ALL.into_iter().map(Meaning::Colour);
-    let all: Vec<Meaning> = colours.chain(Pictogram::all().map(Meaning::Pictogram)).collect();
-    let at_distance = |most: usize| {
-        let mut near = all.iter().copied().filter(|meaning| {
-            Language::ALL.iter().any(|&language| {
-                let name = fold(meaning.name(language));
-                // Short words are too near to others' slips.
-                name == folded
-                    || most > 0
-                        && folded.chars().count() > 3
-                        && strsim::osa_distance(&name, folded) <= most
-            })
-        });
-        near.next().filter(|_| near.next().is_none())
+    let all = colours.chain(Pictogram::all().map(Meaning::Pictogram));
+    let distance = |meaning: &Meaning| {
+        let names = Language::ALL.map(|language| distance(folded, &fold(meaning.name(language))));
+        names.into_iter().flatten().min()
     };
-    at_distance(0).or_else(|| at_distance(1))
+    let mut near: Vec<(usize, Meaning)> =
+        all.filter_map(|meaning| Some((distance(&meaning)?, meaning))).collect();
+    near.sort_by_key(|(distance, _)| *distance);
+    match near[..] {
+        [(_, only)] => Some(only),
+        [(first, nearest), (second, _), ..] if first < second => Some(nearest),
+        _ => None,
+    }
+}
+
+/// How far a word is from a name; `None` where it is too far to mean it. Short words are near to others' slips.
+fn distance(word: &str, name: &str) -> Option<usize> {
+    if word == name {
+        return Some(0);
+    }
+    if is_form_of(word, name) || is_form_of(name, word) || stem(word) == stem(name) {
+        return Some(1);
+    }
+    let most = match word.chars().count() {
+        0..=3 => 0,
+        4..=6 => 1,
+        _ => MAX_SLIPS,
+    };
+    let slips = strsim::osa_distance(name, word);
+    (slips <= most).then_some(slips + 1)
+}
+
+/// Whether an English word is several of what another one is.
+fn is_form_of(many: &str, one: &str) -> bool {
+    const ENDINGS: [(&str, &str); 6] =
+        [("s", ""), ("es", ""), ("ies", "y"), ("ves", "f"), ("men", "man"), ("i", "us")];
+    ENDINGS.iter().any(|(of_many, of_one)| {
+        let stem = many.strip_suffix(of_many);
+        stem.is_some_and(|stem| stem.is_ascii() && one.strip_suffix(of_one) == Some(stem))
+    })
+}
+
+/// A Greek word without what case, gender and number change.
+fn stem(word: &str) -> &str {
+    const ENDINGS: [&str; 22] = [
+        "ατων", "ατοσ", "ατα", "ιουσ", "ιων", "ιεσ", "ουσ", "ων", "ια", "εσ", "οι", "οσ", "ησ",
+        "ασ", "ου", "ο", "α", "η", "ι", "υ", "ε", "ω",
+    ];
+    let stems = ENDINGS.iter().filter_map(|ending| word.strip_suffix(ending));
+    stems.into_iter().find(|stem| stem.chars().count() >= 3).unwrap_or(word)
 }
 
 impl Meaning {
@@ -99,7 +232,7 @@ impl fmt::Display for WordsFault {
                 write!(f, "\"{word}\" is no colour and no picture of a badge")
             }
             WordsFault::Colours(count) => write!(f, "{count} colours; expected one"),
-            WordsFault::Pictograms(count) => write!(f, "{count} pictures; expected four"),
+            WordsFault::Pictograms(count) => write!(f, "{count} pictures; expected four, or three"),
         }
     }
 }

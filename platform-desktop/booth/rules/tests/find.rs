@@ -3,13 +3,13 @@
 mod common;
 
 use common::*;
-use paros_booth_rules::{FoundByBadge, LinkToken, WordsFault, parse_badge_words};
-use paros_core::badge::{Badge, BadgeNumber, Language, write_words};
+use paros_booth_rules::{FoundByBadge, HeardBadge, LinkToken, WordsFault};
+use paros_core::badge::{Badge, BadgeNumber, Language, Pictogram, write_words};
 use paros_core::outbox::messages::SculptureId;
 use proptest::prelude::*;
 
 fn found(rig: &Rig, badge: &Badge) -> Vec<SculptureId> {
-    match rig.booth.find_by_badge(badge, seconds(99)).unwrap() {
+    match rig.booth.find_by_badge(&(*badge).into(), seconds(99)).unwrap() {
         FoundByBadge::Exact(matches) => {
             matches.kept.iter().map(|kept| SculptureId(kept.id)).collect()
         }
@@ -52,7 +52,7 @@ fn a_wrong_badge_finds_the_nearest_that_something_has() {
         let right = leased(number).unwrap().badge();
         let mut swapped = right;
         swapped.pictograms.swap(1, 2);
-        match rig.booth.find_by_badge(&swapped, START).unwrap() {
+        match rig.booth.find_by_badge(&swapped.into(), START).unwrap() {
             FoundByBadge::Nearest(nearest) => {
                 assert_eq!(nearest.len(), 1, "others that nobody has are no candidates");
                 assert_eq!(nearest[0].0, right);
@@ -69,32 +69,101 @@ proptest! {
         let badge = BadgeNumber::new(number).unwrap().badge();
         let mut words = String::new();
         write_words(&mut words, &badge, Language::ALL[usize::from(greek)]).unwrap();
-        prop_assert_eq!(parse_badge_words(&words), Ok(badge));
-        prop_assert_eq!(parse_badge_words(&words.to_uppercase()), Ok(badge));
+        for words in [words.clone(), words.to_uppercase()] {
+            let heard = HeardBadge::parse(&words).unwrap();
+            prop_assert_eq!((heard.badge(), heard.unknown.len()), (Some(badge), 0));
+        }
     }
 
     #[test]
     fn no_words_panic(text in ".{0,80}") {
-        let _ = parse_badge_words(&text);
+        let _ = HeardBadge::parse(&text);
     }
+}
+
+fn read(words: &str) -> Option<Badge> {
+    HeardBadge::parse(words).unwrap().badge()
 }
 
 #[test]
 fn words_are_read_with_a_slip() {
-    let badge = parse_badge_words("red: pizza, mushroom, rocket, chair").unwrap();
+    let badge = read("red: pizza, mushroom, rocket, chair");
+    assert!(badge.is_some());
     for words in [
         "pizza mushroom rocket chair red",
         "a piza and a mushrom, the roket, chairs - red",
         "κοκκινο πιτσα μανιταρι πυραυλος καρεκλα",
         "ΚΌΚΚΙΝΟ: πίτσα, mushroom, πύραυλος και καρέκλα",
+        "μια κόκκινη πίτσα, μανιτάρια, ένας πύραυλος και δύο καρέκλες",
+        "κο\u{301}κκινο πι\u{301}τσα μανιτα\u{301}ρι πυ\u{301}ραυλος καρε\u{301}κλα",
     ] {
-        assert_eq!(parse_badge_words(words), Ok(badge), "{words}");
+        assert_eq!(read(words), badge, "{words}");
     }
     let unknown = WordsFault::UnknownWord("dragon".into());
-    assert_eq!(parse_badge_words("red pizza dragon rocket chair"), Err(unknown));
-    assert_eq!(parse_badge_words("pizza mushroom rocket chair"), Err(WordsFault::Colours(0)));
-    assert_eq!(parse_badge_words("red blue pizza"), Err(WordsFault::Colours(2)));
-    assert_eq!(parse_badge_words("red pizza mushroom"), Err(WordsFault::Pictograms(2)));
+    assert_eq!(HeardBadge::parse("red pizza dragon rocket"), Err(unknown));
+    let heard = HeardBadge::parse("red pizza dragon rocket chair").unwrap();
+    assert_eq!((heard.badge(), heard.unknown), (None, vec!["dragon".to_owned()]));
+    let parse = |words| HeardBadge::parse(words).map(drop);
+    assert_eq!(parse("pizza mushroom rocket chair"), Ok(()));
+    assert_eq!(parse("red blue pizza"), Err(WordsFault::Colours(2)));
+    assert_eq!(parse("red pizza mushroom"), Err(WordsFault::Pictograms(2)));
+    assert_eq!(parse("owl cat fish snail duck"), Err(WordsFault::Pictograms(5)));
+}
+
+/// Several of each, and other forms that people say: each is what it is one of.
+#[test]
+fn several_of_a_thing_are_the_thing() {
+    const ENGLISH: &str = "owls cats fishes snails butterflies ducks rabbits snakes turtles spiders whales elephants \
+        crabs trees leaves flowers mushrooms cacti suns moons stars clouds lightnings mountains drops fires snowmen \
+        apples bananas cherries carrots cakes pizzas cups bottles kites anchors bells keys umbrellas crowns glass \
+        books scissor hammers ladders clocks bones balloons drums guitars hearts flags houses castles buses ships \
+        rockets bicycles aeroplanes forks chairs hands ghosts";
+    const GREEK: &str = "κουκουβάγιες γάτες ψάρια σαλιγκάρια πεταλούδες πάπιες κουνέλια φίδια χελώνες αράχνες φάλαινες \
+        ελέφαντες κάβουρες δέντρα φύλλα λουλούδια μανιτάρια κάκτους ήλιο φεγγάρια αστέρια σύννεφα αστραπές βουνά \
+        σταγόνες φωτιές χιονάνθρωπο μήλα μπανάνες κεράσια καρότα τούρτες πίτσες φλιτζάνια μπουκάλια χαρταετοί άγκυρες \
+        καμπάνες κλειδιά ομπρέλες κορώνες γυαλί βιβλία ψαλίδια σφυριά σκάλες ρολόγια κόκαλα μπαλόνια τύμπανα κιθάρες \
+        καρδιές σημαίες σπίτια κάστρα λεωφορεία πλοία πύραυλους ποδήλατα αεροπλάνα πιρούνια καρέκλες χέρια φαντάσματα";
+    let pictograms: Vec<Pictogram> = Pictogram::all().collect();
+    for said in [ENGLISH, GREEK] {
+        let said: Vec<&str> = said.split_whitespace().collect();
+        assert_eq!(said.len(), pictograms.len());
+        for (four, shown) in said.chunks(4).zip(pictograms.chunks(4)) {
+            let badge = read(&format!("μαύρη {}", four.join(", ")));
+            let badge = badge.unwrap_or_else(|| panic!("{four:?}"));
+            assert_eq!(badge.pictograms, shown, "{four:?}");
+        }
+    }
+}
+
+/// Three of the four, in any order, with the colour or without it, in both languages.
+#[test]
+fn who_remembers_three_pictures_finds_the_sculpture() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    for number in 1..=40 {
+        rig.upload(&device, &Parcel::new(device.headset, number, leased(number.into())), START)
+            .unwrap();
+    }
+    let right = leased(9).unwrap().badge();
+    for language in Language::ALL {
+        let names = right.pictograms.map(|pictogram| pictogram.name(language));
+        for forgotten in 0..4 {
+            for order in [[0, 1, 2], [2, 0, 1], [2, 1, 0]] {
+                let mut known: Vec<&str> = names.to_vec();
+                known.remove(forgotten);
+                let said = order.map(|k| known[k]).join(" ");
+                for said in [said.clone(), format!("{said} {}", right.colour.name(language))] {
+                    let heard = HeardBadge::parse(&said).unwrap();
+                    match rig.booth.find_by_badge(&heard, START).unwrap() {
+                        FoundByBadge::Nearest(nearest) => {
+                            assert_eq!(nearest.first().map(|near| near.0), Some(right), "{said}");
+                        }
+                        FoundByBadge::Exact(matches) => panic!("{said}: {matches:?}"),
+                    }
+                }
+            }
+        }
+    }
 }
 
 #[test]

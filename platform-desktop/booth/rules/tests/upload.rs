@@ -233,7 +233,8 @@ fn a_badge_that_a_headset_was_never_handed_is_in_doubt_and_in_nobodys_way() {
     assert_eq!(claim(&liar, &Parcel::new(liar.headset, 4, theirs), START), BadgeClaim::Sole);
     // Who says the badge finds the visitor's sculpture first.
     let badge = number.expect("a number").badge();
-    let FoundByBadge::Exact(found) = rig.booth.find_by_badge(&badge, seconds(2)).unwrap() else {
+    let FoundByBadge::Exact(found) = rig.booth.find_by_badge(&badge.into(), seconds(2)).unwrap()
+    else {
         panic!("a right badge")
     };
     let ids: Vec<u8> = found.kept.iter().map(|kept| kept.id[0]).collect();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use axum::extract::{Query, State};
 use axum::response::Response;
 use maud::{Markup, html};
-use paros_booth_rules::{BadgeMatches, FoundByBadge, WordsFault, parse_badge_words};
+use paros_booth_rules::{BadgeMatches, FoundByBadge, HeardBadge, WordsFault};
 use paros_core::badge::{Badge, BadgeColour, Pictogram};
 
 use super::admin_texts::AdminTexts;
@@ -26,10 +26,10 @@ pub(crate) async fn find(
     let texts = view.texts;
     let (words, colour) = (fields.get("words"), fields.get("colour"));
     let asked = if !words.is_empty() {
-        let badge = parse_badge_words(&words);
-        Some(badge.map_err(|fault| tell_words_fault(texts.language, &fault)))
+        let heard = HeardBadge::parse(&words);
+        Some(heard.map_err(|fault| tell_words_fault(texts.language, &fault)))
     } else if !colour.is_empty() {
-        let badge = read_tapped(&colour, &fields.get("pictures"));
+        let badge = read_tapped(&colour, &fields.get("pictures")).map(HeardBadge::from);
         let fault = WordsFault::Pictograms(0);
         Some(badge.ok_or_else(|| tell_words_fault(texts.language, &fault)))
     } else {
@@ -38,9 +38,10 @@ pub(crate) async fn find(
     let result = match asked {
         None => html! {},
         Some(Err(why)) => html! { p class="note" role="alert" { (why) } },
-        Some(Ok(badge)) => {
-            let found = app.run(move |app| app.booth.find_by_badge(&badge, booth_time())).await;
-            found_by_badge(texts, &badge, &found.map_err(|refusal| StaffAnswer(texts, refusal))?)
+        Some(Ok(heard)) => {
+            let asked = heard.clone();
+            let found = app.run(move |app| app.booth.find_by_badge(&asked, booth_time())).await;
+            found_by_badge(texts, &heard, &found.map_err(|refusal| StaffAnswer(texts, refusal))?)
         }
     };
     let body = html! {
@@ -81,18 +82,20 @@ fn read_tapped(colour: &str, pictures: &str) -> Option<Badge> {
     Some(Badge { colour, pictograms: pictograms.try_into().ok()? })
 }
 
-fn found_by_badge(texts: &Texts, badge: &Badge, found: &FoundByBadge) -> Markup {
-    match found {
-        FoundByBadge::Exact(matches) => html! {
-            (draw_badge(badge, texts.language))
-            (matches_of(texts, matches))
-        },
-        FoundByBadge::Nearest(nearest) => html! {
-            (draw_badge(badge, texts.language))
-            p class="note" { (texts.nearest) }
-            @if nearest.is_empty() { p { (texts.nothing) } }
-            @for (_, matches) in nearest { (matches_of(texts, matches)) }
-        },
+fn found_by_badge(texts: &Texts, heard: &HeardBadge, found: &FoundByBadge) -> Markup {
+    html! {
+        @if let Some(badge) = heard.badge() { (draw_badge(&badge, texts.language)) }
+        @if !heard.unknown.is_empty() {
+            p class="note" { (texts.not_understood) " " (heard.unknown.join(", ")) }
+        }
+        @match found {
+            FoundByBadge::Exact(matches) => { (matches_of(texts, matches)) },
+            FoundByBadge::Nearest(nearest) => {
+                p class="note" role="status" { (texts.nearest) }
+                @if nearest.is_empty() { p { (texts.nothing) } }
+                @for (_, matches) in nearest { (matches_of(texts, matches)) }
+            },
+        }
     }
 }
 

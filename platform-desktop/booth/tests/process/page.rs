@@ -156,6 +156,17 @@ fn look_at_what_goes_wrong(browser: &mut Chromium, at: &str, sculpture: &str, na
     }
     browser.open(&format!("{at}/staff/nothing"));
     look_at(browser, &format!("error-{name}"));
+    let is_greek = browser.ask("document.documentElement.lang") == "el";
+    browser.open(&format!("{at}{sculpture}"));
+    let heading = browser.ask("document.querySelector('h1').textContent");
+    let heading = heading.as_str().expect("words").replace([':', ','], "");
+    let known: Vec<&str> = heading.split(' ').skip(2).collect();
+    let unknown = if is_greek { "δράκος" } else { "dragon" };
+    browser.open(&format!("{at}/staff/find"));
+    browser.fill("input[name=words]", &format!("{} {unknown}", known.join(" ")));
+    browser.enter();
+    assert!(browser.has(&format!(".cards a[href='{sculpture}']")), "{}", browser.text());
+    look_at(browser, &format!("nearest-{name}"));
 }
 
 #[test]
