@@ -1,6 +1,8 @@
 //! The thread that sends mails, one after the other, to the server that the booth was told of.
 
+use std::error::Error as _;
 use std::fs;
+use std::io;
 use std::net::IpAddr;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -16,6 +18,7 @@ use paros_booth_rules::records::ExportState;
 use paros_booth_rules::{Booth, MailJob, MailOutcome, Refusal};
 use paros_core::badge::{BadgeNumber, Language, write_words};
 use paros_core::outbox::messages::SculptureId;
+use tokio_rustls::rustls;
 use tracing::{info, warn};
 
 use crate::clock::booth_time;
@@ -226,17 +229,38 @@ fn tls_parameters(host: &str, options: &MailOptions) -> Result<TlsParameters, Er
 /// What a failure means. What servers say may name the address: of that the code alone is told.
 fn outcome_of(error: &lettre::transport::smtp::Error) -> MailOutcome {
     let Some(code) = error.status() else {
-        let why = if error.is_timeout() { "was silent" } else { "can't be reached, or TLS failed" };
-        return MailOutcome::Later(format!("the mail server {why}"));
+        return MailOutcome::Later(format!("the mail server {}", fault_without_code(error)));
     };
     let code = code.to_string();
     // To log in is the booth's matter, and may be set right.
     let is_login = ["530", "534", "535", "538"].contains(&code.as_str());
+    if is_login {
+        return MailOutcome::Later(format!("the mail server refuses the booth's login, by {code}"));
+    }
     let why = format!("the mail server said {code}");
-    if error.is_permanent() && !is_login {
-        MailOutcome::Refused(why)
-    } else {
-        MailOutcome::Later(why)
+    if error.is_permanent() { MailOutcome::Refused(why) } else { MailOutcome::Later(why) }
+}
+
+/// What is wrong with a server that doesn't answer as one does. All of these may be set right.
+fn fault_without_code(error: &lettre::transport::smtp::Error) -> &'static str {
+    let mut source = error.source();
+    while let Some(cause) = source {
+        let of_tls = cause.downcast_ref::<io::Error>().and_then(io::Error::get_ref);
+        match of_tls.and_then(|of_tls| of_tls.downcast_ref()) {
+            Some(rustls::Error::InvalidCertificate(_)) => {
+                return "shows a certificate that isn't to be trusted";
+            }
+            Some(_) => return "can't be spoken with by TLS",
+            None => source = cause.source(),
+        }
+    }
+    // The library says no more than this; what it says names nobody.
+    let words = error.to_string();
+    match () {
+        () if error.is_timeout() => "was silent",
+        () if words.contains("STARTTLS is not supported") => "offers no TLS",
+        () if words.contains("authentication mechanism") => "offers no login by a password",
+        () => "can't be reached",
     }
 }
 

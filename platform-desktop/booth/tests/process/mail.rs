@@ -2,12 +2,12 @@
 
 use paros_core::outbox::messages::*;
 
-use crate::rig::{BoothFolder, Client, Headset, Parcel, figure};
-use crate::smtp_sink::{SmtpSink, wait_until};
+use crate::rig::{BoothFolder, BoothProcess, Client, Headset, Parcel, figure};
+use crate::smtp_sink::{Heard, SinkTls, SmtpSink, wait_until};
 use crate::staff::{Browser, post_form};
 
 /// Starts a booth that sends its mails there.
-fn start(folder: &BoothFolder, sink: &SmtpSink) -> crate::rig::BoothProcess {
+fn start(folder: &BoothFolder, sink: &SmtpSink) -> BoothProcess {
     let server = sink.address.to_string();
     folder.start_with(&[
         "--smtp",
@@ -108,23 +108,133 @@ fn a_mail_that_is_refused_says_why_and_one_that_is_put_off_waits() {
     assert!(!folder.log().contains("example.org"), "{}", folder.log());
 }
 
-/// A server that takes no TLS, as one that somebody put in between, hears no address.
+/// A booth that speaks TLS to a mail server, and logs in there.
+struct SecureMail {
+    folder: BoothFolder,
+    booth: BoothProcess,
+    at: String,
+}
+
+impl SecureMail {
+    /// One that trusts an authority, and says a password.
+    fn start(name: &str, sink: &SmtpSink, how: &str, (ca_pem, password): (&str, &str)) -> Self {
+        let folder = BoothFolder::new(name);
+        let write = |name: &str, text: &str| {
+            let path = folder.path().with_file_name(name);
+            std::fs::write(&path, text).expect("room on the disk");
+            path.to_str().expect("a path").to_owned()
+        };
+        let (ca, password) = (write("mail-ca.pem", ca_pem), write("password", password));
+        let booth = folder.start_with(&[
+            "--smtp",
+            &sink.address.to_string(),
+            "--smtp-tls",
+            how,
+            "--smtp-ca",
+            &ca,
+            "--smtp-user",
+            USER,
+            "--smtp-password-file",
+            &password,
+            "--mail-from",
+            "booth@example.org",
+        ]);
+        let at = with_sculpture(&booth.client, &folder);
+        SecureMail { folder, booth, at }
+    }
+
+    /// Asks for a mail, and waits for its state.
+    fn ask_until(&self, says: &str) {
+        let browser = Browser::first(&self.booth.client, &self.booth.first_code().expect("a code"));
+        assert_eq!(ask(&browser, &self.at, "ana@example.org"), 303);
+        wait_until(|| {
+            let page = browser.get(&self.at).text().replace("&#39;", "'");
+            page.contains(says).then_some(())
+        });
+        for secret in [PASSWORD, WRONG, USER, "ana@"] {
+            assert!(!browser.get(&self.at).text().contains(secret), "the page says {secret}");
+            assert!(!self.folder.log().contains(secret), "{}", self.folder.log());
+        }
+    }
+}
+
+const USER: &str = "booth-at-fair";
+const PASSWORD: &str = "päss wörd\\9";
+const WRONG: &str = "hunter2-but-not";
+
+/// What is heard without TLS: that somebody is there, and wants it.
+fn is_nothing(heard: &Heard) -> bool {
+    heard
+        .in_clear
+        .iter()
+        .all(|line| ["EHLO paros-booth.invalid", "STARTTLS", "QUIT"].contains(&line.as_str()))
+}
+
 #[test]
-fn nothing_is_said_without_tls_where_that_was_asked() {
-    let (folder, sink) = (BoothFolder::new("mail-starttls"), SmtpSink::start());
-    let server = sink.address.to_string();
-    let booth = folder.start_with(&["--smtp", &server, "--mail-from", "booth@example.org"]);
-    let client = &booth.client;
-    let at = with_sculpture(client, &folder);
-    let browser = Browser::first(client, &booth.first_code().expect("a code"));
-    assert_eq!(ask(&browser, &at, "nobody@example.org"), 303);
-    let waits = "mail waiting (the mail server can&#39;t be reached, or TLS failed)";
-    let waits = [waits, &waits.replace("&#39;", "'")];
-    wait_until(|| {
-        let page = browser.get(&at);
-        waits.iter().any(|waits| page.text().contains(waits)).then_some(())
-    });
-    assert_eq!((sink.refused().len(), sink.mails().len()), (0, 0));
+fn the_booth_logs_in_over_both_kinds_of_tls() {
+    for (tls, how, way) in [
+        (SinkTls::Starttls, "starttls", "PLAIN"),
+        (SinkTls::Starttls, "starttls", "LOGIN"),
+        (SinkTls::Implicit, "tls", "PLAIN"),
+        (SinkTls::Implicit, "tls", "LOGIN"),
+    ] {
+        let sink = SmtpSink::start_with(tls, Some((USER, PASSWORD, way)));
+        // Only the first line is the password.
+        let password = format!("{PASSWORD}\nmore\n");
+        let name = format!("mail-login-{how}-{}", way.to_lowercase());
+        let mail = SecureMail::start(&name, &sink, how, (&sink.ca_pem, &password));
+        mail.ask_until("mail sent");
+        let heard = sink.heard();
+        assert_eq!(heard.logins, [format!("\0{USER}\0{PASSWORD}")], "{how} {way}");
+        assert_eq!(heard.mails.len(), 1, "{how} {way}");
+        assert!(heard.mails[0].to[0].contains("<ana@example.org>"), "{:?}", heard.mails[0].to);
+        assert!(is_nothing(&heard), "in clear: {:?}", heard.in_clear);
+        assert_eq!(heard.in_clear.is_empty(), tls == SinkTls::Implicit);
+    }
+}
+
+/// Somebody put in between shows another certificate, or says that there is no TLS and asks for the password.
+#[test]
+fn neither_password_nor_address_goes_to_a_server_that_is_not_the_right_one() {
+    let login = Some((USER, PASSWORD, "PLAIN"));
+    let another = SmtpSink::start_with(SinkTls::Implicit, None).ca_pem;
+    let waits = |why: &str| format!("mail waiting (the mail server {why}), again at");
+    for (name, tls, how, why) in [
+        (
+            "ca-starttls",
+            SinkTls::Starttls,
+            "starttls",
+            "shows a certificate that isn't to be trusted",
+        ),
+        ("ca-tls", SinkTls::Implicit, "tls", "shows a certificate that isn't to be trusted"),
+        ("no-starttls", SinkTls::None, "starttls", "offers no TLS"),
+        ("no-tls", SinkTls::None, "tls", "can't be spoken with by TLS"),
+    ] {
+        let sink = SmtpSink::start_with(tls, login);
+        let mail = SecureMail::start(&format!("mail-{name}"), &sink, how, (&another, PASSWORD));
+        mail.ask_until(&waits(why));
+        let heard = sink.heard();
+        assert_eq!((heard.mails.len(), heard.logins.len()), (0, 0), "{name}");
+        // TLS that is taken for words is none that anybody understands.
+        let all = heard.in_clear.concat();
+        assert!(!all.contains("example.org") && !all.contains(USER), "{name}: {all}");
+        assert!(how == "tls" || is_nothing(&heard), "{name}: {:?}", heard.in_clear);
+    }
+}
+
+#[test]
+fn a_login_that_is_refused_says_so_and_waits() {
+    let sink = SmtpSink::start_with(SinkTls::Starttls, Some((USER, PASSWORD, "LOGIN")));
+    let mail = SecureMail::start("mail-wrong", &sink, "starttls", (&sink.ca_pem, WRONG));
+    mail.ask_until("mail waiting (the mail server refuses the booth's login, by 535), again at");
+    let heard = sink.heard();
+    assert_eq!((heard.mails.len(), heard.logins.len()), (0, 1));
+    assert!(is_nothing(&heard), "in clear: {:?}", heard.in_clear);
+    let sink = SmtpSink::start_with(SinkTls::Implicit, Some((USER, PASSWORD, "CRAM-MD5")));
+    let mail = SecureMail::start("mail-no-way", &sink, "tls", (&sink.ca_pem, PASSWORD));
+    mail.ask_until("mail waiting (the mail server offers no login by a password), again at");
+    let heard = sink.heard();
+    assert_eq!((heard.mails.len(), heard.logins.len()), (0, 0));
 }
 
 #[test]

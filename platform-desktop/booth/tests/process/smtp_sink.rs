@@ -1,10 +1,18 @@
-//! A mail server that keeps what it is sent: enough of SMTP (RFC 5321) for one mail after the other.
+//! A mail server that keeps what it is sent: enough of SMTP (RFC 5321), of its logins (RFC 4954) and of STARTTLS (RFC
+//! 3207) for one mail after the other.
 
-use std::io::{self, BufRead as _, BufReader, Write as _};
+use std::io::{self, BufRead as _, BufReader, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread;
 use std::time::{Duration, Instant};
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD as BASE64;
+use rcgen::{BasicConstraints, CertificateParams, IsCa, Issuer, KeyPair};
+use tokio_rustls::rustls::crypto::ring::default_provider;
+use tokio_rustls::rustls::pki_types::PrivateKeyDer;
+use tokio_rustls::rustls::{ServerConfig, ServerConnection, StreamOwned};
 
 /// A mail as it came.
 #[derive(Clone, Debug)]
@@ -15,28 +23,75 @@ pub(crate) struct Mail {
     pub(crate) text: String,
 }
 
+/// How a server is spoken with.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum SinkTls {
+    /// Without.
+    None,
+    /// TLS after a first word.
+    Starttls,
+    /// TLS from the first byte.
+    Implicit,
+}
+
+/// Who may log in: a name, a password, and how the server takes them.
+pub(crate) type SinkLogin = (&'static str, &'static str, &'static str);
+
 /// A server on a port of its own. An address that begins with `later` gets 451, one with `nobody` 550.
 pub(crate) struct SmtpSink {
     pub(crate) address: SocketAddr,
-    mails: Arc<Mutex<Vec<Mail>>>,
-    refused: Arc<Mutex<Vec<String>>>,
+    /// By which its certificate is checked.
+    pub(crate) ca_pem: String,
+    heard: Arc<Mutex<Heard>>,
+}
+
+/// What a server heard.
+#[derive(Clone, Default)]
+pub(crate) struct Heard {
+    pub(crate) mails: Vec<Mail>,
+    /// Addresses that were refused.
+    pub(crate) refused: Vec<String>,
+    /// Lines that came without TLS.
+    pub(crate) in_clear: Vec<String>,
+    /// Names and passwords that came, right or wrong.
+    pub(crate) logins: Vec<String>,
+}
+
+trait Duplex: Read + Write + Send {}
+
+impl<T: Read + Write + Send> Duplex for T {}
+
+type Stream = BufReader<Box<dyn Duplex>>;
+
+/// How a server serves.
+struct Plan {
+    tls: SinkTls,
+    login: Option<SinkLogin>,
+    config: Arc<ServerConfig>,
+    heard: Arc<Mutex<Heard>>,
 }
 
 impl SmtpSink {
     pub(crate) fn start() -> Self {
+        Self::start_with(SinkTls::None, None)
+    }
+
+    pub(crate) fn start_with(tls: SinkTls, login: Option<SinkLogin>) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+        let (config, ca_pem) = make_certificate();
+        let heard: Arc<Mutex<Heard>> = Arc::default();
         let sink = SmtpSink {
             address: listener.local_addr().expect("a port"),
-            mails: Arc::default(),
-            refused: Arc::default(),
+            ca_pem,
+            heard: heard.clone(),
         };
-        let (mails, refused) = (sink.mails.clone(), sink.refused.clone());
+        let plan = Arc::new(Plan { tls, login, config, heard });
         // It ends with the tests.
         thread::spawn(move || {
             for stream in listener.incoming().flatten() {
-                let (mails, refused) = (mails.clone(), refused.clone());
+                let plan = plan.clone();
                 // Who hangs up has nothing more to say.
-                thread::spawn(move || serve(&stream, &mails, &refused));
+                thread::spawn(move || plan.serve(stream));
             }
         });
         sink
@@ -48,12 +103,17 @@ impl SmtpSink {
     }
 
     pub(crate) fn mails(&self) -> Vec<Mail> {
-        self.mails.lock().unwrap().clone()
+        self.heard().mails
     }
 
     /// Addresses that were refused.
     pub(crate) fn refused(&self) -> Vec<String> {
-        self.refused.lock().unwrap().clone()
+        self.heard().refused
+    }
+
+    /// All that it heard.
+    pub(crate) fn heard(&self) -> Heard {
+        self.heard.lock().unwrap().clone()
     }
 }
 
@@ -69,50 +129,140 @@ pub(crate) fn wait_until<T>(mut look: impl FnMut() -> Option<T>) -> T {
     }
 }
 
-fn serve(
-    stream: &TcpStream,
-    mails: &Mutex<Vec<Mail>>,
-    refused: &Mutex<Vec<String>>,
-) -> io::Result<()> {
-    let mut lines = BufReader::new(stream).lines();
-    let say = |line: &str| write!(&mut &*stream, "{line}\r\n");
-    let mut mail = Mail { from: String::new(), to: Vec::new(), text: String::new() };
-    say("220 sink")?;
-    while let Some(line) = lines.next().transpose()? {
-        let (word, rest) = line.split_at(line.len().min(4));
-        match word.to_ascii_uppercase().as_str() {
-            "EHLO" => say("250-sink\r\n250 8BITMIME")?,
-            "MAIL" => {
-                mail.from = rest.to_owned();
-                say("250 yes")?;
+/// TLS by an authority of its own, and the authority.
+fn make_certificate() -> (Arc<ServerConfig>, String) {
+    let mut params = CertificateParams::new(Vec::new()).expect("no name");
+    params.is_ca = IsCa::Ca(BasicConstraints::Unconstrained);
+    let ca_key = KeyPair::generate().expect("a key");
+    let ca_pem = params.self_signed(&ca_key).expect("a certificate").pem();
+    let issuer = Issuer::new(params, ca_key);
+    let key = KeyPair::generate().expect("a key");
+    let params = CertificateParams::new(["127.0.0.1".to_owned()]).expect("a name");
+    let leaf = params.signed_by(&key, &issuer).expect("a certificate");
+    let key = PrivateKeyDer::try_from(key.serialize_der()).expect("a key");
+    let config = ServerConfig::builder_with_provider(default_provider().into())
+        .with_safe_default_protocol_versions()
+        .expect("versions")
+        .with_no_client_auth()
+        .with_single_cert(vec![leaf.der().clone()], key)
+        .expect("a certificate and its key");
+    (Arc::new(config), ca_pem)
+}
+
+impl Plan {
+    fn heard(&self) -> MutexGuard<'_, Heard> {
+        self.heard.lock().unwrap()
+    }
+
+    fn wrap(&self, stream: Box<dyn Duplex>) -> Box<dyn Duplex> {
+        let connection = ServerConnection::new(self.config.clone()).expect("a server");
+        Box::new(StreamOwned::new(connection, stream))
+    }
+
+    fn serve(&self, stream: TcpStream) -> io::Result<()> {
+        let mut is_secure = self.tls == SinkTls::Implicit;
+        let stream: Box<dyn Duplex> = Box::new(stream);
+        let mut stream = BufReader::new(if is_secure { self.wrap(stream) } else { stream });
+        let mut mail = Mail { from: String::new(), to: Vec::new(), text: String::new() };
+        let mut is_known = self.login.is_none();
+        say(&mut stream, "220 sink")?;
+        while let Some(line) = read_line(&mut stream)? {
+            if !is_secure {
+                self.heard().in_clear.push(line.clone());
             }
+            let (word, rest) = line.split_at(line.len().min(4));
+            match word.to_ascii_uppercase().as_str() {
+                "EHLO" => {
+                    if self.tls == SinkTls::Starttls && !is_secure {
+                        say(&mut stream, "250-sink\r\n250-STARTTLS")?;
+                    } else {
+                        say(&mut stream, "250-sink")?;
+                    }
+                    if let Some((_, _, how)) = self.login {
+                        // Without TLS too: it is the booth that has to know better.
+                        say(&mut stream, &format!("250-AUTH {how}"))?;
+                    }
+                    say(&mut stream, "250 8BITMIME")?;
+                }
+                "STAR" => {
+                    say(&mut stream, "220 go on")?;
+                    assert!(stream.buffer().is_empty(), "words before TLS");
+                    stream = BufReader::new(self.wrap(stream.into_inner()));
+                    is_secure = true;
+                }
+                "AUTH" => {
+                    is_known = self.log_in(&mut stream, rest.trim())?;
+                    let said = if is_known { "235 yes" } else { "535 no" };
+                    say(&mut stream, said)?;
+                }
+                "QUIT" => return say(&mut stream, "221 bye"),
+                "MAIL" | "RCPT" | "DATA" if !is_known => say(&mut stream, "530 who?")?,
+                _ => self.take_mail(&mut stream, &mut mail, (word, rest))?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether somebody's name and password are right, by one of the two ways that say them.
+    fn log_in(&self, stream: &mut Stream, words: &str) -> io::Result<bool> {
+        let Some((name, password, how)) = self.login else { return Ok(false) };
+        let (way, first) = words.split_once(' ').unwrap_or((words, ""));
+        let mut ask = |prompt: &str| {
+            say(stream, &format!("334 {}", BASE64.encode(prompt)))?;
+            Ok::<_, io::Error>(decode(&read_line(stream)?.unwrap_or_default()))
+        };
+        let said = match way {
+            "PLAIN" => decode(first),
+            "LOGIN" => format!("\0{}\0{}", ask("Username:")?, ask("Password:")?),
+            _ => return Ok(false),
+        };
+        self.heard().logins.push(said.clone());
+        Ok(way == how && said == format!("\0{name}\0{password}"))
+    }
+
+    fn take_mail(
+        &self,
+        stream: &mut Stream,
+        mail: &mut Mail,
+        (word, rest): (&str, &str),
+    ) -> io::Result<()> {
+        match word.to_ascii_uppercase().as_str() {
+            "MAIL" => rest.clone_into(&mut mail.from),
             "RCPT" if rest.contains("<later") || rest.contains("<nobody") => {
-                refused.lock().unwrap().push(rest.to_owned());
+                self.heard().refused.push(rest.to_owned());
                 let code = if rest.contains("<later") { 451 } else { 550 };
                 // As servers do, it says whom it means.
-                say(&format!("{code} no{rest}"))?;
+                return say(stream, &format!("{code} no{rest}"));
             }
-            "RCPT" => {
-                mail.to.push(rest.to_owned());
-                say("250 yes")?;
-            }
+            "RCPT" => mail.to.push(rest.to_owned()),
             "DATA" => {
-                say("354 go on")?;
-                for line in lines.by_ref() {
-                    let line = line?;
-                    if line == "." {
-                        break;
-                    }
+                say(stream, "354 go on")?;
+                while let Some(line) = read_line(stream)?.filter(|line| line != ".") {
                     mail.text.push_str(line.strip_prefix('.').unwrap_or(&line));
                     mail.text.push('\n');
                 }
-                mails.lock().unwrap().push(mail.clone());
-                mail = Mail { from: String::new(), to: Vec::new(), text: String::new() };
-                say("250 taken")?;
+                let empty = Mail { from: String::new(), to: Vec::new(), text: String::new() };
+                self.heard().mails.push(std::mem::replace(mail, empty));
             }
-            "QUIT" => return say("221 bye"),
-            _ => say("250 yes")?,
+            _ => {}
         }
+        say(stream, "250 yes")
     }
-    Ok(())
+}
+
+fn say(stream: &mut Stream, line: &str) -> io::Result<()> {
+    let stream = stream.get_mut();
+    stream.write_all(format!("{line}\r\n").as_bytes())?;
+    stream.flush()
+}
+
+/// A line without its end; `None` where no more comes.
+fn read_line(stream: &mut Stream) -> io::Result<Option<String>> {
+    let mut line = String::new();
+    let count = stream.read_line(&mut line)?;
+    Ok((count > 0).then(|| line.trim_end_matches(['\r', '\n']).to_owned()))
+}
+
+fn decode(letters: &str) -> String {
+    String::from_utf8_lossy(&BASE64.decode(letters).unwrap_or_default()).into_owned()
 }
