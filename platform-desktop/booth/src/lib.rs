@@ -21,6 +21,7 @@ mod gate;
 mod glb;
 mod keys;
 mod leaf;
+mod lease_keeper;
 mod mailer;
 mod mesh_check;
 mod metrics;

@@ -61,7 +61,7 @@ pub const AUDIT_DAYS: u16 = 400;
 pub const MAX_EXPORTED: usize = 32;
 
 /// How long a process has for a mesh, or for a mail, before another one begins it anew: a mesh takes a minute at most,
-/// and a mail server is waited for that long.
+/// and a mail server is waited for that long. What may take longer, as a slice, it renews.
 pub const WORK_LIFE: Duration = Duration::from_secs(150);
 
 /// Processes that may be at the same records: so many pieces of work that others do are passed over.

@@ -7,7 +7,7 @@ use crate::lifecycle::subject_of;
 use crate::limits::{LIFE_AT_PRINTER, SENDING_LIFE};
 use crate::prints::{PrintJob, PrintStep, get_order, take_step};
 use crate::reason::Reason;
-use crate::records::{EstimateState, PrintOrder, PrintState, Sculpture};
+use crate::records::{EstimateState, PrintOrder, PrintState, Sculpture, WorkKind};
 use crate::refusal::Refusal;
 use crate::store::Query;
 use crate::time::BoothTime;
@@ -67,8 +67,8 @@ impl Booth {
         })
     }
 
-    /// What is to be done about a printer now; `None` where it has no print of the booth's. What waited too long for
-    /// an answer of the printer's is taken back: by then something else may lie on its bed.
+    /// What is to be done about a printer now; `None` where it has no print of the booth's, or another process sees to
+    /// it. What waited too long for an answer of the printer's is taken back: by then something else may lie on its bed.
     ///
     /// # Errors
     /// Those of the store.
@@ -78,7 +78,14 @@ impl Booth {
         now: BoothTime,
     ) -> Result<Option<PrinterTask>, Refusal> {
         self.update(|tx| {
-            for mut order in tx.find::<PrintOrder>(&orders_at(printer))? {
+            let orders = tx.find::<PrintOrder>(&orders_at(printer))?;
+            // Two that stop a print at once stop the next one too.
+            if !orders.is_empty()
+                && !self.begin_work(tx, WorkKind::Printer, printer.as_bytes(), now)?
+            {
+                return Ok(None);
+            }
+            for mut order in orders {
                 match (order.state, &order.job) {
                     (PrintState::Printing, Some(_)) => return Ok(Some(PrinterTask::Watch(order))),
                     (PrintState::Cancelled, Some(_)) => return Ok(Some(PrinterTask::Stop(order))),
@@ -96,6 +103,8 @@ impl Booth {
                     _ => {}
                 }
             }
+            // The next one may be sent at any process' page.
+            self.end_own_work(tx, WorkKind::Printer, printer.as_bytes())?;
             Ok(None)
         })
     }

@@ -6,14 +6,15 @@ use crate::audit::note;
 use crate::booth::{Booth, Tx};
 use crate::find::NO_SCULPTURE;
 use crate::lifecycle::{get_kept, subject_of};
-use crate::limits::{MAX_LISTED, MAX_PRINTS_OF_ONE};
+use crate::limits::{MAX_LISTED, MAX_PRINTS_OF_ONE, MAX_WORKERS};
 use crate::print_wish::{PrintSize, PrintWish, check_minutes_can_be_found};
 use crate::reason::Reason;
-use crate::records::{EstimateState, PrintOrder, PrintState, Sculpture};
+use crate::records::{EstimateState, PrintOrder, PrintState, Sculpture, WorkKind};
 use crate::refusal::Refusal;
 use crate::store::{Order, Query, StoreError};
 use crate::time::BoothTime;
 use crate::value::Field as _;
+use crate::work::end_work;
 
 pub(crate) const NO_ORDER: Refusal = Refusal::NotFound(Reason::NoPrint);
 
@@ -221,26 +222,39 @@ impl Booth {
         })
     }
 
-    /// The print that waits longest for its time and material.
+    /// The print that waits longest for its time and material, of those that no other process slices.
     ///
     /// # Errors
     /// Those of the store.
-    pub fn next_slice(&self) -> Result<Option<PrintJob>, Refusal> {
+    pub fn next_slice(&self, now: BoothTime) -> Result<Option<PrintJob>, Refusal> {
         let waiting = |state: &PrintState| {
             Query::all::<PrintOrder>()
                 .equal("state", state)
                 .equal("estimate", &EstimateState::Waiting)
                 .ordered("changed_at", Order::Ascending)
+                .first(MAX_WORKERS)
         };
-        self.view(|tx| {
-            let mut order = tx.find_first::<PrintOrder>(waiting(&PrintState::Ordered))?;
-            if order.is_none() {
-                // Begun by hand before its turn came.
-                order = tx.find_first(waiting(&PrintState::Printing))?;
+        // The second were begun by hand before their turn came.
+        let turns = [waiting(&PrintState::Ordered), waiting(&PrintState::Printing)];
+        let are_any = self.view(|tx| {
+            let [first, second] = turns.clone();
+            let of_first = tx.find_first::<PrintOrder>(first)?.is_some();
+            Ok(of_first || tx.find_first::<PrintOrder>(second)?.is_some())
+        });
+        if !are_any? {
+            return Ok(None);
+        }
+        self.update(|tx| {
+            for turn in &turns {
+                for order in tx.find::<PrintOrder>(turn)? {
+                    let sculpture = tx.get::<Sculpture>(&[order.sculpture.to_value()])?;
+                    let Some(sculpture) = sculpture else { continue };
+                    if self.begin_work(tx, WorkKind::Slice, &order.order.to_le_bytes(), now)? {
+                        return Ok(Some(PrintJob { order, sculpture }));
+                    }
+                }
             }
-            let Some(order) = order else { return Ok(None) };
-            let sculpture = tx.get::<Sculpture>(&[order.sculpture.to_value()])?;
-            Ok(sculpture.map(|sculpture| PrintJob { order, sculpture }))
+            Ok(None)
         })
     }
 
@@ -257,6 +271,7 @@ impl Booth {
         now: BoothTime,
     ) -> Result<(), Refusal> {
         self.update(|tx| {
+            end_work(tx, WorkKind::Slice, &order.to_le_bytes())?;
             let found: Option<PrintOrder> = tx.get(&[order.to_value()])?;
             let is_waiting = |order: &PrintOrder| {
                 matches!(order.state, PrintState::Ordered | PrintState::Printing)

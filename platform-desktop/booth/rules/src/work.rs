@@ -30,6 +30,50 @@ impl Booth {
         })
     }
 
+    /// Goes on with work that takes longer than [`WORK_LIFE`]. Returns whether it is this process' still.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn renew_work(
+        &self,
+        kind: WorkKind,
+        subject: &[u8],
+        now: BoothTime,
+    ) -> Result<bool, Refusal> {
+        self.update(|tx| {
+            let is_own = self.is_own_work(tx, kind, subject)?;
+            Ok(is_own && self.begin_work(tx, kind, subject, now)?)
+        })
+    }
+
+    /// Leaves work that this process has taken to others, as it can't do it now.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn leave_work(&self, kind: WorkKind, subject: &[u8]) -> Result<(), Refusal> {
+        self.update(|tx| Ok(self.end_own_work(tx, kind, subject)?))
+    }
+
+    /// Ends some work if this process has it.
+    pub(crate) fn end_own_work(
+        &self,
+        tx: &mut Tx<'_>,
+        kind: WorkKind,
+        subject: &[u8],
+    ) -> Result<(), StoreError> {
+        if self.is_own_work(tx, kind, subject)? { end_work(tx, kind, subject) } else { Ok(()) }
+    }
+
+    fn is_own_work(
+        &self,
+        tx: &mut Tx<'_>,
+        kind: WorkKind,
+        subject: &[u8],
+    ) -> Result<bool, StoreError> {
+        let lease: Option<WorkLease> = tx.get(&[kind.to_value(), subject.to_vec().to_value()])?;
+        Ok(lease.is_some_and(|lease| lease.worker == self.worker))
+    }
+
     /// Takes some work upon this process for [`WORK_LIFE`], unless another one has it.
     pub(crate) fn begin_work(
         &self,

@@ -86,13 +86,13 @@ fn a_print_is_ordered_sliced_printed_and_done() {
     let order = rig.print(&id);
     assert_eq!((order.state, order.estimate), (PrintState::Ordered, EstimateState::Waiting));
     assert_eq!((order.filament.as_str(), order.note.as_str()), ("white", "by five,\r\nplease"));
-    let job = booth.next_slice().unwrap().expect("it waits");
+    let job = booth.next_slice(START).unwrap().expect("it waits");
     assert_eq!((job.order.order, job.sculpture.id), (7, id.0));
     booth.note_slice(7, &KNOWN, seconds(1)).unwrap();
     let order = rig.print(&id);
     assert_eq!((order.state, order.estimate), (PrintState::Sliced, EstimateState::Known));
     assert_eq!((order.minutes, order.tenths_gram), (Some(95), Some(123)));
-    assert_eq!(booth.next_slice().unwrap(), None);
+    assert_eq!(booth.next_slice(START).unwrap(), None);
     // Told twice, as after a power cut, it stays as it is.
     booth.note_slice(7, &SliceOutcome::Unknown("?".into()), seconds(2)).unwrap();
     assert_eq!(rig.print(&id), order);
@@ -121,7 +121,7 @@ fn without_a_slicer_a_print_is_started_by_hand_and_no_size_follows_from_a_time()
     assert_eq!(status(booth.ask_print(&id, &by_time, (7, false), "bob", START)), 400);
     booth.ask_print(&id, &wish(TALL), (7, false), "bob", START).unwrap();
     assert_eq!(rig.print(&id).estimate, EstimateState::Unknown);
-    assert_eq!(booth.next_slice().unwrap(), None);
+    assert_eq!(booth.next_slice(START).unwrap(), None);
     rig.step(PrintStep::Start);
     rig.step(PrintStep::Fail);
     assert_eq!(rig.print(&id).state, PrintState::Failed);
@@ -136,7 +136,7 @@ fn a_slicer_that_fails_fails_what_needs_it_alone() {
     booth.note_slice(7, &failed, seconds(1)).unwrap();
     let order = rig.print(&id);
     assert_eq!((order.state, order.why.as_str()), (PrintState::Ordered, "it took too long"));
-    assert_eq!(booth.next_slice().unwrap(), None, "it isn't tried for ever");
+    assert_eq!(booth.next_slice(START).unwrap(), None, "it isn't tried for ever");
     let by_time = wish(PrintSize::Minutes(120));
     booth.ask_print(&id, &by_time, (8, true), "bob", seconds(2)).unwrap();
     booth.note_slice(8, &failed, seconds(3)).unwrap();
@@ -156,12 +156,12 @@ fn a_print_that_is_begun_before_it_is_sliced_is_still_estimated() {
     for (number, outcome) in (7..).zip(outcomes) {
         booth.ask_print(&id, &wish(TALL), (number, true), "bob", START).unwrap();
         booth.step_print(number, (PrintStep::Start, true), "bob", START).unwrap();
-        assert_eq!(booth.next_slice().unwrap().map(|job| job.order.order), Some(number));
+        assert_eq!(booth.next_slice(START).unwrap().map(|job| job.order.order), Some(number));
         booth.note_slice(number, &outcome, seconds(10)).unwrap();
         let order = booth.find_print(number).unwrap().order;
         assert_eq!(order.state, PrintState::Printing);
         assert_eq!(order.minutes.is_some(), outcome == KNOWN);
-        assert_eq!(booth.next_slice().unwrap(), None, "nobody waits for it any more");
+        assert_eq!(booth.next_slice(START).unwrap(), None, "nobody waits for it any more");
     }
 }
 
@@ -197,7 +197,7 @@ fn what_is_withdrawn_is_not_printed_and_what_is_deleted_has_no_orders() {
     booth.step_print(7, (PrintStep::Retry, true), "bob", seconds(3)).unwrap();
     booth.delete(&id, "bob", seconds(4)).unwrap();
     assert_eq!(booth.list_prints(&id).unwrap(), []);
-    assert_eq!(booth.next_slice().unwrap(), None);
+    assert_eq!(booth.next_slice(START).unwrap(), None);
     booth.note_slice(7, &KNOWN, seconds(5)).unwrap();
     assert_eq!(status(booth.find_print(7)), 404);
 }

@@ -7,8 +7,11 @@ use std::sync::Mutex;
 
 use common::*;
 use paros_booth_rules::limits::WORK_LIFE;
-use paros_booth_rules::records::{ExportState, WorkLease};
-use paros_booth_rules::{Booth, BoothTime, MailOutcome, Query, view};
+use paros_booth_rules::records::{ExportState, WorkKind, WorkLease};
+use paros_booth_rules::{
+    Booth, BoothTime, MailOutcome, PrintSize, PrintStep, PrintWish, PrinterTask, Query,
+    SliceOutcome, view,
+};
 use paros_core::outbox::messages::*;
 
 /// A booth with so many sculptures, and two of its processes.
@@ -78,6 +81,92 @@ fn a_mail_is_sent_by_one_process() {
     assert_eq!(next(&two, days(1)), Some(7), "the next try is anybody's");
     two.note_mail(7, &MailOutcome::Accepted, days(1)).unwrap();
     assert_eq!(count_leases(&rig), 0);
+}
+
+const KNOWN: SliceOutcome = SliceOutcome::Known { height: 800, minutes: 95, tenths_gram: 123 };
+
+/// A booth with so many prints that wait for the slicer, from 1 on, and two of its processes.
+fn with_prints(count: u64) -> (Rig, [Booth; 2]) {
+    let (rig, workers) = with_sculptures(1);
+    let wish =
+        PrintWish { size: PrintSize::Height(800), filament: String::new(), note: String::new() };
+    for order in 1..=count {
+        let id = SculptureId([1; 16]);
+        rig.booth.ask_print(&id, &wish, (order, true), "bob", seconds(order)).unwrap();
+    }
+    (rig, workers)
+}
+
+fn next_slice(booth: &Booth, now: BoothTime) -> Option<u64> {
+    booth.next_slice(now).unwrap().map(|job| job.order.order)
+}
+
+#[test]
+fn a_print_is_sliced_by_one_process_and_one_that_dies_is_followed() {
+    let (rig, [one, two]) = with_prints(3);
+    // Begun by hand before its turn came.
+    one.step_print(1, (PrintStep::Start, true), "bob", seconds(4)).unwrap();
+    let now = seconds(5);
+    assert_eq!(next_slice(&one, now), Some(2));
+    assert_eq!(next_slice(&two, now), Some(3));
+    two.note_slice(3, &KNOWN, now).unwrap();
+    assert_eq!(next_slice(&two, now), Some(1));
+    two.note_slice(1, &KNOWN, now).unwrap();
+    assert_eq!(next_slice(&two, now), None);
+    assert_eq!(next_slice(&two, BoothTime(now.after(WORK_LIFE).0 - 1)), None);
+    assert_eq!(next_slice(&two, now.after(WORK_LIFE)), Some(2), "the other one is dead");
+    two.note_slice(2, &KNOWN, now).unwrap();
+    assert_eq!(count_leases(&rig), 0);
+}
+
+/// A size that follows from a time takes several slices of minutes each.
+#[test]
+fn what_takes_long_is_renewed_and_what_cannot_be_done_is_left() {
+    let (rig, [one, two]) = with_prints(1);
+    let (kind, subject) = (WorkKind::Slice, 1_u64.to_le_bytes());
+    assert!(!one.renew_work(kind, &subject, START).unwrap(), "it was never taken");
+    let mut now = seconds(2);
+    assert_eq!(next_slice(&one, now), Some(1));
+    for _ in 0..4 {
+        now = now.after(WORK_LIFE / 2);
+        assert!(one.renew_work(kind, &subject, now).unwrap());
+        assert!(!two.renew_work(kind, &subject, now).unwrap());
+        assert_eq!(next_slice(&two, now), None);
+    }
+    two.leave_work(kind, &subject).unwrap();
+    assert_eq!(next_slice(&two, now), None, "it was not its own to leave");
+    one.leave_work(kind, &subject).unwrap();
+    assert_eq!(next_slice(&two, now), Some(1));
+    assert!(!one.renew_work(kind, &subject, now.after(WORK_LIFE)).unwrap(), "it is another's");
+    assert_eq!(count_leases(&rig), 1);
+}
+
+/// Two that stop a print at once stop the next one too, which was sent between.
+#[test]
+fn a_printer_is_one_process_matter() {
+    let (rig, [one, two]) = with_prints(2);
+    let task = |booth: &Booth, now| booth.next_printer_task("Left", now).unwrap();
+    for order in [1, 2] {
+        assert_eq!(next_slice(&one, START), Some(order));
+        one.note_slice(order, &KNOWN, START).unwrap();
+    }
+    one.send_print(1, "Left", "bob", START).unwrap();
+    assert!(matches!(task(&one, START), Some(PrinterTask::Send(_))));
+    assert_eq!(task(&two, START), None);
+    assert_eq!(two.next_printer_task("Right", START).unwrap(), None);
+    assert!(one.begin_print(1, "a.gcode", START).unwrap());
+    one.step_print(1, (PrintStep::Cancel, true), "bob", START).unwrap();
+    assert!(matches!(task(&one, START), Some(PrinterTask::Stop(_))));
+    assert_eq!(task(&two, seconds(1)), None);
+    one.release_printer(1).unwrap();
+    two.send_print(2, "Left", "bob", seconds(2)).unwrap();
+    assert_eq!(task(&two, seconds(2)), None, "the first one still sees to it");
+    let later = seconds(1).after(WORK_LIFE);
+    assert!(matches!(task(&two, later), Some(PrinterTask::Send(_))), "the other one is dead");
+    assert!(two.begin_print(2, "b.gcode", later).unwrap());
+    two.step_print(2, (PrintStep::Finish, true), "bob", later).unwrap();
+    assert_eq!(task(&two, later), None);
+    assert_eq!(count_leases(&rig), 0, "who comes first takes it up next time");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use paros_booth_rules::records::PrintOrder;
+use paros_booth_rules::records::{PrintOrder, WorkKind};
 use paros_booth_rules::{Booth, PrintJob, PrinterTask, PrinterWord, Refusal};
 use tracing::{info, warn};
 
@@ -16,6 +16,7 @@ use super::slices::height_of;
 use crate::clock::booth_time;
 use crate::error::Error;
 use crate::exporter::make_stl;
+use crate::lease_keeper::keep_lease;
 use crate::worker::{Waker, Worker};
 
 /// How often a printer is looked at that prints, or is to.
@@ -114,13 +115,16 @@ impl PrinterThread {
         let status = self.link.status();
         self.show(status.as_ref().ok());
         let wait = if task.is_some() { LOOK_OFTEN } else { LOOK_AGAIN };
-        // One that doesn't answer is asked again: what it has, it has.
-        let Ok(status) = status else { return wait };
-        let done = match task {
-            Some(PrinterTask::Send(job)) => self.send(&job, &status),
-            Some(PrinterTask::Watch(order)) => self.watch(&order, &status),
-            Some(PrinterTask::Stop(order)) => self.stop(&order, &status),
-            None => Ok(()),
+        let Some(task) = task else { return wait };
+        let subject = self.name.as_bytes();
+        let done = match status {
+            Ok(status) => keep_lease(&self.booth, WorkKind::Printer, subject, || match task {
+                PrinterTask::Send(job) => self.send(&job, &status),
+                PrinterTask::Watch(order) => self.watch(&order, &status),
+                PrinterTask::Stop(order) => self.stop(&order, &status),
+            }),
+            // One that doesn't answer is asked again, perhaps by a booth that reaches it: what it has, it has.
+            Err(_) => self.booth.leave_work(WorkKind::Printer, subject),
         };
         if let Err(error) = done {
             warn!(printer = self.name, %error, "a print could not be seen to");

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use paros_booth_rules::records::WorkKind;
 use paros_booth_rules::{Booth, PrintJob, Refusal, SizeSearch, SliceOutcome, Sliced};
 use tracing::{info, warn};
 
@@ -10,15 +11,21 @@ use super::gcode::Estimate;
 use super::slicer::{SliceFault, Slicer};
 use crate::clock::booth_time;
 use crate::exporter::make_stl;
+use crate::lease_keeper::keep_lease;
 
 /// How often the thread looks for work that nobody told it of, as what was left by a start before.
 const LOOK_AGAIN: Duration = Duration::from_secs(30);
 
 /// Slices the next print, if there is one. Returns for how long there is nothing to do.
 pub(crate) fn slice_next(booth: &Booth, slicer: &Arc<Slicer>) -> Duration {
-    let sliced = booth.next_slice().and_then(|job| {
+    let sliced = booth.next_slice(booth_time()).and_then(|job| {
         let Some(job) = job else { return Ok(LOOK_AGAIN) };
-        let Some(outcome) = slice(booth, slicer, &job)? else { return Ok(LOOK_AGAIN) };
+        let subject = job.order.order.to_le_bytes();
+        let outcome = keep_lease(booth, WorkKind::Slice, &subject, || slice(booth, slicer, &job))?;
+        let Some(outcome) = outcome else {
+            booth.leave_work(WorkKind::Slice, &subject)?;
+            return Ok(LOOK_AGAIN);
+        };
         info!(order = job.order.order, ?outcome, "print sliced");
         booth.note_slice(job.order.order, &outcome, booth_time())?;
         Ok(Duration::ZERO)

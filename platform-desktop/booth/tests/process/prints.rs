@@ -11,7 +11,7 @@ use crate::smtp_sink::wait_until;
 use crate::staff::{Browser, post_form};
 
 /// A program in place of the slicer, which takes a second a millimetre squared.
-fn stand_in(folder: &BoothFolder, script: &str) -> PathBuf {
+pub(crate) fn stand_in(folder: &BoothFolder, script: &str) -> PathBuf {
     let program = folder.path().with_file_name("slicer");
     std::fs::write(&program, format!("#!/bin/sh\n{script}\n")).expect("room on the disk");
     std::fs::set_permissions(&program, PermissionsExt::from_mode(0o755)).unwrap();

@@ -9,8 +9,11 @@ use std::time::{Duration, Instant};
 use paros_core::outbox::messages::*;
 
 use crate::postgres_server::PostgresServer;
+use crate::prints::{send_form, stand_in, with_sculpture};
 use crate::rig::{BoothFolder, Client, Headset, Parcel};
 use crate::s3_server::S3Server;
+use crate::smtp_sink::wait_until;
+use crate::staff::Browser;
 
 const HEADSETS: u8 = 50;
 const PARCELS_EACH: u32 = 2;
@@ -161,6 +164,41 @@ fn check_exports(folders: &[BoothFolder; 2]) {
     let count = all.len();
     all.dedup();
     assert_eq!(all.len(), count, "one was compared twice");
+}
+
+/// A slicer takes minutes of a processor: none slices what the other one does.
+#[test]
+fn two_slice_each_print_once() {
+    const PRINTS: usize = 6;
+    let Some(shared) = Shared::start("several-slices") else { return };
+    let folders = ["slices-1", "slices-2"]
+        .map(|name| shared.folder(&format!("several-{name}"), "s3://booth/site"));
+    let sliced = folders[0].path().with_file_name("sliced");
+    let script = format!(
+        "echo x >>{}; sleep 0.5; printf '; total filament used [g] = 2\\n; estimated printing time (normal mode) = 2m\\n' >print.gcode",
+        sliced.display()
+    );
+    let slicer = stand_in(&folders[0], &script);
+    let arguments = ["--slicer", slicer.to_str().expect("text")];
+    let one = folders[0].start_with(&arguments);
+    copy_keys(&folders[0], &folders[1]);
+    let two = folders[1].start_with(&arguments);
+    let at = with_sculpture(&one.client, &folders[1], 77);
+    let browser = Browser::first(&one.client, &one.first_code().expect("a code"));
+    let of_two = Browser { client: &two.client, cookie: browser.cookie.clone() };
+    for k in 0..PRINTS {
+        // Each is asked for at one of them, and both look.
+        let browser = if k % 2 == 0 { &browser } else { &of_two };
+        assert_eq!(send_form(browser, &at, &format!("{at}/print"), "height=60").status, 303);
+    }
+    wait_until(|| {
+        let ready = browser.get("/staff/prints").text().matches("ready to print").count();
+        (ready == PRINTS).then_some(())
+    });
+    let count = std::fs::read_to_string(&sliced).expect("it was asked").lines().count();
+    assert_eq!(count, PRINTS, "one was sliced twice");
+    let by_each = folders.map(|folder| folder.log().matches("print sliced").count());
+    assert!(by_each.iter().all(|count| *count > 0), "{by_each:?}");
 }
 
 /// One that is alone may keep its files in a bucket, and still has its folder for itself.

@@ -11,6 +11,10 @@ stored_enum! {
         Export = 0,
         /// To send a mail: by its order's number.
         Mail = 1,
+        /// To slice a print: by its order's number.
+        Slice = 2,
+        /// To see to a printer: by its name.
+        Printer = 3,
     }
 }
 
