@@ -32,8 +32,8 @@ pub(crate) fn run(command: &BoothCommand) -> Result<String, Error> {
             })
         }
         BoothCommand::Backup { folder, file } => back_up(folder.path_alone()?, file),
-        BoothCommand::Restore { folder, file, deletions } => {
-            restore(file, folder.path_alone()?, deletions.as_deref())
+        BoothCommand::Restore { folder, file, deletions, again } => {
+            restore(file, folder.path_alone()?, deletions.as_deref(), *again)
         }
         BoothCommand::Attempts { folder } => list_attempts(folder),
         BoothCommand::Accept { folder, attempt, headset } => {

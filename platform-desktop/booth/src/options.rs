@@ -132,6 +132,9 @@ pub enum BoothCommand {
         /// The `deletions` file of the booth's folder, if that is newer: what it names is deleted again.
         #[arg(long, value_name = "FILE")]
         deletions: Option<PathBuf>,
+        /// Though it was restored today before, as the booth of that has answered no headset.
+        #[arg(long)]
+        again: bool,
     },
     /// List the headsets that enrol by hand, and the pictograms that each must show.
     Attempts {

@@ -1,9 +1,9 @@
 //! A booth made of a backup. It is whole before it has its folder's name.
 
 use std::fs::{self, DirBuilder, File, OpenOptions};
-use std::io::{self, BufReader, Read as _};
+use std::io::{self, BufReader, Read as _, Write as _};
 use std::os::unix::fs::{DirBuilderExt as _, OpenOptionsExt as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use paros_booth_rules::{BoothPlan, BoothTime, RestoreReport};
 use paros_core::outbox::messages::{ContentHash, SculptureId};
@@ -20,14 +20,16 @@ use crate::own_file::OwnPart;
 use crate::shared::SharedOptions;
 
 /// Makes a booth of a backup, in a new folder. What `deletions` names beside what the backup does is deleted again.
-/// Returns what it says of it.
+/// Returns what it says of it. `is_again` is whether it may have been restored on this day before.
 ///
 /// # Errors
-/// That the folder isn't empty, or a file is none of `backup`'s; what disk and database say. There is no folder then.
+/// That the folder isn't empty, a file is none of `backup`'s, or the backup was restored today; what disk and database
+/// say. There is no folder then.
 pub(crate) fn restore(
     archive: &Path,
     folder: &Path,
     deletions: Option<&Path>,
+    is_again: bool,
 ) -> Result<String, Error> {
     let is_free = fs::read_dir(folder).map_or_else(
         |error| error.kind() == io::ErrorKind::NotFound,
@@ -42,6 +44,8 @@ pub(crate) fn restore(
     let fail = |error: io::Error| Error::at(folder, error);
     let part = OwnPart::new_folder(folder).map_err(fail)?;
     let copied_at = unpack(archive, &part.path)?;
+    let use_of_today = UseOfBackup { copied_at, day: booth_time().day() };
+    use_of_today.check_first(archive, is_again)?;
     let log = part.path.join(DELETIONS);
     let mut deletions = if log.is_file() { read_deletions(&log)? } else { Vec::new() };
     deletions.extend(since);
@@ -53,8 +57,50 @@ pub(crate) fn restore(
     for inner in ["keys", "sculptures", ""] {
         File::open(part.path.join(inner)).and_then(|folder| folder.sync_all()).map_err(fail)?;
     }
+    // Before there is a booth that hands badges out.
+    use_of_today.note(archive)?;
     part.rename(folder).map_err(fail)?;
     Ok(tell(folder, &report))
+}
+
+/// That a backup was restored on a day. Two booths of one backup begin with the same badges on the same day.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct UseOfBackup {
+    copied_at: BoothTime,
+    day: u32,
+}
+
+impl UseOfBackup {
+    /// The file beside the archive that says so. Of a newer archive of the same name it says nothing.
+    fn path(archive: &Path) -> PathBuf {
+        let mut name = archive.as_os_str().to_owned();
+        name.push(".restored");
+        name.into()
+    }
+
+    fn to_line(self) -> String {
+        format!("copied_at = {}, restored on day {}\n", self.copied_at.0, self.day)
+    }
+
+    fn check_first(self, archive: &Path, is_again: bool) -> Result<(), Error> {
+        let noted = fs::read_to_string(Self::path(archive)).unwrap_or_default();
+        if noted == self.to_line() && !is_again {
+            let why = "it was restored today already, and badges would repeat: restore another backup, or --again where \
+                       the booth of before answered no headset";
+            return Err(bad(archive, &why));
+        }
+        Ok(())
+    }
+
+    fn note(self, archive: &Path) -> Result<(), Error> {
+        let path = Self::path(archive);
+        let noted = OwnPart::new_file(&path).and_then(|(part, mut file)| {
+            file.write_all(self.to_line().as_bytes())?;
+            file.sync_all()?;
+            part.rename(&path)
+        });
+        noted.map_err(|error| Error::at(&path, error))
+    }
 }
 
 fn tell(folder: &Path, report: &RestoreReport) -> String {
@@ -63,13 +109,16 @@ fn tell(folder: &Path, report: &RestoreReport) -> String {
         "{}: {sculptures} sculptures, {deleted} of them deleted again; {tombstones} deletions more\n\
          {tokens} enrolment tokens were taken back; {mails} mails that waited have to be asked for anew\n\
          Accounts and headsets that were shut out since the backup are let in again: look at both pages.\n\
-         Restore the same backup no second time on one day: badges would repeat.\n",
+         Restore no other copy of the same backup today: badges would repeat.\n",
         folder.display()
     )
 }
 
 /// Unpacks an archive into an empty folder. Returns when it was made.
-fn unpack(archive: &Path, folder: &Path) -> Result<BoothTime, Error> {
+///
+/// # Errors
+/// That it is none of `backup`'s, or what the disk says. What was unpacked so far stays.
+pub(crate) fn unpack(archive: &Path, folder: &Path) -> Result<BoothTime, Error> {
     let fail = |error: ZipError| bad(archive, &tell_fault(archive, error));
     let file = File::open(archive).map_err(|error| bad(archive, &error))?;
     let mut zip = ZipArchive::new(BufReader::new(file)).map_err(fail)?;

@@ -142,6 +142,32 @@ fn zip_of(name: &str, text: &str) -> Vec<u8> {
     zip.finish().expect("an archive").into_inner()
 }
 
+/// Two booths of one backup would hand the same badges out.
+#[test]
+fn a_backup_is_restored_once_a_day() {
+    let folder = BoothFolder::new("backup-twice");
+    let booth = folder.start();
+    let file = back_up(&folder);
+    restore(&folder, "backup-twice-1", false).expect("a booth");
+    let told = restore(&folder, "backup-twice-2", false).err().expect("a second one");
+    assert!(told.contains("booth.backup: it was restored today already"), "{told}");
+    let second = folder.path().parent().unwrap().with_file_name("backup-twice-2");
+    assert_eq!(fs::read_dir(second).unwrap().count(), 0);
+    let third = BoothFolder::new("backup-twice-3");
+    third.run(&["restore", file.to_str().unwrap(), "--again"]).expect("it was said");
+    // A newer one of the same name is another.
+    back_up(&folder);
+    restore(&folder, "backup-twice-4", false).expect("a booth");
+    // On another day it may be.
+    let note = file.with_file_name("booth.backup.restored");
+    let text = fs::read_to_string(&note).unwrap();
+    let (copied, day) = text.trim_end().rsplit_once(' ').expect("a day");
+    let yesterday = day.parse::<u32>().expect("a number") - 1;
+    fs::write(&note, format!("{copied} {yesterday}\n")).unwrap();
+    restore(&folder, "backup-twice-5", false).expect("a booth");
+    drop(booth);
+}
+
 #[test]
 fn what_is_no_backup_or_no_free_folder_is_refused_and_nothing_is_left() {
     let folder = BoothFolder::new("backup-damaged");
