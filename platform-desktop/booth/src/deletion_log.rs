@@ -92,13 +92,20 @@ impl DeletionLog {
 pub(crate) fn read_deletions(path: &Path) -> Result<Vec<Deletion>, Error> {
     let bad = |why: &dyn std::fmt::Display| Error::Input(format!("{}: {why}", path.display()));
     let bytes = durable::read_regular_file(path).map_err(|error| bad(&error))?;
-    let text =
-        String::from_utf8(bytes).map_err(|_| bad(&"expected lines of a log of deletions"))?;
+    parse_deletions(bytes).map_err(|why| bad(&why))
+}
+
+/// Takes the bytes of a log.
+///
+/// # Errors
+/// The first line that is none of a log.
+pub(crate) fn parse_deletions(bytes: Vec<u8>) -> Result<Vec<Deletion>, String> {
+    let text = String::from_utf8(bytes).map_err(|_| "expected lines of a log of deletions")?;
     let whole = text.rfind('\n').map_or("", |last| &text[..last]);
     let lines = whole.split_terminator('\n').enumerate();
     let read = |(k, line)| {
         let expected = "expected a deletion: id, headset, hash, badge, time";
-        Deletion::parse_line(line).ok_or_else(|| bad(&format!("line {}: {expected}", k + 1)))
+        Deletion::parse_line(line).ok_or_else(|| format!("line {}: {expected}", k + 1))
     };
     lines.map(read).collect()
 }

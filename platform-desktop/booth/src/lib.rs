@@ -19,6 +19,8 @@ mod fleet_file;
 mod folder_lock;
 mod gate;
 mod glb;
+#[doc(hidden)]
+pub mod internals;
 mod keys;
 mod leaf;
 mod lease_keeper;

@@ -216,9 +216,11 @@ async fn read_piece(
     Ok((bytes, turn))
 }
 
-type PutHead = (SculptureId, ContentHash, u64, u64);
+/// A sculpture, the hash and the length of its parcel, and where the piece begins.
+pub(crate) type PutHead = (SculptureId, ContentHash, u64, u64);
 
-fn read_put(id: &str, uri: &Uri, headers: &HeaderMap) -> Result<PutHead, Refusal> {
+/// What the address and the headers of a parcel's piece say.
+pub(crate) fn read_put(id: &str, uri: &Uri, headers: &HeaderMap) -> Result<PutHead, Refusal> {
     let bad = |expected: &str| Refusal::BadRequest(format!("expected {expected}"));
     let id = SculptureId::parse_hex(id).ok_or_else(|| bad("an id of 32 hexadecimal digits"))?;
     let header = |name| headers.get(name).and_then(|value| value.to_str().ok());

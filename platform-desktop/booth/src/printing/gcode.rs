@@ -31,7 +31,8 @@ pub(crate) fn read_estimate(path: &Path) -> io::Result<Option<Estimate>> {
     Ok(parse_estimate(&String::from_utf8_lossy(&end)))
 }
 
-fn parse_estimate(text: &str) -> Option<Estimate> {
+/// The same of the file's end.
+pub(crate) fn parse_estimate(text: &str) -> Option<Estimate> {
     let value = |name: &str| {
         let mut lines = text.lines().rev();
         lines.find_map(|line| line.strip_prefix(name)?.strip_prefix(" = "))

@@ -11,7 +11,9 @@ mod slices;
 
 pub use options::SlicerOptions;
 
-pub(crate) use printer_link::Activity;
+pub(crate) use gcode::parse_estimate;
+pub(crate) use printer_file::parse_printers;
+pub(crate) use printer_link::{Activity, read_answers};
 pub(crate) use printer_thread::{Printer, PrinterView, start_printers};
 pub(crate) use slicer::Slicer;
 pub(crate) use slices::slice_next;

@@ -71,7 +71,7 @@ fn usb() -> String {
 pub(crate) fn read_printers(path: &Path) -> Result<Vec<PrinterEntry>, Error> {
     let bad = |why: &dyn fmt::Display| Error::Input(format!("{}: {why}", path.display()));
     let text = fs::read_to_string(path).map_err(|error| bad(&error))?;
-    let mut printers = parse(&text).map_err(|why| bad(&why))?;
+    let mut printers = parse_printers(&text).map_err(|why| bad(&why))?;
     let folder = path.parent().unwrap_or(Path::new(""));
     for printer in &mut printers {
         if let Some(profile) = &printer.profile {
@@ -82,7 +82,11 @@ pub(crate) fn read_printers(path: &Path) -> Result<Vec<PrinterEntry>, Error> {
     Ok(printers)
 }
 
-fn parse(text: &str) -> Result<Vec<PrinterEntry>, String> {
+/// Takes the text of such a file. Paths in it are as they stand there.
+///
+/// # Errors
+/// What is wrong with it and where. A key is never part of that.
+pub(crate) fn parse_printers(text: &str) -> Result<Vec<PrinterEntry>, String> {
     let file: PrinterFile = toml::from_str(text).map_err(|error| {
         // Not the line itself: it may have a key.
         let before = error.span().map_or("", |span| &text[..span.start.min(text.len())]);
@@ -131,7 +135,7 @@ fn check(printer: &PrinterEntry) -> Result<(), String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{PrinterKind, parse};
+    use super::{PrinterKind, parse_printers};
 
     const TWO: &str = "[[printer]]\nname = \"Left\"\nkind = \"moonraker\"\naddress = \"http://10.0.0.7:7125\"\n\
                        [[printer]]\nname = \"Right\"\nkind = \"prusalink\"\naddress = \"https://right.example\"\n\
@@ -139,12 +143,12 @@ mod tests {
 
     #[test]
     fn printers_are_read_and_their_keys_not_shown() {
-        let printers = parse(TWO).expect("two printers");
+        let printers = parse_printers(TWO).expect("two printers");
         assert_eq!(printers[0].kind, PrinterKind::Moonraker);
         assert_eq!((printers[0].storage.as_str(), printers[1].storage.as_str()), ("usb", "local"));
         assert_eq!(printers[1].key.0, "secret");
         assert!(!format!("{printers:?}").contains("secret"));
-        assert!(parse("").expect("none").is_empty());
+        assert!(parse_printers("").expect("none").is_empty());
     }
 
     #[test]
@@ -161,7 +165,7 @@ mod tests {
             ("key =", "kex =", "line 9: "),
             ("moonraker", "octoprint", "line 3: "),
         ] {
-            let why = parse(&TWO.replace(from, to)).expect_err(told);
+            let why = parse_printers(&TWO.replace(from, to)).expect_err(told);
             assert!(why.starts_with(told) && !why.contains("secret"), "{why}");
         }
     }

@@ -241,6 +241,16 @@ fn read(answer: Response<Body>) -> Result<Value, PrinterFault> {
     serde_json::from_slice(&bytes.map_err(|_| PrinterFault::Silent)?).map_err(|_| nonsense())
 }
 
+/// The status in the bodies of a printer's answers: of Moonraker the first, of PrusaLink both; `None` where it isn't
+/// understood.
+pub(crate) fn read_answers(first: &[u8], second: Option<&[u8]>) -> Option<PrinterStatus> {
+    let first = serde_json::from_slice(first).ok()?;
+    match second {
+        None => read_moonraker(&first),
+        Some(second) => read_prusalink(&first, &serde_json::from_slice(second).ok()?),
+    }
+}
+
 /// Hundredths of a part between 0 and 1, or of a hundred.
 fn percent(part: Option<f64>, whole: f64) -> Option<u8> {
     part.map(|part| (100.0 * part / whole).clamp(0.0, 100.0) as u8)

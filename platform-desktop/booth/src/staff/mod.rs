@@ -31,6 +31,8 @@ use axum::routing::{MethodRouter, any, get, post};
 
 pub(crate) use frame::keep_frame;
 pub(crate) use login::LoginGate;
+pub(crate) use page::Fields;
+pub(crate) use prints::read_size;
 pub(crate) use sculptures::utc;
 pub(crate) use svg::draw_badge;
 

@@ -314,7 +314,7 @@ fn tenths(count: u32) -> String {
 }
 
 /// A size of a form's fields: minutes, or where there are none a height in millimetres.
-fn read_size(height: &str, minutes: &str) -> Result<PrintSize, Refusal> {
+pub(crate) fn read_size(height: &str, minutes: &str) -> Result<PrintSize, Refusal> {
     let (height, minutes) = (height.trim(), minutes.trim());
     if !minutes.is_empty() {
         let minutes = minutes.parse().map_err(|_| Refusal::Unfit(Expected::Minutes))?;

@@ -1,0 +1,91 @@
+//! What the targets begin with, and what they look at.
+
+use std::fs;
+use std::io::{Cursor, Write as _};
+use std::path::{Path, PathBuf};
+
+use flate2::Compression;
+use flate2::write::DeflateEncoder;
+use paros_core::codec::trace::CORE_VERSION;
+use paros_core::outbox::messages::*;
+use paros_core::session::SessionMode;
+use paros_shell::rmap;
+use paros_shell::statics::Resident;
+
+/// All files below a folder.
+pub(crate) fn list(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).expect("a folder").flatten() {
+        match entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+            true => found.extend(list(&entry.path())),
+            false => found.push(entry.path()),
+        }
+    }
+    found
+}
+
+/// A ZIP archive of files.
+pub(crate) fn archive(files: &[(&str, &str)]) -> Vec<u8> {
+    let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, text) in files {
+        let options = zip::write::SimpleFileOptions::default();
+        zip.start_file(*name, options).expect("memory");
+        zip.write_all(text.as_bytes()).expect("memory");
+    }
+    zip.finish().expect("memory").into_inner()
+}
+
+/// Packs bytes as parcels do.
+pub(crate) fn deflate(bytes: &[u8]) -> Vec<u8> {
+    let mut packed = DeflateEncoder::new(Vec::new(), Compression::fast());
+    packed.write_all(bytes).expect("memory");
+    packed.finish().expect("memory")
+}
+
+/// A closed mesh of four triangles.
+pub(crate) fn tetrahedron() -> Vec<u8> {
+    let corners = [[0.0f32, 0.0, 0.0], [9.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0, 0.0, 9.0]];
+    let mut stl = vec![0; 80];
+    stl.extend(4u32.to_le_bytes());
+    for triangle in [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] {
+        stl.extend([0; 12]);
+        for place in triangle.iter().flat_map(|&corner: &usize| corners[corner]) {
+            stl.extend(place.to_le_bytes());
+        }
+        stl.extend([0; 2]);
+    }
+    stl
+}
+
+/// A parcel's head, and its first file as it is before it is packed.
+pub(crate) fn upload_seed(kind: ParcelKind) -> Vec<u8> {
+    let first = match kind {
+        ParcelKind::Mesh => tetrahedron(),
+        ParcelKind::Volume => {
+            let maps = <paros_core::volume::Grid<128> as Resident<128, 2>>::lock_range_maps();
+            rmap::encode(&*maps)
+        }
+    };
+    let facts = UploadFacts {
+        kind,
+        id: SculptureId([1; 16]),
+        headset: 17,
+        badge: None,
+        core_version: CORE_VERSION,
+        side: 128,
+        cause: FinishCause::Finished,
+        language: *b"el",
+        mode: SessionMode::FreeForm,
+        age_group: AgeGroup::OfAge,
+        sculpting_seconds: 540,
+        finished_at: 1_790_000_000,
+        height_mm_tenths: 1200,
+        stl_hash: paros_booth_rules::hash_of(&first),
+        stl_bytes: 134,
+        volume_bytes: 20,
+        volume_raw_bytes: first.len() as u32,
+        trace_bytes: 0,
+        trace_raw_bytes: 0,
+    };
+    [&facts.to_bytes()[..], &first].concat()
+}
