@@ -32,7 +32,7 @@ use crate::routes;
 use crate::server::{MakeRouter, serve};
 use crate::settings::{SiteFacts, list_settings};
 use crate::staff::LoginGate;
-use crate::worker::Worker;
+use crate::worker::{Worker, go_behind};
 
 /// How often what is past its time is deleted.
 const SWEEP_EVERY: Duration = Duration::from_secs(300);
@@ -46,8 +46,9 @@ const LOOK_AT_LEAF_EVERY: Duration = Duration::from_secs(86_400);
 /// What keeps it from starting.
 pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     start_log(options.json);
-    // Pictures are drawn on one thread, beside all that is more urgent. A pool that is there already stays.
-    let _ = rayon::ThreadPoolBuilder::new().num_threads(1).build_global();
+    // Pictures are drawn on one thread, behind all that is more urgent. A pool that is there already stays.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).start_handler(|_| go_behind());
+    let _ = pool.build_global();
     let public = PublicAddress::new(&options.public)?;
     let of_staff = options.certificate.load()?;
     let mailer = Mailer::new(&options.mail, public.clone())?;
@@ -73,7 +74,8 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     }
     let names = LeafNames { listen: options.listen.ip(), others: options.name.clone() };
     let of_exports = open.booth.clone();
-    let exports = Worker::start(move || export_next(&of_exports));
+    // Receipts don't wait for it, and come before it.
+    let exports = Worker::start_behind(move || export_next(&of_exports));
     let of_mails = open.booth.clone();
     let mails = mailer.map(|mailer| Worker::start(move || mailer.send_next(&of_mails)));
     let (slices, printers) = start_slices(&open.booth, options, folder)?;

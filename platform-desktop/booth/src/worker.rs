@@ -1,10 +1,14 @@
 //! Threads that do one thing after the other, when they are woken and now and then.
 
+use std::mem;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
+
+/// As that of slicers.
+pub(crate) const LOW_PRIORITY: i32 = 15;
 
 /// A thread; it ends when this is dropped, after what it does.
 pub(crate) struct Worker {
@@ -33,6 +37,18 @@ impl Worker {
         Worker { wake, is_over, thread: Some(thread) }
     }
 
+    /// The same at a low priority: what waits for nobody, and takes a processor for a while.
+    #[must_use]
+    pub(crate) fn start_behind(mut work: impl FnMut() -> Duration + Send + 'static) -> Self {
+        let mut is_behind = false;
+        Worker::start(move || {
+            if !mem::replace(&mut is_behind, true) {
+                go_behind();
+            }
+            work()
+        })
+    }
+
     /// Ends the thread without waiting for what it does, as that may wait for somebody else.
     pub(crate) fn leave(mut self) {
         // Without its handle, nobody waits.
@@ -54,6 +70,12 @@ impl Waker {
     }
 }
 
+/// Has everybody else's threads go before this one, from now on.
+pub(crate) fn go_behind() {
+    // Where it isn't granted, it is a little slower for who waits. Linux counts it by threads.
+    let _ = rustix::process::setpriority_process(Some(rustix::thread::gettid()), LOW_PRIORITY);
+}
+
 impl Drop for Worker {
     fn drop(&mut self) {
         self.is_over.store(true, Ordering::Relaxed);
@@ -63,5 +85,34 @@ impl Drop for Worker {
             // A panic of it was printed.
             let _ = thread.join();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::channel;
+    use std::time::Duration;
+
+    use rustix::process::getpriority_process;
+
+    use super::{LOW_PRIORITY, Worker};
+
+    #[test]
+    fn only_who_is_to_go_behind_does() {
+        let own = || getpriority_process(Some(rustix::thread::gettid())).expect("Linux");
+        let (tell, told) = channel();
+        let of_first = tell.clone();
+        let look = Duration::from_secs(60);
+        let first = Worker::start_behind(move || {
+            of_first.send(own()).expect("it is waited for");
+            look
+        });
+        assert_eq!(told.recv().expect("it runs"), LOW_PRIORITY.max(own()));
+        let second = Worker::start(move || {
+            tell.send(own()).expect("it is waited for");
+            look
+        });
+        assert_eq!(told.recv().expect("it runs"), own());
+        drop((first, second));
     }
 }

@@ -16,6 +16,7 @@ use super::gcode::{Estimate, read_estimate};
 use super::options::SlicerOptions;
 use super::slice_folder::{SliceFolder, SliceFolders};
 use crate::error::Error;
+use crate::worker::LOW_PRIORITY;
 
 /// How long a slice may take: a sculpture at 256 takes some twenty seconds of a small processor.
 const MAX_SLICE_TIME: Duration = Duration::from_secs(240);
@@ -195,7 +196,7 @@ impl Slicer {
             }
         }
         // Whoever waits at the page goes first.
-        let _ = rustix::process::setpriority_process(Some(pid), 15);
+        let _ = rustix::process::setpriority_process(Some(pid), LOW_PRIORITY);
         Ok(())
     }
 
