@@ -48,6 +48,11 @@ pub const REFUSED_RETRY_MS: u64 = 6 * 3600 * 1000;
 /// Milliseconds between heartbeats: what a press on the staff's page waits at most.
 pub const HEARTBEAT_MS: u64 = 2_000;
 
+/// Milliseconds after which a headset asks again whether the booth has what it signed for, as long as it is here too: what a
+/// booth lost that came back from a copy is on its way again in a minute or two, and a day's sculptures of all headsets cost
+/// it a few look-ups a second.
+pub const CONFIRM_MS: u64 = 60_000;
+
 /// Milliseconds without an answer after which a heartbeat has failed: a command in it would be dead.
 pub const HEARTBEAT_TIMEOUT_MS: u64 = MAX_COMMAND_MS as u64;
 

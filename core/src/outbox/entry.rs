@@ -1,7 +1,7 @@
 //! A sculpture in the outbox: where it stands, and what leads from one state to the next.
 
 use crate::badge::BadgeNumber;
-use crate::limits::MAX_PARCEL_BYTES;
+use crate::limits::{CONFIRM_MS, MAX_PARCEL_BYTES};
 use crate::outbox::messages::{
     Announcement, AnnouncementState, ContentHash, ReceiptOutcome, SculptureId,
 };
@@ -64,6 +64,8 @@ pub enum EntryEvent {
     },
     /// The booth noted that it is lost.
     LossNoted,
+    /// The booth doesn't know any more that it signed for it, as where it came back from an older copy.
+    Forgotten,
     /// Its parcel was deleted.
     ParcelDeleted,
 }
@@ -89,6 +91,10 @@ pub struct OutboxEntry {
     pub(super) failures: u8,
     /// When a refused one is tried again, in milliseconds of the outbox.
     pub(super) retry_ms: u64,
+    /// When the booth last said that it has what it signed for, in milliseconds of the outbox; `None` in this start.
+    pub(super) confirmed_ms: Option<u64>,
+    /// Whether the heartbeat under way asks whether the booth has what it signed for.
+    pub(super) is_asked_for: bool,
 }
 
 impl EntryState {
@@ -106,7 +112,7 @@ impl EntryState {
     /// | kept, sending, refused | signed for, kept there | receipted |
     /// | kept, sending, refused | signed for, deleted there | deletable |
     /// | kept, sending, refused | renewed | gone |
-    /// | receipted | the site changed | kept |
+    /// | receipted | the site changed, forgotten | kept |
     /// | receipted | seconds passed, up to the grace | receipted for so much longer |
     /// | receipted | seconds passed, beyond the grace | deletable |
     /// | lost | loss noted | gone |
@@ -135,7 +141,7 @@ impl EntryState {
                 }
             }
             (State::Kept | State::Sending { .. } | State::Refused, Event::Renewed) => State::Gone,
-            (State::Receipted { .. }, Event::SiteChanged) => State::Kept,
+            (State::Receipted { .. }, Event::SiteChanged | Event::Forgotten) => State::Kept,
             (State::Receipted { seconds: before }, Event::SecondsPassed { seconds, grace }) => {
                 let seconds = before.saturating_add(seconds);
                 if seconds > grace { State::Deletable } else { State::Receipted { seconds } }
@@ -186,6 +192,8 @@ impl OutboxEntry {
             noted: None,
             failures: 0,
             retry_ms: 0,
+            confirmed_ms: None,
+            is_asked_for: false,
         }
     }
 
@@ -194,6 +202,16 @@ impl OutboxEntry {
     pub fn announcement(&self) -> Option<Announcement> {
         let state = self.state.announcement_state()?;
         Some(Announcement { id: self.id, badge: self.badge, state })
+    }
+
+    /// What the booth is asked of it where it has signed: whether it has it still. `None` where there is nothing to ask at
+    /// `now_ms` of the outbox.
+    pub(super) fn question(&self, now_ms: u64) -> Option<Announcement> {
+        let is_due = |confirmed_ms: u64| now_ms.saturating_sub(confirmed_ms) >= CONFIRM_MS;
+        let is_receipted = matches!(self.state, EntryState::Receipted { .. });
+        let is_to_be_asked = is_receipted && self.confirmed_ms.is_none_or(is_due);
+        let state = AnnouncementState::SignedFor;
+        is_to_be_asked.then_some(Announcement { id: self.id, badge: self.badge, state })
     }
 
     /// Whether what the booth has noted isn't how it stands.

@@ -140,7 +140,8 @@ impl Outbox {
         }
     }
 
-    /// First all whose state the booth hasn't noted, then the others that it hasn't signed for, each in turn.
+    /// First all whose state the booth hasn't noted, then the others that it hasn't signed for, each in turn; then those
+    /// of which it is to be heard whether the booth still has them.
     fn list_announcements(&mut self) -> Announcements {
         let mut list = Announcements::new();
         let (count, start) = (self.entries.len(), self.heartbeats.cursor);
@@ -159,6 +160,12 @@ impl Outbox {
                     }
                 }
             }
+        }
+        let now_ms = self.elapsed_ms;
+        for entry in &mut self.entries {
+            let question = entry.question(now_ms).filter(|_| !list.is_full());
+            entry.is_asked_for = question.is_some();
+            list.extend(question);
         }
         list
     }
@@ -179,6 +186,10 @@ impl Outbox {
         self.heartbeats.failures = 0;
         self.is_journal_due |= self.was_wiped;
         self.was_wiped = false;
+        if answer.lease.as_ref().is_some_and(|lease| lease.is_void) {
+            // A booth that came back from a copy knows no leases: it may know of fewer sculptures too.
+            self.entries.iter_mut().for_each(|entry| entry.confirmed_ms = None);
+        }
         answer.noted.iter().for_each(|announcement| self.note_announced(announcement));
         let waited_ms = self.elapsed_ms.saturating_sub(sent_ms);
         Some(answer.command.and_then(|command| self.take_command(&command, session_id, waited_ms)))
@@ -198,7 +209,17 @@ impl Outbox {
     }
 
     fn note_announced(&mut self, noted: &Announcement) {
+        let now_ms = self.elapsed_ms;
         let Ok(entry) = self.find_mut(noted.id) else { return };
+        if entry.is_asked_for {
+            entry.is_asked_for = false;
+            match noted.state {
+                AnnouncementState::SignedFor => entry.confirmed_ms = Some(now_ms),
+                // It is missed there. What is deletable meanwhile stays so.
+                _ => _ = self.apply(noted.id, EntryEvent::Forgotten),
+            }
+            return;
+        }
         if entry.announcement() != Some(*noted) {
             return;
         }

@@ -262,7 +262,11 @@ impl Outbox {
         if !is_own || Some(receipt.hash) != entry.hash || receipt.badge != entry.badge {
             return Err(OutboxRefusal::WrongReceipt);
         }
-        self.apply(receipt.id, EntryEvent::SignedFor(receipt.outcome))
+        self.apply(receipt.id, EntryEvent::SignedFor(receipt.outcome))?;
+        let now_ms = self.elapsed_ms;
+        let entry = self.find_mut(receipt.id)?;
+        (entry.confirmed_ms, entry.is_asked_for) = (Some(now_ms), false);
+        Ok(())
     }
 
     /// Lets time pass, up to `now_ms` of the shell's clock: what was signed for long enough ago becomes deletable.

@@ -42,6 +42,7 @@ impl Exhibition {
             26 => self.jump_clock(h),
             27 => self.headsets[h].host.session_id = self.dice.next_bits() * self.dice.below(2),
             28 => _ = self.booth.booth.sweep(self.booth_time()),
+            29 => self.back_up_or_restore(),
             _ => {}
         }
         self.headsets[h].see_whether_it_is_dead();
@@ -173,7 +174,7 @@ impl Exhibition {
 
     /// Another device sends its own under an id that isn't its own.
     fn steal(&mut self) {
-        if self.truth.made.is_empty() {
+        if self.truth.made.is_empty() || self.truth.restores > 0 {
             return;
         }
         let at = self.dice.below(self.truth.made.len() as u64) as usize;
@@ -193,6 +194,7 @@ impl Exhibition {
         let answer = self.booth.serve(THIEF, &request, self.booth_time());
         if answer.status == 200 {
             // Nobody else's number, and nobody's to miss.
+            self.truth.stolen += 1;
             let id = SculptureId([255; 16]);
             self.truth.made.push(Made { id, is_excused: true, was_kept_here: false, ..theirs });
         }

@@ -30,6 +30,8 @@ pub const OPENING: BoothTime = BoothTime(20_000 * 86_400_000 + 36_000_000);
 struct Inside {
     parcels: BTreeMap<ParcelName, Vec<u8>>,
     kept: BTreeMap<KeptName, Vec<u8>>,
+    /// The log of deletions, which no restore takes back.
+    deletions: Vec<Deletion>,
     dice: RandomSource,
     /// One call in so many fails; 0 for none.
     fails_of: u64,
@@ -43,6 +45,13 @@ struct SimFiles(Mutex<Inside>);
 struct SimStore {
     inner: MemoryStore,
     files: Arc<SimFiles>,
+}
+
+/// What a booth had at some time.
+pub struct SimBackup {
+    store: MemoryStore,
+    kept: BTreeMap<KeptName, Vec<u8>>,
+    copied_at: BoothTime,
 }
 
 /// The booth with its network's end.
@@ -140,8 +149,11 @@ impl ParcelFiles for SimFiles {
         Ok(())
     }
 
-    fn log_deletions(&self, _deletions: &[Deletion]) -> io::Result<()> {
-        self.lock().fail()
+    fn log_deletions(&self, deletions: &[Deletion]) -> io::Result<()> {
+        let mut inside = self.lock();
+        inside.fail()?;
+        inside.deletions.extend_from_slice(deletions);
+        Ok(())
     }
 
     fn forget_deletions_before(&self, _time: BoothTime) -> io::Result<()> {
@@ -158,17 +170,45 @@ impl SimBooth {
         let inside = Inside {
             parcels: BTreeMap::new(),
             kept: BTreeMap::new(),
+            deletions: Vec::new(),
             dice: RandomSource::new(seed),
             fails_of: 0,
         };
         let files = Arc::new(SimFiles(Mutex::new(inside)));
         let store = Arc::new(SimStore { inner: MemoryStore::new(), files: files.clone() });
-        let keys = SiteKeys::new(SITE, ContentHash([6; 32]), &[7; 32], [8; 32]);
-        let booth = Booth::new(store.clone(), files.clone(), keys, BoothPlan::default());
+        let booth = make_booth(&store, &files);
         let token = EnrolmentToken([77; 32]);
         let ends = BoothTime(OPENING.0 * 2);
         booth.add_enrol_token(&token, (100, ends), "all", None, OPENING).expect("nothing fails");
         SimBooth { booth, files, store }
+    }
+
+    /// A backup: records and kept files as they are.
+    ///
+    /// # Panics
+    /// Never: memory doesn't fail.
+    #[must_use]
+    pub fn back_up(&self, copied_at: BoothTime) -> SimBackup {
+        let store = self.store.inner.copy();
+        SimBackup { store, kept: self.files.lock().kept.clone(), copied_at }
+    }
+
+    /// The booth is lost and comes back from a backup; what was deleted since is known. Nothing fails from now on. Returns
+    /// all that was deleted.
+    ///
+    /// # Panics
+    /// The backup can't be made fit for use.
+    pub fn restore(&mut self, backup: SimBackup, now: BoothTime) -> Vec<Deletion> {
+        let SimBackup { store, kept, copied_at } = backup;
+        let deletions = {
+            let mut inside = self.files.lock();
+            (inside.kept, inside.parcels, inside.fails_of) = (kept, BTreeMap::new(), 0);
+            inside.deletions.clone()
+        };
+        self.store = Arc::new(SimStore { inner: store, files: self.files.clone() });
+        self.booth = make_booth(&self.store, &self.files);
+        self.booth.make_restored(&deletions, copied_at, now).expect("a backup that is whole");
+        deletions
     }
 
     /// Lets a device in. Its number is from 1, and the same for the same device.
@@ -279,6 +319,11 @@ impl SimBooth {
             ParcelProgress::Whole => (202, u64::MAX.to_le_bytes().to_vec()),
         })
     }
+}
+
+fn make_booth(store: &Arc<SimStore>, files: &Arc<SimFiles>) -> Booth {
+    let keys = SiteKeys::new(SITE, ContentHash([6; 32]), &[7; 32], [8; 32]);
+    Booth::new(store.clone(), files.clone(), keys, BoothPlan::default())
 }
 
 /// The token of a device.

@@ -6,7 +6,7 @@ use paros_core::outbox::{DueCommand, OutboxSettings};
 use paros_models::random_visitor::RandomSource;
 use paros_shell::outbox::{BoothRequest, HttpAnswer, LinkAnswer, OutboxEvent};
 
-use crate::booth::{OPENING, SITE, SimBooth};
+use crate::booth::{OPENING, SITE, SimBackup, SimBooth};
 use crate::check::{check, check_settled, is_settled, list_unsettled};
 use crate::headset::SimHeadset;
 use crate::network::{Message, OnItsWay, Weather, fault_of, sent_request};
@@ -35,7 +35,9 @@ pub struct Exhibition {
     pub log: Vec<String>,
     pub(crate) now_ms: u64,
     pub(crate) weather: Weather,
-    on_its_way: Vec<OnItsWay>,
+    pub(crate) backup: Option<SimBackup>,
+    pub(crate) grace_seconds: u32,
+    pub(crate) on_its_way: Vec<OnItsWay>,
     pub(crate) dice: RandomSource,
 }
 
@@ -58,6 +60,8 @@ impl Exhibition {
             log: Vec::new(),
             now_ms: 0,
             weather: Weather::FINE,
+            backup: None,
+            grace_seconds,
             on_its_way: Vec::new(),
             dice,
         }
@@ -114,7 +118,7 @@ impl Exhibition {
         }
     }
 
-    fn power_up(&mut self, h: usize) {
+    pub(crate) fn power_up(&mut self, h: usize) {
         if self.headsets[h].driver.is_none() {
             let key = self.booth.booth.keys().receipt_key();
             self.headsets[h].power_up(SITE, key);
@@ -123,7 +127,7 @@ impl Exhibition {
     }
 
     /// Some time passes: messages arrive, headsets step.
-    fn turn(&mut self, ms: u64) {
+    pub(crate) fn turn(&mut self, ms: u64) {
         self.now_ms += ms;
         for h in 0..HEADSETS {
             self.headsets[h].host.clock_ms += ms;

@@ -9,4 +9,5 @@ pub mod disk;
 pub mod exhibition;
 pub mod headset;
 pub mod network;
+mod restores;
 pub mod truth;

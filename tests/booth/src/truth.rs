@@ -57,6 +57,12 @@ pub struct Truth {
     pub receipts: u32,
     /// Sculptures that got another id.
     pub renewed: u32,
+    /// Ids that a thief took.
+    pub stolen: u32,
+    /// How often the booth came back from a backup.
+    pub restores: u32,
+    /// Sculptures that the booth lost by that, and that it has to get again.
+    pub to_return: u32,
 }
 
 impl Truth {

@@ -26,6 +26,8 @@ struct Sums {
     receipts: u64,
     /// Ids that were given up.
     renewed: u64,
+    /// Sculptures that a booth lost which came back from a backup, and that headsets sent again.
+    returned: u64,
 }
 
 /// Runs one.
@@ -36,8 +38,13 @@ fn run(seed: u64) -> Sums {
         eprintln!("again: PAROS_SEED={seed} cargo test -p paros-tests-booth --test simulation");
         resume_unwind(why);
     }
-    let Truth { receipts, renewed, .. } = exhibition.truth;
-    Sums { seeds: 1, receipts: u64::from(receipts), renewed: u64::from(renewed) }
+    let Truth { receipts, renewed, to_return, .. } = exhibition.truth;
+    Sums {
+        seeds: 1,
+        receipts: u64::from(receipts),
+        renewed: u64::from(renewed),
+        returned: u64::from(to_return),
+    }
 }
 
 /// Runs seeds until there are enough, on all processors.
@@ -57,6 +64,7 @@ fn run_all(base: u64, is_enough: impl Fn(u64) -> bool + Sync) -> Sums {
             sums.seeds += 1;
             sums.receipts += done.receipts;
             sums.renewed += done.renewed;
+            sums.returned += done.returned;
         }
     };
     let threads = available_parallelism().map_or(1, NonZero::get);
@@ -69,6 +77,7 @@ fn run_all(base: u64, is_enough: impl Fn(u64) -> bool + Sync) -> Sums {
             seeds: a.seeds + b.seeds,
             receipts: a.receipts + b.receipts,
             renewed: a.renewed + b.renewed,
+            returned: a.returned + b.returned,
         })
     })
 }
@@ -88,11 +97,14 @@ fn nothing_is_lost_whatever_happens() {
     let began = Instant::now();
     let is_late = || limit.is_some_and(|limit| began.elapsed() >= limit);
     let is_done = |count| count >= most || count >= LEAST_SEEDS && is_late();
-    let Sums { seeds, receipts, renewed } = run_all(base, is_done);
+    let Sums { seeds, receipts, renewed, returned } = run_all(base, is_done);
     let seconds = began.elapsed().as_secs_f32();
-    println!("{seeds} seeds from {base} in {seconds:.1} s: {receipts} receipts, {renewed} new ids");
+    println!(
+        "{seeds} seeds from {base} in {seconds:.1} s: {receipts} receipts, {renewed} new ids, \
+         {returned} sent again after a restore"
+    );
     // Otherwise nothing was tried.
-    assert!(receipts > seeds && renewed > 0);
+    assert!(receipts > seeds && renewed > 0 && returned > 0);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The outbox by what is true of each sculpture: no states, no table of what leads to what, no saved waits.
 
 use paros_core::badge::BadgeNumber;
-use paros_core::limits::{MAX_CHUNK_BYTES, MAX_OUTBOX_ENTRIES};
+use paros_core::limits::{CONFIRM_MS, MAX_CHUNK_BYTES, MAX_OUTBOX_ENTRIES};
 use paros_core::outbox::messages::{
     Announcement, AnnouncementState, ContentHash, Receipt, ReceiptOutcome, SculptureId,
 };
@@ -36,6 +36,8 @@ pub struct ModelSculpture {
     pub noted: Option<Announcement>,
     /// Requests in a row that came to nothing.
     pub failures: u32,
+    /// When the booth last said that it has it, after it signed; `None` in this start.
+    pub confirmed_ms: Option<u64>,
 }
 
 /// All sculptures, in the order of their coming.
@@ -67,6 +69,7 @@ impl ModelSculpture {
             replaced: None,
             noted: None,
             failures: 0,
+            confirmed_ms: None,
         }
     }
 
@@ -115,6 +118,33 @@ impl ModelSculpture {
 }
 
 impl OutboxModel {
+    /// Those of which it is asked whether the booth has what it signed for, if there is room.
+    pub fn questions(&self) -> impl Iterator<Item = Announcement> {
+        let is_due = |sculpture: &&ModelSculpture| {
+            let state = sculpture.state(self.now_ms, self.grace_seconds);
+            let before = self.now_ms.checked_sub(CONFIRM_MS);
+            matches!(state, EntryState::Receipted { .. })
+                && sculpture.confirmed_ms.is_none_or(|confirmed| Some(confirmed) <= before)
+        };
+        self.sculptures.iter().filter(is_due).map(|sculpture| Announcement {
+            id: sculpture.id,
+            badge: sculpture.badge,
+            state: AnnouncementState::SignedFor,
+        })
+    }
+
+    /// The booth says whether it has what it signed for.
+    pub fn note_question(&mut self, id: SculptureId, has_it: bool) {
+        let now_ms = self.now_ms;
+        let Some(sculpture) = self.at(id) else { return };
+        if has_it {
+            sculpture.confirmed_ms = Some(now_ms);
+        } else {
+            (sculpture.signed, sculpture.signed_before_ms, sculpture.held) = (None, 0, None);
+            (sculpture.is_refused, sculpture.refused_ms) = (false, None);
+        }
+    }
+
     /// The model of an empty outbox.
     pub fn new(owner: OutboxOwner, grace_seconds: u64) -> Self {
         OutboxModel { owner, grace_seconds, sculptures: Vec::new(), now_ms: 0 }
@@ -183,6 +213,7 @@ impl OutboxModel {
         let is_done = is_own && is_same && sculpture.waits();
         if is_done {
             sculpture.signed = Some((receipt.outcome, now_ms));
+            sculpture.confirmed_ms = Some(now_ms);
         }
         is_done
     }
@@ -268,6 +299,7 @@ impl OutboxModel {
     /// The program starts again, from what the journal said.
     pub fn restart(&mut self) {
         for sculpture in &mut self.sculptures {
+            sculpture.confirmed_ms = None;
             if sculpture.signed.is_some() {
                 // Whole seconds are kept.
                 sculpture.signed_before_ms = sculpture.seconds_since_receipt(self.now_ms) * 1000;

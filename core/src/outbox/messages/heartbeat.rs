@@ -29,9 +29,12 @@ pub enum AnnouncementState {
     Refused = 3,
     /// Its parcel was never made, or can't be read any more. It won't come.
     Lost = 4,
+    /// The booth has signed for it, and its parcel is still kept in the headset. A booth that doesn't know of it notes it as
+    /// kept there, and it is sent again.
+    SignedFor = 5,
 }
 
-/// That there is a sculpture, which the booth lists as missing until it comes.
+/// That there is a sculpture. The booth lists one that it doesn't know as missing until it comes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Announcement {
     /// The sculpture's.
@@ -94,7 +97,8 @@ pub struct Heartbeat {
     pub lease: Option<LeaseReport>,
     /// The last command that was taken, and what became of it; `None` if none was taken in this start.
     pub last_command: Option<CommandReport>,
-    /// Sculptures that the booth hasn't signed for: first those whose state it hasn't noted.
+    /// Sculptures that the booth hasn't signed for: first those whose state it hasn't noted. Then some of those that it has
+    /// signed for, to hear whether it has them still.
     pub announcements: Announcements,
 }
 
@@ -112,12 +116,13 @@ const ALL_FLAGS: u8 = 63;
 
 impl AnnouncementState {
     /// By number.
-    pub const ALL: [AnnouncementState; 5] = [
+    pub const ALL: [AnnouncementState; 6] = [
         AnnouncementState::Announced,
         AnnouncementState::Kept,
         AnnouncementState::Sending,
         AnnouncementState::Refused,
         AnnouncementState::Lost,
+        AnnouncementState::SignedFor,
     ];
 }
 
@@ -138,7 +143,7 @@ impl Announcement {
 
     fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
         let (id, badge) = (SculptureId::read(from)?, read_badge(from)?);
-        let expected = "where a sculpture stands, 0 to 4";
+        let expected = "where a sculpture stands, 0 to 5";
         let state = read_numbered(from, &AnnouncementState::ALL, expected)?;
         Ok(Announcement { id, badge, state })
     }

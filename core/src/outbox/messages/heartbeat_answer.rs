@@ -27,7 +27,8 @@ pub struct HeartbeatAnswer {
     pub lease: Option<LeaseAnswer>,
     /// A command that waits for this headset.
     pub command: Option<BoothCommand>,
-    /// What the booth has noted of the heartbeat's announcements, as they stood there.
+    /// What the booth has noted of the heartbeat's announcements, as they stood there; one that it doesn't know to have
+    /// signed for, as kept in the headset.
     pub noted: Announcements,
 }
 

@@ -40,7 +40,9 @@ impl Booth {
             }
             let last: Option<Command> =
                 tx.find_first(of_headset.ordered("command", Order::Descending))?;
-            let command = last.map_or(1, |last| last.command.saturating_add(1));
+            // By the clock, so that they grow on where a copy of the records doesn't know the last ones: a headset takes
+            // none that is before its last.
+            let command = last.map_or(0, |last| last.command.saturating_add(1)).max(now.0);
             tx.put(&Command {
                 headset,
                 command,

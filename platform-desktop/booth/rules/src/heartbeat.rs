@@ -5,7 +5,8 @@
 
 use paros_core::badge::BadgeNumber;
 use paros_core::outbox::messages::{
-    Announcements, BoothCommand, CommandKind, CommandOutcome, Heartbeat, HeartbeatAnswer,
+    AnnouncementState, Announcements, BoothCommand, CommandKind, CommandOutcome, Heartbeat,
+    HeartbeatAnswer, ReceiptOutcome,
 };
 
 use crate::booth::{Booth, Tx};
@@ -222,16 +223,24 @@ fn plan_announcements(
     for announced in &beat.announcements {
         let id = announced.id.0.to_value();
         let known: Option<Announcement> = tx.get(&[beat.headset.to_value(), id.clone()])?;
-        let is_settled = known.is_none() && is_settled(tx, beat.headset, &announced.id.0)?;
+        let outcome = match &known {
+            Some(_) => None,
+            None => find_outcome(tx, beat.headset, announced)?,
+        };
         let badge = announced.badge.map(BadgeNumber::get);
+        // Signed for and not known, it was lost with the records since a copy, and is to come again. Deleted, its headset is
+        // to ask, and hears so.
+        let is_kept = outcome == Some(ReceiptOutcome::Kept);
+        let is_to_come = announced.state == AnnouncementState::SignedFor && !is_kept;
+        let state = if is_to_come { AnnouncementState::Kept } else { announced.state };
         let note = Announcement {
             headset: beat.headset,
             sculpture: announced.id.0,
             badge: badge.or_else(|| known.as_ref().and_then(|known| known.badge)),
             heard_at: known.as_ref().map_or(now, |known| known.heard_at),
-            state: announced.state as u8,
+            state: state as u8,
         };
-        if !is_settled && known.as_ref() != Some(&note) {
+        if outcome.is_none() && known.as_ref() != Some(&note) {
             if known.is_none() {
                 let of_headset = Query::all::<Announcement>().equal("headset", &beat.headset);
                 let count = match &mut count {
@@ -246,16 +255,33 @@ fn plan_announcements(
             plan.announcements.push(note);
         }
         // There is room: there are no more of them than in the heartbeat.
-        let _ = plan.noted.push(*announced);
+        let _ = plan.noted.push(paros_core::outbox::messages::Announcement { state, ..*announced });
     }
     Ok(())
 }
 
-/// Whether a headset's sculpture is kept, or was deleted.
-fn is_settled(tx: &mut Tx<'_>, headset: u32, id: &[u8; 16]) -> Result<bool, StoreError> {
-    let key = [id.to_value()];
-    if let Some(kept) = tx.get::<Sculpture>(&key)? {
-        return Ok(kept.headset == headset);
-    }
-    Ok(tx.get::<Tombstone>(&key)?.is_some_and(|deleted| deleted.headset == headset))
+/// What became of a headset's sculpture; `None` where it didn't come.
+fn find_outcome(
+    tx: &mut Tx<'_>,
+    headset: u32,
+    announced: &paros_core::outbox::messages::Announcement,
+) -> Result<Option<ReceiptOutcome>, StoreError> {
+    let key = [announced.id.0.to_value()];
+    let (of, outcome) = if let Some(kept) = tx.get::<Sculpture>(&key)? {
+        (kept.headset, ReceiptOutcome::Kept)
+    } else if let Some(deleted) = tx.get::<Tombstone>(&key)? {
+        (deleted.headset, ReceiptOutcome::Deleted)
+    } else {
+        return Ok(None);
+    };
+    let is_signed_for = announced.state == AnnouncementState::SignedFor;
+    let is_its = of == headset || is_signed_for && is_same_device(tx, of, headset)?;
+    Ok(is_its.then_some(outcome))
+}
+
+/// Whether two headsets are one device, which enrolled anew.
+fn is_same_device(tx: &mut Tx<'_>, one: u32, other: u32) -> Result<bool, StoreError> {
+    let one: Option<Device> = tx.get(&[one.to_value()])?;
+    let other: Option<Device> = tx.get(&[other.to_value()])?;
+    Ok(one.zip(other).is_some_and(|(one, other)| one.hint == other.hint))
 }

@@ -5,7 +5,7 @@ mod common;
 use common::*;
 use paros_booth_rules::limits::{COMMAND_LIFE, MAX_ANNOUNCED, MAX_WAITING_COMMANDS, STATUS_LIFE};
 use paros_booth_rules::records::{CommandState, Device};
-use paros_booth_rules::{BoothTime, Order, Query, view};
+use paros_booth_rules::{BoothTime, MissingSculpture, Order, Query, view};
 use paros_core::badge::{AnswerOutcome, BadgeLease, BadgeNumber, DAY_SECONDS};
 use paros_core::outbox::messages::*;
 
@@ -85,6 +85,35 @@ fn what_is_announced_is_missing_until_it_comes() {
         assert_eq!(rig.booth.list_missing(9).unwrap(), []);
         let _ = rig.booth.delete(&parcel.id, "ana", seconds(11));
     }
+}
+
+/// As a booth does that came back from a backup of before it signed, or where the sculpture was deleted since.
+#[test]
+fn what_was_signed_for_and_is_not_there_is_asked_for() {
+    let rig = Rig::new();
+    let (device, other) = (rig.enrol(1), rig.enrol(2));
+    let beat = heartbeat(device.headset);
+    let parcel = Parcel::new(device.headset, 40, leased(9));
+    let asked = parcel.announcement(AnnouncementState::SignedFor);
+    let missed = parcel.announcement(AnnouncementState::Kept);
+    let ask = |now| rig.beat(&device, &announcing(&beat, &[asked]), now).noted;
+    assert_eq!(ask(START).as_slice(), [missed], "it never came here");
+    assert_eq!(ask(seconds(2)).as_slice(), [missed], "it is known that it is missed");
+    let missing = rig.booth.list_missing(9).unwrap();
+    assert_eq!(missing.len(), 1);
+    assert_eq!(missing[0].announcement.state, AnnouncementState::Kept as u8);
+    rig.upload(&device, &parcel, seconds(3)).unwrap();
+    assert_eq!(ask(seconds(4)).as_slice(), [asked]);
+    assert_eq!(rig.booth.list_missing(9).unwrap(), []);
+    let of_other = announcing(&heartbeat(other.headset), &[asked]);
+    assert_eq!(rig.beat(&other, &of_other, seconds(5)).noted.as_slice(), [missed]);
+    rig.booth.delete(&parcel.id, "ana", seconds(6)).unwrap();
+    // Its headset asks, and hears that it is to delete it too; nobody misses it.
+    assert_eq!(ask(seconds(7)).as_slice(), [missed]);
+    let of_device = |row: &MissingSculpture| row.announcement.headset == device.headset;
+    assert!(!rig.booth.list_missing(9).unwrap().iter().any(of_device));
+    let receipt = rig.upload(&device, &parcel, seconds(8)).unwrap().receipt;
+    assert_eq!(receipt.outcome, ReceiptOutcome::Deleted);
 }
 
 #[test]
@@ -203,12 +232,12 @@ fn a_command_rides_until_it_is_reported_or_dead() {
     // The report comes with each heartbeat, and nothing rides any more.
     assert_eq!(rig.beat(&device, &done, seconds(8)).command, None);
 
-    rig.booth.ask_command(1, CommandKind::Identify, "ana", seconds(20)).unwrap();
+    let late = rig.booth.ask_command(1, CommandKind::Identify, "ana", seconds(20)).unwrap();
     let dead = seconds(20).after(COMMAND_LIFE);
     assert_eq!(states(&rig, 1, dead), [CommandState::Done, CommandState::Expired]);
     assert_eq!(rig.beat(&device, &done, dead).command, None);
     // It came in time, and the booth hears of it late.
-    rig.beat(&device, &reporting(1, id + 1, CommandOutcome::Done), seconds(40));
+    rig.beat(&device, &reporting(1, late, CommandOutcome::Done), seconds(40));
     assert_eq!(states(&rig, 1, seconds(40)), [CommandState::Done, CommandState::Done]);
 }
 
@@ -244,14 +273,14 @@ fn commands_go_one_by_one_and_so_many_wait() {
     let device = rig.enrol(1);
     let beat = heartbeat(device.headset);
     rig.beat(&device, &beat, START);
-    for _ in 0..MAX_WAITING_COMMANDS {
-        rig.booth.ask_command(1, CommandKind::Identify, "ana", START).unwrap();
-    }
+    let ask = || rig.booth.ask_command(1, CommandKind::Identify, "ana", START).unwrap();
+    let ids: Vec<u64> = (0..MAX_WAITING_COMMANDS).map(|_| ask()).collect();
+    assert!(ids.is_sorted_by(|one, next| one < next));
     assert_eq!(status(rig.booth.ask_command(1, CommandKind::Identify, "ana", START)), 429);
-    for id in 1..=MAX_WAITING_COMMANDS {
-        let before = reporting(1, id.max(2) - 1, CommandOutcome::Done);
-        let beat = if id == 1 { &beat } else { &before };
-        assert_eq!(rig.beat(&device, beat, START).command.map(|command| command.id), Some(id));
+    let mut beat = beat;
+    for id in ids {
+        assert_eq!(rig.beat(&device, &beat, START).command.map(|command| command.id), Some(id));
+        beat = reporting(1, id, CommandOutcome::Done);
     }
     // Who asked is in the audit.
     let newest = Query::all::<paros_booth_rules::records::AuditEntry>()

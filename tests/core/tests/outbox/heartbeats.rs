@@ -2,16 +2,16 @@
 
 use std::collections::HashSet;
 
-use paros_core::badge::LeaseReport;
-use paros_core::limits::{HEARTBEAT_MS, HEARTBEAT_TIMEOUT_MS, MAX_ANNOUNCEMENTS};
+use paros_core::badge::{LeaseAnswer, LeaseReport, LeasedBlocks};
+use paros_core::limits::{CONFIRM_MS, HEARTBEAT_MS, HEARTBEAT_TIMEOUT_MS, MAX_ANNOUNCEMENTS};
 use paros_core::outbox::messages::{
     Announcement, AnnouncementState, BoothCommand, CommandKind, CommandOutcome, CommandReport,
-    Heartbeat, HeartbeatAnswer, SculptureId, SiteId,
+    Heartbeat, HeartbeatAnswer, ReceiptOutcome, SculptureId, SiteId,
 };
-use paros_core::outbox::{DueCommand, Outbox};
+use paros_core::outbox::{DueCommand, EntryState, Outbox, UploadAnswer};
 
 use super::journal::{load, save};
-use super::{BOOT, OWNER, STATUS, empty, id, keeping, state};
+use super::{BOOT, OWNER, STATUS, empty, id, keeping, receipt, state};
 
 fn beat(outbox: &mut Outbox) -> Heartbeat {
     assert!(outbox.is_heartbeat_due());
@@ -142,6 +142,79 @@ fn what_was_noted_before_it_changed_is_told_again() {
     assert_eq!(heartbeat.announcements[0].state, AnnouncementState::Lost);
     assert_eq!(outbox.take_heartbeat_answer(&answer_to(&heartbeat), 5), Some(None));
     assert_eq!(state(&outbox, 1), None);
+}
+
+/// Has the booth sign for a sculpture.
+fn sign(outbox: &mut Outbox, number: u8) {
+    let request = outbox.begin_upload(0).expect("something to send");
+    assert_eq!(request.id, id(number));
+    let signed = UploadAnswer::Receipt(receipt(id(number), ReceiptOutcome::Kept));
+    outbox.take_upload_answer(request.number, signed, 0).expect("its receipt");
+}
+
+/// A booth that came back from a copy of before it signed.
+#[test]
+fn what_the_booth_forgot_is_sent_again_within_the_grace() {
+    let mut outbox = keeping([1]);
+    sign(&mut outbox, 1);
+    let asked = Announcement { id: id(1), badge: None, state: AnnouncementState::SignedFor };
+    let missed = Announcement { state: AnnouncementState::Kept, ..asked };
+    let mut now = 0;
+    let mut ask = |outbox: &mut Outbox, after_ms: u64| {
+        now += after_ms;
+        outbox.pass_time(now);
+        let heartbeat = beat(outbox);
+        assert_eq!(heartbeat.outbox_depth, 0, "it is owed no more");
+        heartbeat
+    };
+    let first = ask(&mut outbox, HEARTBEAT_MS);
+    assert_eq!(first.announcements[..], [], "it has just signed");
+    assert_eq!(outbox.take_heartbeat_answer(&answer_to(&first), 5), Some(None));
+    let second = ask(&mut outbox, CONFIRM_MS);
+    assert_eq!(second.announcements[..], [asked]);
+    assert_eq!(outbox.take_heartbeat_answer(&answer_to(&second), 5), Some(None));
+    assert!(matches!(state(&outbox, 1), Some(EntryState::Receipted { .. })));
+    let third = ask(&mut outbox, HEARTBEAT_MS);
+    assert_eq!(third.announcements[..], [], "it was confirmed");
+    // The booth has another ledger of badges: it may have lost more.
+    let lease = LeaseAnswer {
+        headset: OWNER.headset,
+        epoch: 1,
+        report: 1,
+        taken: 0,
+        is_void: true,
+        blocks: LeasedBlocks::new(),
+    };
+    let void = HeartbeatAnswer { lease: Some(lease), ..answer_to(&third) };
+    assert_eq!(outbox.take_heartbeat_answer(&void, 5), Some(None));
+    let fourth = ask(&mut outbox, HEARTBEAT_MS);
+    assert_eq!(fourth.announcements[..], [asked], "at once");
+    outbox.note_journal_written();
+    let forgotten =
+        HeartbeatAnswer { noted: std::iter::once(missed).collect(), ..answer_to(&fourth) };
+    assert_eq!(outbox.take_heartbeat_answer(&forgotten, 5), Some(None));
+    assert_eq!(state(&outbox, 1), Some(EntryState::Kept));
+    assert!(outbox.is_journal_due());
+    sign(&mut outbox, 1);
+    assert_eq!(state(&outbox, 1), Some(EntryState::Receipted { seconds: 0 }));
+}
+
+/// What was noted of a heartbeat from before the receipt isn't news of what was signed for since.
+#[test]
+fn an_answer_from_before_the_receipt_asks_for_nothing() {
+    let mut outbox = keeping([1]);
+    let before = beat(&mut outbox);
+    assert_eq!(before.announcements.len(), 1);
+    sign(&mut outbox, 1);
+    assert_eq!(outbox.take_heartbeat_answer(&answer_to(&before), 5), Some(None));
+    assert_eq!(state(&outbox, 1), Some(EntryState::Receipted { seconds: 0 }));
+    // Each start asks, and an answer to a heartbeat that asked nothing says nothing.
+    let mut again = load(&save(&outbox)).expect("its journal");
+    again.pass_time(0);
+    let asking = beat(&mut again);
+    assert_eq!(asking.announcements.len(), 1);
+    again.note_heartbeat_failed(asking.number);
+    assert_eq!(again.take_heartbeat_answer(&answer_to(&asking), 5), None);
 }
 
 #[test]

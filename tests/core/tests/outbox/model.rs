@@ -203,10 +203,11 @@ impl Exhibition {
         let all = owed().count();
         let news = owed().filter(|(announcement, noted)| *noted != Some(*announcement));
         let list = &heartbeat.announcements;
-        assert_eq!(
-            (list.len(), usize::from(heartbeat.outbox_depth)),
-            (all.min(MAX_ANNOUNCEMENTS), all)
-        );
+        assert_eq!(usize::from(heartbeat.outbox_depth), all);
+        let (told_of, questions) = list.split_at(all.min(MAX_ANNOUNCEMENTS));
+        let expected = self.model.questions().take(MAX_ANNOUNCEMENTS - told_of.len());
+        assert_eq!(questions, expected.collect::<Vec<_>>());
+        let questions: Vec<_> = questions.iter().map(|question| question.id).collect();
         let told = news.clone().filter(|(announcement, _)| list.contains(announcement));
         assert_eq!(told.count(), news.count().min(MAX_ANNOUNCEMENTS), "news go first");
         let mut noted = list.clone();
@@ -214,7 +215,17 @@ impl Exhibition {
         if let Some(first) = noted.first_mut().filter(|_| self.dice.one_in(5)) {
             first.state = AnnouncementState::Lost;
         }
-        noted.iter().for_each(|announcement| self.model.note(announcement));
+        for announcement in &mut noted {
+            if questions.contains(&announcement.id) {
+                if self.dice.one_in(3) {
+                    announcement.state = AnnouncementState::Kept;
+                }
+                let has_it = announcement.state == AnnouncementState::SignedFor;
+                self.model.note_question(announcement.id, has_it);
+            } else {
+                self.model.note(announcement);
+            }
+        }
         let answer = HeartbeatAnswer {
             site: OWNER.site,
             headset: OWNER.headset,

@@ -31,6 +31,7 @@ fn nothing_becomes_deletable_that_the_booth_has_not_signed_for() {
         EntryEvent::PartHeld { held: u32::MAX },
         EntryEvent::RefusedByBooth,
         EntryEvent::SiteChanged,
+        EntryEvent::Forgotten,
         EntryEvent::SecondsPassed { seconds: u32::MAX, grace },
         EntryEvent::ParcelDeleted,
     ];

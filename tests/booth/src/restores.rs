@@ -1,0 +1,101 @@
+//! The booth is lost, and comes back from a backup.
+
+use std::collections::BTreeSet;
+
+use paros_booth_rules::Deletion;
+use paros_core::limits::CONFIRM_MS;
+use paros_core::outbox::EntryState;
+use paros_core::outbox::messages::{SculptureId, UploadFacts};
+
+use crate::exhibition::Exhibition;
+use crate::network::Weather;
+use crate::truth::number_of_facts;
+
+/// Seconds after which a headset that hears the booth has asked for all that this signed for: it asks now and then, and its
+/// heartbeats may have been far between.
+const SECONDS_UNTIL_ASKED: u32 = (CONFIRM_MS / 1000) as u32 + 40;
+
+impl Exhibition {
+    /// Not where a thief took somebody's id, which nobody can know but in a simulation: who gave it up for another one may
+    /// have both where a disk forgets that too, and a booth that has forgotten the thief takes both.
+    pub(crate) fn back_up_or_restore(&mut self) {
+        if self.truth.stolen > 0 {
+            return;
+        }
+        let now = self.booth_time();
+        match self.backup.take().filter(|_| self.dice.one_in(2)) {
+            None => self.backup = Some(self.booth.back_up(now)),
+            Some(backup) => {
+                let all_hear = self.dice.one_in(2);
+                if all_hear {
+                    self.let_all_hear();
+                }
+                self.note(&format!("the booth comes back from a backup: {all_hear}"));
+                // Who was spoken with is gone.
+                self.on_its_way.clear();
+                let deletions = self.booth.restore(backup, now);
+                self.take_back_what_is_lost(&deletions, all_hear);
+                if all_hear {
+                    (0..SECONDS_UNTIL_ASKED).for_each(|_| self.turn(1000));
+                }
+            }
+        }
+    }
+
+    /// All headsets are on, and nothing is between them and the booth.
+    fn let_all_hear(&mut self) {
+        self.weather = Weather::FINE;
+        for h in 0..self.headsets.len() {
+            self.headsets[h].disk.borrow_mut().mend();
+            self.headsets[h].see_whether_it_is_dead();
+            self.power_up(h);
+        }
+    }
+
+    /// What is true of the booth as it is now: what it signed for since the backup is lost, but what is in a headset that
+    /// hears of it within the grace.
+    fn take_back_what_is_lost(&mut self, deletions: &[Deletion], all_hear: bool) {
+        self.truth.restores += 1;
+        let (sculptures, tombstones) = self.booth.list_all();
+        let numbers: BTreeSet<usize> = sculptures
+            .iter()
+            .filter_map(|kept| UploadFacts::from_bytes(&kept.facts).ok())
+            .map(|facts| number_of_facts(&facts))
+            .collect();
+        for number in 0..self.truth.made.len() {
+            let made = &mut self.truth.made[number];
+            let headset = &self.headsets[made.headset];
+            made.was_deleted |= deletions
+                .iter()
+                .any(|deletion| deletion.id == made.id && deletion.headset == headset.number);
+            let is_known = made.was_deleted || numbers.contains(&number);
+            if is_known || !(made.was_signed || made.was_kept_here) {
+                continue;
+            }
+            // What its program took in before it lost its power, it alone knows.
+            let entry = headset.driver.as_ref().and_then(|driver| driver.outbox().find(made.id));
+            if !made.was_signed && entry.is_some_and(|entry| entry.state.is_owed()) {
+                continue;
+            }
+            made.was_signed = false;
+            let is_to_return = match entry.map(|entry| entry.state) {
+                Some(EntryState::Receipted { seconds }) => {
+                    all_hear && seconds + SECONDS_UNTIL_ASKED < self.grace_seconds
+                }
+                _ => false,
+            };
+            if is_to_return && !made.is_excused {
+                self.truth.to_return += 1;
+            } else {
+                made.is_excused = true;
+            }
+        }
+        let settled = sculptures.iter().map(|kept| (kept.headset, kept.id));
+        let settled = settled.chain(tombstones.iter().map(|gone| (gone.headset, gone.id)));
+        let known: BTreeSet<(u32, SculptureId)> = settled
+            .chain(self.booth.list_missing())
+            .map(|(headset, id)| (headset, SculptureId(id)))
+            .collect();
+        self.truth.noted.retain(|noted| known.contains(noted));
+    }
+}
