@@ -23,6 +23,16 @@ const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 /// The pause after the booth refused: its staff has to do something before it would not.
 const PAUSE_AFTER_REFUSAL: Duration = Duration::from_secs(600);
 
+/// How long it is from one time that a headset enrols anew, as the booth has forgotten it, to the next: whatever is wrong
+/// where it is forgotten again, asking more often doesn't help.
+const PAUSE_BEFORE_AGAIN: Duration = Duration::from_secs(3600);
+
+/// When a headset that was forgotten enrolled anew last.
+#[derive(Clone, Copy, Debug)]
+pub struct AgainClock {
+    last: Option<Instant>,
+}
+
 /// What a headset tells of itself.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct HeadsetNames {
@@ -49,6 +59,30 @@ pub enum EnrolTask {
     Move(Enrolment),
     /// It is to be enrolled.
     Enrol,
+}
+
+impl AgainClock {
+    /// It never did.
+    #[must_use]
+    pub const fn new() -> Self {
+        AgainClock { last: None }
+    }
+
+    /// Whether it may now; then it does.
+    pub fn take(&mut self, now: Instant) -> bool {
+        let is_due =
+            self.last.is_none_or(|last| now.saturating_duration_since(last) >= PAUSE_BEFORE_AGAIN);
+        if is_due {
+            self.last = Some(now);
+        }
+        is_due
+    }
+}
+
+impl Default for AgainClock {
+    fn default() -> Self {
+        AgainClock::new()
+    }
 }
 
 impl EnrolTask {

@@ -72,6 +72,9 @@ pub trait Platform {
         None
     }
 
+    /// The booth doesn't know the device any more: it enrols anew, where something lets it. Called as long as that is so.
+    fn enrol_again(&mut self) {}
+
     /// Whether the device has become one of a booth's headsets since this was last asked.
     fn poll_enrolled(&mut self) -> bool {
         false

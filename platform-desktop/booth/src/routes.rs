@@ -117,7 +117,7 @@ async fn find_device(app: &Arc<App>, peer: IpAddr, headers: &HeaderMap) -> Resul
     };
     match &found {
         Ok(device) => take_turn(&app.of_device, device.headset)?,
-        Err(Refusal::UnknownToken) => take_turn(&app.of_stranger, peer)?,
+        Err(Refusal::UnknownToken | Refusal::Forbidden(_)) => take_turn(&app.of_stranger, peer)?,
         Err(_) => {}
     }
     found

@@ -1,6 +1,7 @@
 //! Android's way to a booth. Token, certificate and parcels lie in the app's internal folder, which nobody else reads.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use paros_core::outbox::messages::DeviceName;
 use paros_shell::outbox::LinkTimes;
@@ -10,7 +11,7 @@ use paros_shell::outbox::enrolment::{
 };
 
 use crate::device::AndroidDevice;
-use crate::fleet::{Enroller, HeadsetNames, find_fleet_file, follow_fleet_file};
+use crate::fleet::{AgainClock, Enroller, HeadsetNames, find_fleet_file, follow_fleet_file};
 use crate::log::write_log_line;
 
 /// Where what belongs to the booth lies, and the thread that enrols the headset, if one does.
@@ -18,12 +19,15 @@ pub(super) struct BoothWay {
     /// None where Android tells of no internal folder: then nothing is sent.
     folder: Option<PathBuf>,
     enroller: Option<Enroller>,
+    /// A fleet's file and the device's name, by which it may enrol anew.
+    fleet: Option<(FleetFile, String)>,
+    again: AgainClock,
 }
 
 impl BoothWay {
     /// No way.
     pub(super) const fn none() -> Self {
-        BoothWay { folder: None, enroller: None }
+        BoothWay { folder: None, enroller: None, fleet: None, again: AgainClock::new() }
     }
 
     /// Looks for a fleet's file, and does what it asks. `managed` is that of the managed configuration, `folder` that of
@@ -36,10 +40,27 @@ impl BoothWay {
         let private = device.find_private_folder();
         let private = private.map_err(|why| write_log_line(format_args!("{why}"))).ok();
         let fleet = find_fleet_file(managed, folder, baked, write_log_line);
-        let enroller = private.as_ref().zip(fleet).and_then(|(private, fleet)| {
-            start_enroller(device, fleet, &enrolment_file(private), name)
+        let enroller = private.as_ref().zip(fleet.as_ref()).and_then(|(private, fleet)| {
+            let file = enrolment_file(private);
+            let is_due = follow_fleet_file(&file, fleet, write_log_line).unwrap_or_else(|why| {
+                write_log_line(format_args!("{why}"));
+                false
+            });
+            if is_due { start_enroller(device, fleet, &file, name) } else { None }
         });
-        BoothWay { folder: private, enroller }
+        let fleet = fleet.map(|fleet| (fleet, name.to_owned()));
+        BoothWay { folder: private, enroller, fleet, again: AgainClock::new() }
+    }
+
+    /// See [`Platform::enrol_again`](crate::platform::Platform::enrol_again).
+    pub(super) fn enrol_again(&mut self, device: &AndroidDevice) {
+        if let (Some(private), Some((fleet, name))) = (&self.folder, &self.fleet)
+            && self.again.take(Instant::now())
+        {
+            write_log_line(format_args!("the booth has forgotten this headset: it enrols anew"));
+            // The one of before has done its work, or is asking.
+            self.enroller = start_enroller(device, fleet, &enrolment_file(private), name);
+        }
     }
 
     /// See [`Platform::poll_enrolled`](crate::platform::Platform::poll_enrolled).
@@ -66,17 +87,10 @@ impl BoothWay {
 
 fn start_enroller(
     device: &AndroidDevice,
-    fleet: FleetFile,
+    fleet: &FleetFile,
     file: &Path,
     name: &str,
 ) -> Option<Enroller> {
-    let is_due = follow_fleet_file(file, &fleet, write_log_line).unwrap_or_else(|why| {
-        write_log_line(format_args!("{why}"));
-        false
-    });
-    if !is_due {
-        return None;
-    }
     let id = device.read_android_id().unwrap_or_else(|why| {
         write_log_line(format_args!("{why}"));
         None
@@ -86,6 +100,6 @@ fn start_enroller(
         name: DeviceName::new(name).or_else(|| DeviceName::new("headset"))?,
     };
     let link = device.booth_caller(&fleet.address, &fleet.ca, ENROL_TIMEOUT);
-    let enroller = Enroller::spawn(link, fleet, names, file.to_owned());
+    let enroller = Enroller::spawn(link, fleet.clone(), names, file.to_owned());
     enroller.map_err(|why| write_log_line(format_args!("{why}"))).ok()
 }

@@ -274,6 +274,10 @@ impl Platform for AndroidPlatform {
         self.way.open_link(self.monitor.device(), enrolment)
     }
 
+    fn enrol_again(&mut self) {
+        self.way.enrol_again(self.monitor.device());
+    }
+
     fn poll_enrolled(&mut self) -> bool {
         self.way.poll_enrolled()
     }

@@ -171,3 +171,13 @@ fn the_thread_tells_once_and_is_not_waited_for() {
     }
     fs::remove_dir_all(folder).expect("it is ours");
 }
+
+#[test]
+fn a_headset_that_is_forgotten_again_and_again_asks_once_an_hour() {
+    let (mut clock, start) = (AgainClock::new(), Instant::now());
+    assert!(clock.take(start));
+    // Each frame asks.
+    assert!(!(0..36_000).any(|tenths| clock.take(start + Duration::from_millis(100 * tenths))));
+    assert!(clock.take(start + PAUSE_BEFORE_AGAIN));
+    assert!(!clock.take(start + PAUSE_BEFORE_AGAIN));
+}

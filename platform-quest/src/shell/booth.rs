@@ -58,9 +58,17 @@ where
 {
     /// Carries out what the booth asks, tells it how the headset is, and logs what has become of sculptures.
     pub(super) fn follow_booth(&mut self, is_awake: bool, platform: &mut dyn Platform) {
+        // What is finished already stays here: nothing was kept for the booth of how it came about.
+        let is_finished = self.studio.world().session_state() == SessionState::Finished;
+        if self.studio.courier().is_some_and(Courier::is_forgotten) {
+            platform.enrol_again();
+            if !is_finished && platform.poll_enrolled() {
+                // It has the outbox's folder. What waits there goes as the new headset's.
+                self.studio.leave_courier();
+                bring_to_booth(&mut self.studio, self.options, platform);
+            }
+        }
         let Some(courier) = self.studio.courier() else {
-            // What is finished already stays here: nothing was kept for the booth of how it came about.
-            let is_finished = self.studio.world().session_state() == SessionState::Finished;
             if !is_finished && platform.poll_enrolled() {
                 bring_to_booth(&mut self.studio, self.options, platform);
             }

@@ -15,6 +15,9 @@ use crate::store::{Query, StoreError};
 use crate::time::BoothTime;
 use crate::value::Field as _;
 
+/// Said to a headset that staff shut out.
+const SHUT_OUT: Refusal = Refusal::Forbidden(Reason::ShutOut);
+
 /// A device that is to become a headset.
 #[derive(Clone, Debug)]
 pub(crate) struct NewDevice {
@@ -27,13 +30,18 @@ impl Booth {
     /// The headset that has this token.
     ///
     /// # Errors
-    /// That there is none, or those of the store.
+    /// [`Refusal::UnknownToken`] where there is none, [`Refusal::Forbidden`] where it was shut out: one that isn't known may
+    /// enrol anew, as where the booth came back from a backup of before it did. Those of the store.
     pub fn authenticate(&self, token: &DeviceToken) -> Result<Device, Refusal> {
         let hash = hash_of(&token.0);
-        let device = self.view(|tx| find_by_token(tx, &hash))?;
+        let with_token = Query::all::<Device>().equal("token_hash", &hash.0);
+        let devices = self.view(|tx| tx.find::<Device>(&with_token))?;
         // What the index found is compared as a whole once more, in a time that tells nothing.
         let is_its = |device: &Device| bool::from(device.token_hash.ct_eq(&hash.0));
-        device.filter(is_its).ok_or(Refusal::UnknownToken)
+        let mut devices = devices.into_iter().filter(is_its).peekable();
+        let is_known = devices.peek().is_some();
+        let let_in = devices.find(|device| device.revoked_at.is_none());
+        let_in.ok_or(if is_known { SHUT_OUT } else { Refusal::UnknownToken })
     }
 
     /// All headsets, by their numbers.

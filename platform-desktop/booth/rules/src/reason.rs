@@ -28,6 +28,7 @@ macro_rules! reasons {
 
 reasons! {
     ForeignHeartbeat: "the heartbeat is another headset's",
+    ShutOut: "this headset was shut out",
     ForeignForm: "the form is of another login",
     AdminsOnly: "only an admin may do this",
     WrongLogin: "name or password is wrong",

@@ -106,6 +106,7 @@ const fn reason_in_greek(reason: Reason) -> &'static str {
         Reason::NoPrinter => "δεν υπάρχει τέτοιος εκτυπωτής",
         Reason::NoMailServer => "δεν έχει οριστεί διακομιστής αλληλογραφίας",
         Reason::LinkRevoked => "ο σύνδεσμος του επισκέπτη ακυρώθηκε",
+        Reason::ShutOut => "αυτή η συσκευή αποκλείστηκε",
         Reason::NeverCame => "η συσκευή δεν έχει έρθει ποτέ",
         Reason::NotWorn => "κανείς δεν φοράει τη συσκευή",
         Reason::ForeignSculpture => "το γλυπτό είναι άλλης συσκευής",

@@ -46,6 +46,10 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
                 self.events.push(OutboxEvent::UnknownToken);
                 UploadAnswer::Failed
             }
+            (PutAnswer::ShutOut, _) => {
+                self.events.push(OutboxEvent::ShutOut);
+                UploadAnswer::Failed
+            }
         };
         let taken = self.outbox.take_upload_answer(number, upload, random);
         match (upload, sent, taken) {
@@ -63,12 +67,12 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
         }
     }
 
-    /// The sculpture goes on under another id. Where that can't be written now, the booth will say so again.
-    fn renew(&mut self, request: &UploadRequest) {
+    /// The sculpture goes on under another id, as one of this headset. Where that can't be written now, it is tried again.
+    pub(super) fn renew(&mut self, request: &UploadRequest) {
         let read = self.folder.read(&parcel_name(request.id), MAX_FILE_BYTES);
         let parcel = read.ok().and_then(|bytes| Parcel::read_file(bytes).ok());
         let Some(parcel) = parcel.filter(|parcel| parcel.hash() == request.hash) else { return };
-        let Ok(renewed) = parcel.renew() else { return };
+        let Ok(renewed) = parcel.renew(self.outbox.owner().headset) else { return };
         let (old, new) = (request.id, renewed.facts().id);
         let successor = self.outbox.find(new).or(self.outbox.successor_of(new));
         let is_here = successor.is_some_and(|entry| entry.state.has_parcel());
@@ -89,8 +93,12 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
     ) {
         let answer = match result {
             Ok(HttpAnswer { status: 200, body, .. }) => HeartbeatAnswer::from_bytes(body).ok(),
-            Ok(HttpAnswer { status: 401 | 403, .. }) => {
+            Ok(HttpAnswer { status: 401, .. }) => {
                 self.events.push(OutboxEvent::UnknownToken);
+                None
+            }
+            Ok(HttpAnswer { status: 403, .. }) => {
+                self.events.push(OutboxEvent::ShutOut);
                 None
             }
             _ => None,

@@ -25,7 +25,7 @@ use super::folder::DiskFolder;
 use super::link::BoothLink;
 use crate::settings::BoothSettings;
 
-use board::Board;
+use board::{Board, Refused};
 pub use board::{CourierSummary, Keeping, RemoteCommand};
 pub use clock::read_clock_ms;
 use orders::Order;
@@ -170,6 +170,13 @@ impl Courier {
     #[must_use]
     pub fn summary(&self) -> CourierSummary {
         self.lock().summary
+    }
+
+    /// Whether the booth says that it doesn't know this device, as one does that came back from a backup of before the device
+    /// enrolled. One that staff shut out is known.
+    #[must_use]
+    pub fn is_forgotten(&self) -> bool {
+        self.lock().refused == Some(Refused::Forgotten)
     }
 
     /// Takes how the headset is, for the next heartbeat.

@@ -270,6 +270,12 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
             if parcel.is_none() {
                 self.set_aside_or_lose(request.id);
             }
+            let headset = self.outbox.owner().headset;
+            if parcel.as_ref().is_some_and(|parcel| parcel.facts().headset != headset) {
+                // The booth takes what is of this headset alone.
+                self.renew(request);
+                return None;
+            }
             self.read = parcel;
         }
         let (start, len) = (request.offset as usize, request.len as usize);

@@ -59,6 +59,8 @@ pub enum OutboxEvent {
     Lease(LeaseAnswer),
     /// The booth doesn't know this headset: it must be enrolled anew.
     UnknownToken,
+    /// The booth's staff have shut this headset out.
+    ShutOut,
     /// The journal can't be written. It is tried again.
     JournalUnwritten(io::ErrorKind),
     /// The journal was damaged. What the parcels say is known again.

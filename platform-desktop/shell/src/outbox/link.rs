@@ -118,6 +118,8 @@ pub(super) enum PutAnswer {
     Conflict,
     /// The booth doesn't know this headset.
     UnknownToken,
+    /// The booth has shut this headset out.
+    ShutOut,
 }
 
 /// Reads an answer to a `PUT`. Whatever isn't the booth's own is a failure, as a portal's page is.
@@ -137,7 +139,8 @@ pub(super) fn read_put_answer(
             Ok(held) => PutAnswer::Upload(UploadAnswer::Held { bytes: u64::from_le_bytes(held) }),
             Err(_) => failed,
         },
-        401 | 403 => PutAnswer::UnknownToken,
+        401 => PutAnswer::UnknownToken,
+        403 => PutAnswer::ShutOut,
         409 => PutAnswer::Conflict,
         413 | 422 => PutAnswer::Upload(UploadAnswer::Refused),
         429 | 503 => PutAnswer::Upload(UploadAnswer::Busy { retry_after_seconds }),

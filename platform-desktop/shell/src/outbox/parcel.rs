@@ -102,11 +102,12 @@ impl Parcel {
         if parcel.hash.0[..] == told[..] { Ok(parcel) } else { Err(ParcelFault::Damaged) }
     }
 
-    /// The same under another id, which follows from the old one and what is in the parcel.
+    /// The same under another id, which follows from the old one and what is in the parcel; as the sculpture of a headset of
+    /// this number, as which its device may have enrolled anew.
     ///
     /// # Errors
-    /// Never, as only the id is another.
-    pub fn renew(&self) -> Result<Self, ParcelFault> {
+    /// Where the number is 0.
+    pub fn renew(&self, headset: u32) -> Result<Self, ParcelFault> {
         let digest = Sha256::new()
             .chain_update(RENEWAL_CONTEXT)
             .chain_update(self.facts.id.0)
@@ -114,7 +115,7 @@ impl Parcel {
             .finalize();
         let mut id = [0; SculptureId::BYTES];
         id.copy_from_slice(&digest[..SculptureId::BYTES]);
-        let facts = UploadFacts { id: SculptureId(id), ..self.facts };
+        let facts = UploadFacts { id: SculptureId(id), headset, ..self.facts };
         Parcel::read([&facts.to_bytes()[..], &self.bytes[UploadFacts::BYTES..]].concat())
     }
 

@@ -227,8 +227,10 @@ fn nothing_but_the_sites_signature_is_a_receipt() {
     }
     answer(&mut driver, &mut host, 202, 100u64.to_le_bytes().to_vec());
     assert_eq!(state(&driver, &parcel), Some(EntryState::Sending { held: 100 }));
-    answer(&mut driver, &mut host, 403, Vec::new());
-    assert!(host.events.contains(&OutboxEvent::UnknownToken));
+    for (status, event) in [(401, OutboxEvent::UnknownToken), (403, OutboxEvent::ShutOut)] {
+        answer(&mut driver, &mut host, status, Vec::new());
+        assert!(host.events.contains(&event), "{status}");
+    }
     answer(&mut driver, &mut host, 422, b"no sculpture".to_vec());
     assert_eq!(state(&driver, &parcel), Some(EntryState::Refused));
     let refused = OutboxEvent::RefusedByBooth(parcel.facts().id);
@@ -282,7 +284,7 @@ fn an_id_that_is_anothers_is_exchanged_for_the_same_one_each_time() {
     let mut host = Host::default();
     driver.keep(&parcel).expect("room");
     answer(&mut driver, &mut host, 409, Vec::new());
-    let renewed = parcel.renew().expect("the same");
+    let renewed = parcel.renew(OWNER.headset).expect("the same");
     let (old, new) = (parcel.facts().id, renewed.facts().id);
     assert!(host.events.contains(&OutboxEvent::Renewed { old, new }));
     assert_ne!(renewed.hash(), parcel.hash());

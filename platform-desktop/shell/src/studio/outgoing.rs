@@ -216,6 +216,11 @@ where
         lost.for_each(|(id, _)| outgoing.courier.abandon(*id));
     }
 
+    /// Ends what brings sculptures to a booth, once it has done what it was told: another one may open the outbox then.
+    pub fn leave_courier(&mut self) {
+        self.outgoing = None;
+    }
+
     /// What brings sculptures to a booth.
     #[must_use]
     pub fn courier(&self) -> Option<&Courier> {

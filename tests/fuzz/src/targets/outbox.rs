@@ -188,7 +188,7 @@ fn run_parcel(bytes: &[u8]) -> String {
     match Parcel::read(bytes.to_vec()) {
         Ok(parcel) => {
             assert_eq!(parcel.bytes(), bytes);
-            let renewed = parcel.renew().expect("only its id is another");
+            let renewed = parcel.renew(parcel.facts().headset).expect("only its id is another");
             assert_eq!(renewed.bytes()[18..], bytes[18..]);
             assert_eq!(Parcel::read_file(parcel.to_file()).as_ref(), Ok(&parcel));
             "a parcel".into()

@@ -30,6 +30,15 @@ pub enum Keeping {
     Lost,
 }
 
+/// Why the booth answers a device nothing else.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Refused {
+    /// It doesn't know it.
+    Forgotten,
+    /// Staff shut it out.
+    ShutOut,
+}
+
 /// What is to be told of an outbox.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct CourierSummary {
@@ -62,6 +71,8 @@ pub(super) struct Board {
     /// Commands with the ends of their lives, in milliseconds.
     pub(super) commands: VecDeque<(RemoteCommand, u64)>,
     pub(super) notes: VecDeque<String>,
+    /// Until it answers again.
+    pub(super) refused: Option<Refused>,
     entries: Vec<OutboxEntry>,
     /// Those whose parcels are being made, or couldn't be kept.
     under_way: Vec<(SculptureId, Keeping)>,
@@ -89,6 +100,7 @@ impl Board {
             status: NO_STATUS,
             commands: VecDeque::new(),
             notes: VecDeque::new(),
+            refused: None,
             entries: Vec::new(),
             under_way: Vec::new(),
             badges: VecDeque::new(),
@@ -122,6 +134,19 @@ impl Board {
         }
     }
 
+    /// Notes that the booth refuses this device. That it does is told once until it answers again, however often it is
+    /// asked.
+    pub(super) fn note_refused(&mut self, refused: Refused) {
+        if self.refused.replace(refused) != Some(refused) {
+            self.add_note(match refused {
+                Refused::Forgotten => {
+                    "the booth doesn't know this device: it must be enrolled anew".into()
+                }
+                Refused::ShutOut => "the booth's staff have shut this device out".into(),
+            });
+        }
+    }
+
     /// Takes the outbox as it is.
     pub(super) fn show(&mut self, outbox: &Outbox, badges_left: u32) {
         // What has no room in the outbox isn't at the booth either.
@@ -133,6 +158,9 @@ impl Board {
             hears_booth: outbox.hears_booth(),
             badges_left,
         };
+        if self.summary.hears_booth {
+            self.refused = None;
+        }
         self.entries.clear();
         self.entries.extend_from_slice(outbox.entries());
     }

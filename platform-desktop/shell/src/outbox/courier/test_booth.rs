@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU16, Ordering};
 use std::sync::{Arc, LazyLock};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -23,8 +23,10 @@ pub(crate) fn clock() -> u64 {
     START.elapsed().as_millis() as u64
 }
 
-/// A booth that signs for whatever comes, unless it is down.
+/// A booth that signs for whatever comes, unless it is down, or answers with another status.
 struct Booth {
+    headset: u32,
+    status: Arc<AtomicU16>,
     is_down: Arc<AtomicBool>,
     answers: VecDeque<LinkAnswer>,
     ledger: Box<BadgeLedger>,
@@ -34,9 +36,10 @@ struct Booth {
 impl Booth {
     fn sign(&self, id: SculptureId, hash: ContentHash, part: &[u8]) -> Vec<u8> {
         let facts = UploadFacts::from_bytes(&part[..UploadFacts::BYTES]).expect("a small parcel");
+        assert_eq!((facts.headset, facts.id), (self.headset, id), "another headset's");
         let receipt = Receipt {
             site: OWNER.site,
-            headset: OWNER.headset,
+            headset: self.headset,
             id,
             hash,
             badge: facts.badge,
@@ -52,7 +55,7 @@ impl Booth {
         let command = self.command.filter(|_| beat.last_command.is_none());
         let answer = HeartbeatAnswer {
             site: OWNER.site,
-            headset: OWNER.headset,
+            headset: self.headset,
             boot_id: beat.boot_id,
             number: beat.number,
             booth_time: 0,
@@ -77,7 +80,11 @@ impl BoothLink for Booth {
                 (SentRequest::Heartbeat { number }, ok(self.answer_heartbeat(&beat)))
             }
         };
-        let result = if is_down { Err(LinkFault::Unreachable) } else { result };
+        let result = match (is_down, self.status.load(Ordering::Relaxed)) {
+            (true, _) => Err(LinkFault::Unreachable),
+            (false, 200) => result,
+            (false, status) => Ok(HttpAnswer { status, retry_after: None, body: Vec::new() }),
+        };
         self.answers.push_back(LinkAnswer { request, result });
     }
 
@@ -90,6 +97,8 @@ impl BoothLink for Booth {
 pub(crate) struct Rig {
     pub(crate) folder: PathBuf,
     pub(crate) is_down: Arc<AtomicBool>,
+    /// What the booth answers, 200 where all is well.
+    pub(crate) status: Arc<AtomicU16>,
 }
 
 impl Rig {
@@ -97,21 +106,28 @@ impl Rig {
         let folder =
             std::env::temp_dir().join(format!("paros-courier-{test}-{}", std::process::id()));
         let _ = std::fs::remove_dir_all(&folder);
-        Rig { folder, is_down: Arc::default() }
+        Rig { folder, is_down: Arc::default(), status: Arc::new(AtomicU16::new(200)) }
     }
 
     pub(crate) fn start(&self, command: Option<BoothCommand>) -> Courier {
+        self.start_as(OWNER.headset, command)
+    }
+
+    /// As the headset of this number.
+    pub(crate) fn start_as(&self, headset: u32, command: Option<BoothCommand>) -> Courier {
         let device = NewDevice::draw(None, DeviceName::new("t").expect("a name"));
         let enrolment = Enrolment {
             address: "https://b:1".into(),
             ca: vec![1],
             token: device.expect("random bits").token,
             receipt_key: ReceiptKey(SigningKey::from_bytes(&[9; 32]).verifying_key().to_bytes()),
-            owner: OWNER,
+            owner: OutboxOwner { headset, ..OWNER },
         };
         let settings = OutboxSettings { grace_seconds: 3600, max_bytes: 1 << 20 };
         let plan = CourierPlan { folder: self.folder.clone(), enrolment, settings, clock };
         let booth = Booth {
+            headset,
+            status: self.status.clone(),
             is_down: self.is_down.clone(),
             answers: VecDeque::new(),
             ledger: Box::new(BadgeLedger::new(90)),

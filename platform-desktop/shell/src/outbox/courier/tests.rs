@@ -68,6 +68,34 @@ fn a_sculpture_is_kept_here_and_then_at_the_booth_under_a_leased_badge() {
     assert!(!wait("a badge", || courier.badge_of(next)).is_provisional());
 }
 
+/// The booth came back from a backup of before the device enrolled: it is told once, and what is here goes there as the
+/// headset's that the device becomes.
+#[test]
+fn one_that_is_forgotten_says_so_once_and_brings_all_as_the_headset_that_it_becomes() {
+    let rig = Rig::new("forgotten");
+    rig.status.store(401, Ordering::Relaxed);
+    let courier = rig.start(None);
+    let id = SculptureId([6; 16]);
+    courier.keep(draft(id, None));
+    wait("a refusal", || courier.is_forgotten().then_some(()));
+    let mut notes = courier.take_notes();
+    // Some heartbeats later.
+    thread::sleep(Duration::from_millis(5000));
+    notes.extend(courier.take_notes());
+    let told = |note: &&String| note.contains("must be enrolled anew");
+    assert_eq!(notes.iter().filter(told).count(), 1, "{notes:?}");
+    assert_eq!(courier.keeping(id), Some(Keeping::KeptHere));
+    rig.status.store(403, Ordering::Relaxed);
+    wait("another one", || (!courier.is_forgotten()).then_some(()));
+    wait("a note", || courier.take_notes().iter().any(|note| note.contains("shut")).then_some(()));
+    rig.status.store(200, Ordering::Relaxed);
+    drop(courier);
+    let courier = rig.start_as(OWNER.headset + 1, None);
+    wait("a receipt", || (courier.keeping(id) == Some(Keeping::KeptAtBooth)).then_some(()));
+    assert!(!courier.is_forgotten());
+    assert_eq!(parcels(&rig.folder), 1);
+}
+
 #[test]
 fn a_start_finds_what_was_finished_last_and_whether_it_was_kept() {
     let rig = Rig::new("found");

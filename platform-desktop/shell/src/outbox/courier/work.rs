@@ -11,7 +11,7 @@ use paros_core::outbox::messages::{ContentHash, SculptureId};
 use paros_core::outbox::{HeadsetStatus, OutboxRefusal};
 use sha2::{Digest as _, Sha256};
 
-use super::board::{Board, Keeping, RemoteCommand, keeping_of};
+use super::board::{Board, Keeping, Refused, RemoteCommand, keeping_of};
 use super::mark;
 use super::orders::{FinishedSculpture, Order, ParcelDraft};
 use super::{CourierLink, CourierPlan};
@@ -81,6 +81,8 @@ impl OutboxHost for Host {
             OutboxEvent::Lease(answer) => {
                 return self.lease.take_answer(&answer, (self.clock)());
             }
+            OutboxEvent::UnknownToken => return self.board().note_refused(Refused::Forgotten),
+            OutboxEvent::ShutOut => return self.board().note_refused(Refused::ShutOut),
             OutboxEvent::KeptHere(_) | OutboxEvent::KeptAtBooth(_) => return,
             OutboxEvent::DeletedAtBooth(id) => format!("sculpture {id} was deleted at the booth"),
             OutboxEvent::RefusedByBooth(id) => {
@@ -88,9 +90,6 @@ impl OutboxHost for Host {
             }
             OutboxEvent::Lost(id) => format!("sculpture {id} can't be sent: its parcel is lost"),
             OutboxEvent::Renewed { old, new } => format!("sculpture {old} is {new} now"),
-            OutboxEvent::UnknownToken => {
-                "the booth doesn't know this device: it must be enrolled anew".into()
-            }
             OutboxEvent::JournalUnwritten(why) => format!("the outbox can't be written: {why}"),
             OutboxEvent::JournalDamaged => "the outbox's journal was damaged".into(),
         };
