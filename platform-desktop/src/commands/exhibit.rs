@@ -6,8 +6,11 @@ use std::env;
 use std::ffi::OsString;
 use std::io::{self, BufRead as _, BufReader, Write as _};
 use std::net::SocketAddr;
+use std::os::unix::process::ExitStatusExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -19,6 +22,7 @@ use paros_shell::outbox::enrolment::{
     ENROL_TIMEOUT, Enrolment, FleetFile, NewDevice, enrol_by_fleet, enrolment_file,
 };
 use rustix::process::{Pid, Signal, kill_process};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use mail_sink::MailSink;
 
@@ -66,6 +70,7 @@ struct RunningBooth {
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     let program = find_booth()?;
+    let end = listen_for_end()?;
     let folder = &args.folder;
     durable::make_folder(folder)?;
     let folder = folder.canonicalize().map_err(Error::failure)?;
@@ -92,30 +97,53 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
         .env("XDG_DATA_HOME", &places.data)
         .spawn()
         .map_err(Error::failure)?;
-    end_of_window(wait_for_window(window, booth, start)?, &folder)
+    end_of_window(wait_for_window(window, booth, start, &end)?, &folder)
 }
 
-/// Waits for the window's end. A booth that ends before it is said, and started again where it was.
+/// Set once this program is told to end: then all of it ends.
+fn listen_for_end() -> Result<Arc<AtomicBool>, Error> {
+    let end = Arc::new(AtomicBool::new(false));
+    for signal in [SIGTERM, SIGINT, SIGHUP] {
+        signal_hook::flag::register(signal, end.clone()).map_err(Error::failure)?;
+    }
+    Ok(end)
+}
+
+/// Waits for the window's end, or until `end` is set, and ends it. A booth that ends before it is said, and started again
+/// where it was.
 fn wait_for_window(
     mut window: Child,
     booth: RunningBooth,
     start: impl Fn(SocketAddr) -> Result<RunningBooth, Error>,
+    end: &AtomicBool,
 ) -> Result<ExitStatus, Error> {
     let listen = booth.listen;
     let mut booth = Some(booth);
     let mut next_start = Instant::now();
+    let mut is_told = false;
     loop {
+        if end.load(Ordering::Relaxed) {
+            // The session was saved as it went, and goes on at the next start.
+            tell_to_end(&mut window);
+        }
         if let Some(status) = window.try_wait().map_err(Error::failure)? {
             return Ok(status);
         }
         if let Some(status) = booth.as_mut().and_then(|booth| booth.process.try_wait().ok()?) {
             print_line(&format!("booth: it has ended ({status}); it is started again"));
-            booth = None;
+            (booth, is_told) = (None, false);
         }
         if booth.is_none() && next_start <= Instant::now() {
             next_start = Instant::now() + RESTART_EVERY;
-            // Why it can't be is told by the booth itself; the window goes on without.
-            booth = start(listen).ok();
+            // The window goes on without.
+            match start(listen) {
+                Ok(started) => booth = Some(started),
+                Err(why) if !is_told => {
+                    print_line(&format!("booth: it doesn't start, and is tried again: {why}"));
+                    is_told = true;
+                }
+                Err(_) => {}
+            }
         }
         thread::sleep(LOOK_EVERY);
     }
@@ -123,9 +151,9 @@ fn wait_for_window(
 
 fn end_of_window(window: ExitStatus, folder: &Path) -> Result<String, Error> {
     let why = "the window has told above why it ended";
-    match window.code() {
-        Some(0) => Ok(format!("{}: all of it\n", folder.display())),
-        Some(2) => Err(Error::Input(why.into())),
+    match (window.code(), window.signal()) {
+        (Some(0), _) | (_, Some(SIGTERM)) => Ok(format!("{}: all of it\n", folder.display())),
+        (Some(2), _) => Err(Error::Input(why.into())),
         _ => Err(Error::Failure(why.into())),
     }
 }
@@ -193,13 +221,17 @@ fn print_line(line: &str) {
 
 impl Drop for RunningBooth {
     fn drop(&mut self) {
-        let pid = i32::try_from(self.process.id()).ok().and_then(Pid::from_raw);
-        let told = pid.map(|pid| kill_process(pid, Signal::TERM));
-        if !matches!(told, Some(Ok(()))) {
-            // It loses nothing by that either.
-            let _ = self.process.kill();
-        }
+        tell_to_end(&mut self.process);
         let _ = self.process.wait();
+    }
+}
+
+fn tell_to_end(process: &mut Child) {
+    let pid = i32::try_from(process.id()).ok().and_then(Pid::from_raw);
+    let told = pid.map(|pid| kill_process(pid, Signal::TERM));
+    if !matches!(told, Some(Ok(()))) {
+        // It loses nothing by that either.
+        let _ = process.kill();
     }
 }
 

@@ -8,6 +8,7 @@
 mod booth;
 mod desktop;
 mod disk;
+mod exhibit;
 mod exhibition;
 mod losses;
 mod newcomer;
