@@ -203,7 +203,7 @@ fn start_slices(
     folder: &Path,
 ) -> Result<(Slices, Vec<Printer>), Error> {
     let folder = folder.join("slices");
-    let slicer = Slicer::find(&options.slicer, folder)?.map(Arc::new);
+    let slicer = Slicer::find(&options.slicer, &folder)?.map(Arc::new);
     let (printers, of_printers) = match &options.slicer.printers {
         Some(file) => start_printers(file, booth, slicer.as_ref())?,
         None => Default::default(),

@@ -78,7 +78,7 @@ impl Slicer {
     ///
     /// # Errors
     /// A program or a file that was named and isn't there; what the disk says.
-    pub(crate) fn find(options: &SlicerOptions, folder: PathBuf) -> Result<Option<Self>, Error> {
+    pub(crate) fn find(options: &SlicerOptions, folder: &Path) -> Result<Option<Self>, Error> {
         let program = match &options.slicer {
             Some(none) if none.as_os_str() == "none" => return Ok(None),
             Some(named) => find_program(named).ok_or_else(|| {
@@ -90,7 +90,7 @@ impl Slicer {
             },
         };
         let profile = options.slicer_profile.as_deref().map(check_profile).transpose()?;
-        let folders = SliceFolders::take(&folder)?;
+        let folders = SliceFolders::take(folder)?;
         Ok(Some(Slicer {
             program,
             profile,
@@ -273,7 +273,7 @@ mod tests {
         std::fs::set_permissions(&program, PermissionsExt::from_mode(0o755)).unwrap();
         let options = SlicerOptions { slicer: Some(program), slicer_profile: None, printers: None };
         let mut slicer =
-            Slicer::find(&options, folder.join("slices")).unwrap().expect("it is there");
+            Slicer::find(&options, &folder.join("slices")).unwrap().expect("it is there");
         slicer.bounds = Bounds { time: Duration::from_secs(3), memory: 1 << 30, file: 1 << 20 };
         slicer
     }
@@ -365,11 +365,11 @@ mod tests {
         for name in ["/nowhere/slicer", "no-such-slicer-anywhere"] {
             let options =
                 SlicerOptions { slicer: Some(name.into()), slicer_profile: None, printers: None };
-            let told = Slicer::find(&options, "slices".into()).err().expect("it is missing");
+            let told = Slicer::find(&options, Path::new("slices")).err().expect("it is missing");
             assert!(told.to_string().contains(name), "{told}");
         }
         let none =
             SlicerOptions { slicer: Some("none".into()), slicer_profile: None, printers: None };
-        assert!(Slicer::find(&none, "slices".into()).unwrap().is_none());
+        assert!(Slicer::find(&none, Path::new("slices")).unwrap().is_none());
     }
 }

@@ -210,7 +210,7 @@ const DELETIONS: FuzzTarget = FuzzTarget {
             Deletion { id, headset: 1, hash, badge, deleted_at: BoothTime(1_790_000_000_000) }
         };
         let lines = [deletion(None), deletion(Some(77))].map(|line| line.to_line()).concat();
-        vec![lines.clone().into_bytes(), lines[..lines.len() - 9].as_bytes().to_vec()]
+        vec![lines.clone().into_bytes(), lines.as_bytes()[..lines.len() - 9].to_vec()]
     },
     words: &[b"\n", b" ", b"-", b"+1", b"4294967296", b"18446744073709551616", b"\xff"],
     longest: 1024,
