@@ -129,8 +129,10 @@ fn a_size_is_found_for_a_time() {
 #[test]
 fn a_slicer_that_breaks_or_hangs_harms_nobody() {
     let folder = BoothFolder::new("prints-broken");
-    let slicer =
-        stand_in(&folder, "echo '<script>secret' >&2; test -e ../../../hang && sleep 600; exit 7");
+    let slicer = stand_in(
+        &folder,
+        "echo '<script>secret' >&2; test -e ../../../../hang && sleep 600; exit 7",
+    );
     let mut booth = folder.start_with(&["--slicer", slicer.to_str().unwrap()]);
     let at = with_sculpture(&booth.client, &folder, 77);
     {
