@@ -23,7 +23,6 @@ mod glb;
 pub mod internals;
 mod keys;
 mod leaf;
-mod lease_keeper;
 mod mailer;
 mod mesh_check;
 mod metrics;
@@ -55,6 +54,7 @@ mod staff;
 mod staff_certificate;
 mod threemf;
 mod viewer;
+mod work_keeper;
 mod worker;
 
 pub use disk_files::DiskFiles;

@@ -16,7 +16,7 @@ use super::slices::height_of;
 use crate::clock::booth_time;
 use crate::error::Error;
 use crate::exporter::make_stl;
-use crate::lease_keeper::keep_lease;
+use crate::work_keeper::keep_work;
 use crate::worker::{Waker, Worker};
 
 /// How often a printer is looked at that prints, or is to.
@@ -118,7 +118,7 @@ impl PrinterThread {
         let Some(task) = task else { return wait };
         let subject = self.name.as_bytes();
         let done = match status {
-            Ok(status) => keep_lease(&self.booth, WorkKind::Printer, subject, || match task {
+            Ok(status) => keep_work(&self.booth, WorkKind::Printer, subject, || match task {
                 PrinterTask::Send(job) => self.send(&job, &status),
                 PrinterTask::Watch(order) => self.watch(&order, &status),
                 PrinterTask::Stop(order) => self.stop(&order, &status),

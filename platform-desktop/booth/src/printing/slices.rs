@@ -11,7 +11,7 @@ use super::gcode::Estimate;
 use super::slicer::{SliceFault, Slicer};
 use crate::clock::booth_time;
 use crate::exporter::make_stl;
-use crate::lease_keeper::keep_lease;
+use crate::work_keeper::keep_work;
 
 /// How often the thread looks for work that nobody told it of, as what was left by a start before.
 const LOOK_AGAIN: Duration = Duration::from_secs(30);
@@ -21,7 +21,7 @@ pub(crate) fn slice_next(booth: &Booth, slicer: &Arc<Slicer>) -> Duration {
     let sliced = booth.next_slice(booth_time()).and_then(|job| {
         let Some(job) = job else { return Ok(LOOK_AGAIN) };
         let subject = job.order.order.to_le_bytes();
-        let outcome = keep_lease(booth, WorkKind::Slice, &subject, || slice(booth, slicer, &job))?;
+        let outcome = keep_work(booth, WorkKind::Slice, &subject, || slice(booth, slicer, &job))?;
         let Some(outcome) = outcome else {
             booth.leave_work(WorkKind::Slice, &subject)?;
             return Ok(LOOK_AGAIN);

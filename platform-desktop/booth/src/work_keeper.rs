@@ -15,7 +15,7 @@ use crate::clock::booth_time;
 const RENEW_EVERY: Duration = Duration::from_secs(WORK_LIFE.as_secs() / 5);
 
 /// Does some work that this process has a lease of, which it renews meanwhile.
-pub(crate) fn keep_lease<T>(
+pub(crate) fn keep_work<T>(
     booth: &Booth,
     kind: WorkKind,
     subject: &[u8],
