@@ -11,7 +11,7 @@ use paros_booth_rules::{Reason, Refusal};
 use super::admin_texts::AdminTexts;
 use super::done::Done;
 use super::forms::{FormView, Refused};
-use super::login::{MIN_PASSWORD_CHARS, begin_session, hash_password, verify_password};
+use super::login::{begin_session, hash_password, verify_password};
 use super::page::{StaffForm, StaffView, form_token};
 use crate::app::App;
 use crate::clock::booth_time;
@@ -40,12 +40,7 @@ fn account_page(view: &StaffView, refused: Option<&Refused>) -> Response {
                     aria-invalid=[form.invalid("old")] aria-describedby=[form.described("old")];
             }
             (form.why("old"))
-            label {
-                (words.new_password)
-                input name="new" type="password" autocomplete="new-password" required minlength=(MIN_PASSWORD_CHARS)
-                    aria-invalid=[form.invalid("password")] aria-describedby=[form.described("password")];
-            }
-            (form.why("password"))
+            (form.new_password_field(words.new_password, "new"))
             p { (words.logins_end) }
             button { (words.change_password) }
         }

@@ -14,7 +14,7 @@ use paros_core::outbox::messages::{ContentHash, SculptureId};
 use super::admin_texts::AdminTexts;
 use super::done::Done;
 use super::forms::{FormView, Refused};
-use super::login::{MIN_PASSWORD_CHARS, hash_password};
+use super::login::hash_password;
 use super::page::{Fields, StaffAnswer, StaffForm, StaffView, action_button, form_token};
 use super::sculptures::utc;
 use super::texts::Texts;
@@ -89,6 +89,17 @@ async fn admin_page(
     Ok(view.page(words.admin, &body))
 }
 
+/// The admins' page with one of its forms as it was refused.
+async fn refuse_form(
+    app: &Arc<App>,
+    headers: &HeaderMap,
+    form: StaffForm,
+    (name, refusal): (&'static str, Refusal),
+) -> Answer {
+    let (view, refused) = form.refuse(name, &refusal);
+    Ok(refused.answer(admin_page(app, &view, headers, Some(&refused)).await?))
+}
+
 /// `POST /staff/admin/accounts`.
 pub(crate) async fn add_account(
     State(app): State<Arc<App>>,
@@ -97,10 +108,7 @@ pub(crate) async fn add_account(
 ) -> Answer {
     match make_account(&app, &form).await {
         Ok(()) => Ok(Done::AccountAdded.lead_to("/staff/admin")),
-        Err(refusal) => {
-            let (view, refused) = form.refuse(ACCOUNT_FORM, &refusal);
-            Ok(refused.answer(admin_page(&app, &view, &headers, Some(&refused)).await?))
-        }
+        Err(refusal) => refuse_form(&app, &headers, form, (ACCOUNT_FORM, refusal)).await,
     }
 }
 
@@ -152,10 +160,7 @@ pub(crate) async fn add_token(
             ];
             Ok(Done::TokenMade.tell_on_next_page((head, file).into_response()))
         }
-        Err(refusal) => {
-            let (view, refused) = form.refuse(TOKEN_FORM, &refusal);
-            Ok(refused.answer(admin_page(&app, &view, &headers, Some(&refused)).await?))
-        }
+        Err(refusal) => refuse_form(&app, &headers, form, (TOKEN_FORM, refusal)).await,
     }
 }
 
@@ -262,12 +267,7 @@ fn new_account_form(
                         aria-invalid=[form.invalid("name")] aria-describedby=[form.described("name")];
                 }
                 (form.why("name"))
-                label {
-                    (words.first_password)
-                    input name="password" type="password" autocomplete="new-password" required minlength=(MIN_PASSWORD_CHARS)
-                        aria-invalid=[form.invalid("password")] aria-describedby=[form.described("password")];
-                }
-                (form.why("password"))
+                (form.new_password_field(words.first_password, "password"))
                 label {
                     (words.role)
                     select name="role" {

@@ -1,13 +1,13 @@
 //! What was just done, told once on the page that it leads to. A cookie of a minute carries which of these it was: nothing
 //! of it is in an address, and nobody's words are in it.
 
-use axum::http::{HeaderMap, header};
+use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Redirect, Response};
 use maud::{Markup, html};
 use paros_booth_rules::PrintStep;
 use paros_core::badge::Language;
 
-use super::page::with_cookie;
+use super::page::{find_cookie, with_cookie};
 
 /// What was done.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -139,8 +139,7 @@ impl Done {
 
     /// What a browser was told to have told.
     pub(crate) fn of_request(headers: &HeaderMap) -> Option<Done> {
-        let cookies = headers.get(header::COOKIE)?.to_str().ok()?;
-        let key = cookies.split("; ").find_map(|pair| pair.strip_prefix("done="))?;
+        let key = find_cookie(headers, "done")?;
         TEXTS.into_iter().find(|(_, other, _)| *other == key).map(|(done, ..)| done)
     }
 

@@ -5,6 +5,7 @@ use axum::response::Response;
 use maud::{Markup, html};
 use paros_booth_rules::{Expected, Reason, Refusal};
 
+use super::login::MIN_PASSWORD_CHARS;
 use super::page::Fields;
 use super::refusal_texts::tell_refusal;
 use super::texts::Texts;
@@ -88,6 +89,18 @@ impl<'a> FormView<'a> {
     /// Where the reason of a field stands.
     pub(crate) fn described(self, field: &str) -> Option<&'static str> {
         self.about(field).map(|_| REASON)
+    }
+
+    /// A field for the password that an account is to have, and the reason beside it.
+    pub(crate) fn new_password_field(self, label: &str, name: &str) -> Markup {
+        html! {
+            label {
+                (label)
+                input name=(name) type="password" autocomplete="new-password" required minlength=(MIN_PASSWORD_CHARS)
+                    aria-invalid=[self.invalid("password")] aria-describedby=[self.described("password")];
+            }
+            (self.why("password"))
+        }
     }
 
     fn about(self, field: &str) -> Option<&'a Refused> {

@@ -7,7 +7,7 @@ use std::time::Instant;
 use argon2::password_hash::phc::PasswordHash;
 use argon2::{Argon2, PasswordHasher as _, PasswordVerifier as _};
 use axum::extract::{Extension, Form, Request, State};
-use axum::http::{HeaderMap, header};
+use axum::http::HeaderMap;
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Redirect, Response};
 use maud::html;
@@ -18,7 +18,7 @@ use tokio::sync::Semaphore;
 
 use super::done::Done;
 use super::forms::{FormView, Refused};
-use super::page::{Fields, StaffAnswer, frame_page, with_cookie};
+use super::page::{Fields, StaffAnswer, find_cookie, frame_page, with_cookie};
 use super::texts::Texts;
 use crate::app::App;
 use crate::clock::booth_time;
@@ -192,9 +192,7 @@ pub(super) async fn begin_session(app: &Arc<App>, name: String) -> Result<Respon
 }
 
 fn read_cookie(headers: &HeaderMap) -> Option<[u8; 32]> {
-    let cookies = headers.get(header::COOKIE)?.to_str().ok()?;
-    let value =
-        cookies.split("; ").find_map(|pair| pair.strip_prefix(COOKIE)?.strip_prefix('='))?;
+    let value = find_cookie(headers, COOKIE)?;
     // Its form is that of all tokens of 256 bits.
     paros_core::outbox::messages::DeviceToken::parse_hex(value).map(|token| token.0)
 }
@@ -235,12 +233,7 @@ fn first_page(texts: &Texts, refused: Option<&Refused>) -> Response {
                     aria-invalid=[form.invalid("name")] aria-describedby=[form.described("name")];
             }
             (form.why("name"))
-            label {
-                (texts.password)
-                input name="password" type="password" autocomplete="new-password" required minlength=(MIN_PASSWORD_CHARS)
-                    aria-invalid=[form.invalid("password")] aria-describedby=[form.described("password")];
-            }
-            (form.why("password"))
+            (form.new_password_field(texts.password, "password"))
             button { (texts.first_account) }
         }
     };

@@ -14,7 +14,7 @@ use super::done::Done;
 use super::forms::FormView;
 use super::page::{StaffAnswer, StaffForm, form_token};
 use super::refusal_texts::tell_cause;
-use super::sculptures::{parse_id, show_sculpture, utc};
+use super::sculptures::{parse_id, refuse_form, utc};
 use super::texts::Texts;
 use crate::app::App;
 use crate::clock::booth_time;
@@ -31,10 +31,7 @@ pub(crate) async fn ask_mail(
 ) -> Result<Response, StaffAnswer> {
     match order_mail(&app, &id, &form).await {
         Ok(()) => Ok(Done::MailAsked.lead_to(&format!("/staff/sculptures/{id}"))),
-        Err(refusal) => {
-            let (view, refused) = form.refuse(MAIL_FORM, &refusal);
-            Ok(refused.answer(show_sculpture(&app, &view, &id, Some(&refused)).await?))
-        }
+        Err(refusal) => refuse_form(&app, &id, form, (MAIL_FORM, refusal)).await,
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use axum::extract::{Extension, Form, FromRequest, FromRequestParts, Request};
 use axum::http::request::Parts;
-use axum::http::{HeaderValue, StatusCode, header};
+use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{Html, IntoResponse, Response};
 use maud::{DOCTYPE, Markup, html};
 use paros_booth_rules::{LoggedIn, Refusal};
@@ -185,6 +185,12 @@ pub(crate) fn action_button(login: &LoggedIn, action: &str, text: &str, class: &
             button class=(class) { (text) }
         }
     }
+}
+
+/// The value of a cookie, by its name.
+pub(crate) fn find_cookie<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> {
+    let cookies = headers.get(header::COOKIE)?.to_str().ok()?;
+    cookies.split("; ").find_map(|pair| pair.strip_prefix(name)?.strip_prefix('='))
 }
 
 /// An answer that sets a cookie.

@@ -19,7 +19,7 @@ use super::forms::FormView;
 use super::page::{StaffAnswer, StaffForm, StaffView, action_button, form_token};
 use super::print_texts::PrintTexts;
 use super::refusal_texts::tell_cause;
-use super::sculptures::{badge_of, parse_id, show_sculpture, utc};
+use super::sculptures::{badge_of, parse_id, refuse_form, utc};
 use super::texts::Texts;
 use crate::app::App;
 use crate::clock::booth_time;
@@ -73,10 +73,7 @@ pub(crate) async fn ask_print(
 ) -> Answer {
     match order_print(&app, &id, &form).await {
         Ok(()) => Ok(Done::PrintOrdered.lead_to(&format!("/staff/sculptures/{id}"))),
-        Err(refusal) => {
-            let (view, refused) = form.refuse(PRINT_FORM, &refusal);
-            Ok(refused.answer(show_sculpture(&app, &view, &id, Some(&refused)).await?))
-        }
+        Err(refusal) => refuse_form(&app, &id, form, (PRINT_FORM, refusal)).await,
     }
 }
 

@@ -73,8 +73,19 @@ pub(crate) async fn show(
     show_sculpture(&app, &view, &id, None).await
 }
 
+/// The page of a sculpture with one of its forms as it was refused.
+pub(super) async fn refuse_form(
+    app: &Arc<App>,
+    id: &str,
+    form: StaffForm,
+    (name, refusal): (&'static str, Refusal),
+) -> Answer {
+    let (view, refused) = form.refuse(name, &refusal);
+    Ok(refused.answer(show_sculpture(app, &view, id, Some(&refused)).await?))
+}
+
 /// The page of a sculpture, and why one of its forms was refused.
-pub(super) async fn show_sculpture(
+async fn show_sculpture(
     app: &Arc<App>,
     view: &StaffView,
     id: &str,

@@ -5,6 +5,8 @@ use paros_booth_rules::records::{BadgeClaim, CommandState, ExportState, MailStat
 use paros_core::badge::Language;
 use paros_core::outbox::messages::CommandKind;
 
+use super::page::find_cookie;
+
 /// What the staff page says.
 pub(crate) struct Texts {
     pub(crate) language: Language,
@@ -97,11 +99,9 @@ impl Texts {
 
     /// Those of the language that a browser was set to, or asks for first.
     pub(crate) fn of_request(headers: &HeaderMap) -> &'static Texts {
-        let text = |name| headers.get(name).and_then(|value| value.to_str().ok()).unwrap_or("");
-        let chosen =
-            text(header::COOKIE).split("; ").find_map(|pair| pair.strip_prefix("language="));
-        let wanted = chosen.unwrap_or_else(|| text(header::ACCEPT_LANGUAGE));
-        if wanted.starts_with("el") { &GREEK } else { &ENGLISH }
+        let asked_first = || headers.get(header::ACCEPT_LANGUAGE)?.to_str().ok();
+        let wanted = find_cookie(headers, "language").or_else(asked_first);
+        if wanted.is_some_and(|wanted| wanted.starts_with("el")) { &GREEK } else { &ENGLISH }
     }
 }
 
