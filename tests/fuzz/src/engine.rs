@@ -48,6 +48,27 @@ pub struct FuzzSummary {
     pub kept: usize,
 }
 
+/// Makes a test of each of some targets, in their order; and one that none is left out.
+#[macro_export]
+macro_rules! fuzz_tests {
+    ($targets:expr => $($name:ident)*) => {
+        $(#[test]
+        fn $name() {
+            let target = $targets.iter().find(|target| target.name == stringify!($name));
+            let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
+            let summary = $crate::engine::fuzz(target.expect("a target"), folder);
+            let $crate::engine::FuzzSummary { runs, outcomes, kept } = summary;
+            // What all inputs lead to alike isn't looked at.
+            assert!(runs == 1 || outcomes > 1 && kept > 1, "{outcomes} outcomes, {kept} inputs kept");
+        })*
+
+        #[test]
+        fn every_target_is_a_test() {
+            assert_eq!($targets.map(|target| target.name), [$(stringify!($name)),*]);
+        }
+    };
+}
+
 /// A run that took longer is reported as a fault.
 const LONGEST_RUN: Duration = Duration::from_secs(20);
 

@@ -6,36 +6,11 @@ use std::fs;
 use std::panic;
 use std::path::Path;
 
-use paros_tests_fuzz::engine::{FuzzSummary, FuzzTarget, fuzz};
-use paros_tests_fuzz::targets;
+use paros_tests_fuzz::engine::{FuzzTarget, fuzz};
+use paros_tests_fuzz::{fuzz_tests, targets};
 
-fn folder() -> &'static Path {
-    Path::new(env!("CARGO_TARGET_TMPDIR"))
-}
-
-fn fuzz_target(name: &str) {
-    let target = targets::ALL.iter().find(|target| target.name == name).expect("a target");
-    let FuzzSummary { runs, outcomes, kept } = fuzz(target, folder());
-    // What all inputs lead to alike isn't looked at.
-    assert!(runs == 1 || outcomes > 1 && kept > 1, "{outcomes} outcomes, {kept} inputs kept");
-}
-
-macro_rules! targets {
-    ($($name:ident)*) => {
-        $(#[test]
-        fn $name() {
-            fuzz_target(stringify!($name));
-        })*
-
-        #[test]
-        fn every_target_is_a_test() {
-            let tests = [$(stringify!($name)),*];
-            assert_eq!(targets::ALL.map(|target| target.name), tests);
-        }
-    };
-}
-
-targets! {
+fuzz_tests! {
+    targets::ALL =>
     obj stl ply gltf rmap trace input settings manifest save lease message journal parcel enrolment last_use step
     words
 }
@@ -59,7 +34,7 @@ fn a_fault_is_found_shrunk_and_kept() {
     if std::env::vars().any(|(name, _)| name.starts_with("PAROS_FUZZ_")) {
         return;
     }
-    let own = folder().join("engine");
+    let own = Path::new(env!("CARGO_TARGET_TMPDIR")).join("engine");
     let _ = fs::remove_dir_all(&own);
     let fault = panic::catch_unwind(|| fuzz(&FAULTY, &own)).expect_err("the fault isn't found");
     let said = fault.downcast_ref::<String>().expect("a message");

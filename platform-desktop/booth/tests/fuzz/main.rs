@@ -9,39 +9,15 @@ use std::path::Path;
 use paros_booth::{check_parcel, internals};
 use paros_booth_rules::{BoothTime, Deletion};
 use paros_core::outbox::messages::{ContentHash, ParcelKind, SculptureId, UploadFacts};
-use paros_tests_fuzz::engine::{FuzzSummary, FuzzTarget, fuzz};
+use paros_tests_fuzz::engine::FuzzTarget;
+use paros_tests_fuzz::fuzz_tests;
 
 use samples::{archive, deflate, list, tetrahedron, upload_seed};
 
 const TARGETS: [FuzzTarget; 8] =
     [UPLOAD, MESH, ESTIMATE, PRINTER, PRINTERS, DELETIONS, BACKUP, REQUEST];
 
-fn folder() -> &'static Path {
-    Path::new(env!("CARGO_TARGET_TMPDIR"))
-}
-
-fn fuzz_target(name: &str) {
-    let target = TARGETS.iter().find(|target| target.name == name).expect("a target");
-    let FuzzSummary { runs, outcomes, kept } = fuzz(target, folder());
-    // What all inputs lead to alike isn't looked at.
-    assert!(runs == 1 || outcomes > 1 && kept > 1, "{outcomes} outcomes, {kept} inputs kept");
-}
-
-macro_rules! targets {
-    ($($name:ident)*) => {
-        $(#[test]
-        fn $name() {
-            fuzz_target(stringify!($name));
-        })*
-
-        #[test]
-        fn every_target_is_a_test() {
-            assert_eq!(TARGETS.map(|target| target.name), [$(stringify!($name)),*]);
-        }
-    };
-}
-
-targets! { upload mesh estimate printer printers deletions backup request }
+fuzz_tests! { TARGETS => upload mesh estimate printer printers deletions backup request }
 
 /// An input is a parcel whose files aren't packed: packed are they here, so that what is in them is tried.
 const UPLOAD: FuzzTarget = FuzzTarget {
@@ -318,7 +294,7 @@ const REQUEST: FuzzTarget = FuzzTarget {
 };
 
 fn run_backup(bytes: &[u8]) -> String {
-    let own = folder().join("fuzz-backup");
+    let own = Path::new(env!("CARGO_TARGET_TMPDIR")).join("fuzz-backup");
     let _ = fs::remove_dir_all(&own);
     let (inside, at) = (own.join("a/b"), own.join("archive"));
     fs::create_dir_all(&inside).expect("room on the disk");

@@ -9,7 +9,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use paros_core::badge::{AnswerOutcome, BadgeLease};
 use paros_core::outbox::messages::*;
 
-use crate::rig::{BoothFolder, BoothProcess, Client, Headset, Parcel, figure, heartbeat};
+use crate::rig::{
+    BoothFolder, BoothProcess, Client, Headset, Parcel, figure, heartbeat, mail_arguments,
+};
 use crate::staff::Browser;
 
 /// Backs a booth up. Returns where.
@@ -218,14 +220,7 @@ fn what_is_no_backup_or_no_free_folder_is_refused_and_nothing_is_left() {
 fn no_address_is_in_a_backup() {
     let folder = BoothFolder::new("backup-address");
     // A mail server that isn't there: the mail waits.
-    let booth = folder.start_with(&[
-        "--smtp",
-        "127.0.0.1:9",
-        "--smtp-tls",
-        "none",
-        "--mail-from",
-        "booth@example.org",
-    ]);
+    let booth = folder.start_with(&mail_arguments("127.0.0.1:9"));
     let headset = Headset::enrol(&booth.client, folder.fleet_token(), 1);
     let parcel = Parcel::volume(headset.number, 5);
     headset.upload(&booth.client, &parcel).unwrap().expect("a receipt");

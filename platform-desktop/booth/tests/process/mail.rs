@@ -2,21 +2,14 @@
 
 use paros_core::outbox::messages::*;
 
-use crate::rig::{BoothFolder, BoothProcess, Client, Headset, Parcel, figure};
+use crate::rig::{BoothFolder, BoothProcess, Client, Headset, Parcel, figure, mail_arguments};
 use crate::smtp_sink::{Heard, SinkTls, SmtpSink, wait_until};
 use crate::staff::{Browser, post_form};
 
 /// Starts a booth that sends its mails there.
 fn start(folder: &BoothFolder, sink: &SmtpSink) -> BoothProcess {
     let server = sink.address.to_string();
-    folder.start_with(&[
-        "--smtp",
-        &server,
-        "--smtp-tls",
-        "none",
-        "--mail-from",
-        "booth@example.org",
-    ])
+    folder.start_with(&mail_arguments(&server))
 }
 
 /// Sends a Greek's sculpture, and waits for its picture. Returns where its page is.

@@ -4,7 +4,7 @@
 use paros_core::badge::{Badge, BadgeNumber, Language, write_words};
 
 use crate::chromium::Chromium;
-use crate::rig::{BoothFolder, BoothProcess};
+use crate::rig::{BoothFolder, BoothProcess, mail_arguments};
 use crate::smtp_sink::{SmtpSink, wait_until};
 
 const PHONE: (u32, u32) = (390, 844);
@@ -42,15 +42,7 @@ fn a_badge(folder: &BoothFolder) -> (BadgeNumber, Badge) {
 
 fn start(folder: &BoothFolder, sink: &SmtpSink) -> BoothProcess {
     let server = sink.address.to_string();
-    let booth = folder.start_with(&[
-        "--demo",
-        "--smtp",
-        &server,
-        "--smtp-tls",
-        "none",
-        "--mail-from",
-        "booth@example.org",
-    ]);
+    let booth = folder.start_with(&[&["--demo"], &mail_arguments(&server)[..]].concat());
     wait_until(|| (booth.client.metric("paros_booth_exports_queued") == 0).then_some(()));
     booth
 }

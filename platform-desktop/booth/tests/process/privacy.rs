@@ -4,7 +4,7 @@ use std::io::{Cursor, Read as _};
 
 use zip::ZipArchive;
 
-use crate::rig::{BoothFolder, Headset, Parcel, figure};
+use crate::rig::{BoothFolder, Headset, Parcel, figure, mail_arguments};
 use crate::smtp_sink::{SmtpSink, wait_until};
 use crate::staff::Browser;
 
@@ -12,14 +12,7 @@ use crate::staff::Browser;
 fn all_that_is_known_of_a_badge_is_shown_exported_and_deleted() {
     let (folder, sink) = (BoothFolder::new("privacy"), SmtpSink::start());
     let server = sink.address.to_string();
-    let booth = folder.start_with(&[
-        "--smtp",
-        &server,
-        "--smtp-tls",
-        "none",
-        "--mail-from",
-        "booth@example.org",
-    ]);
+    let booth = folder.start_with(&mail_arguments(&server));
     let client = &booth.client;
     let headset = Headset::enrol(client, folder.fleet_token(), 1);
     let parcel = Parcel::with_trace(headset.number, 77);

@@ -27,6 +27,11 @@ pub(crate) struct BoothFolder {
     shared: (Vec<String>, Vec<(String, String)>),
 }
 
+/// Arguments of a booth that sends its mails to a server that speaks without TLS.
+pub(crate) const fn mail_arguments(server: &str) -> [&str; 6] {
+    ["--smtp", server, "--smtp-tls", "none", "--mail-from", "booth@example.org"]
+}
+
 impl BoothFolder {
     /// An empty one.
     pub(crate) fn new(name: &str) -> Self {

@@ -1,7 +1,7 @@
 //! What the page tells people: what was done, and why something wasn't, where they are and in their language.
 
 use crate::prints::with_sculpture;
-use crate::rig::{Answer, BoothFolder, BoothProcess};
+use crate::rig::{Answer, BoothFolder, BoothProcess, mail_arguments};
 use crate::staff::{Browser, cookie_of, post_form};
 
 /// Words in Latin letters that a Greek page may have: names, formats, addresses.
@@ -13,16 +13,8 @@ const SHARED: [&str; 14] = [
 /// A booth with a mail server that isn't there, a sculpture, and who is logged in.
 fn start(name: &str) -> (BoothFolder, BoothProcess, String, String) {
     let folder = BoothFolder::new(name);
-    let booth = folder.start_with(&[
-        "--smtp",
-        "127.0.0.1:9",
-        "--smtp-tls",
-        "none",
-        "--mail-from",
-        "booth@example.org",
-        "--slicer",
-        "none",
-    ]);
+    let booth =
+        folder.start_with(&[&mail_arguments("127.0.0.1:9")[..], &["--slicer", "none"]].concat());
     let at = with_sculpture(&booth.client, &folder, 77);
     let cookie = Browser::first(&booth.client, &booth.first_code().expect("a code")).cookie;
     (folder, booth, at, cookie)

@@ -140,6 +140,17 @@ fn cut(rig: &mut HostRig<'_, '_>) {
     assert!(rig.world().visit().is_sculpted(), "nothing was cut");
 }
 
+/// To the badge of a visitor who has cut, and whose print is kept.
+fn go_to_badge(rig: &mut HostRig<'_, '_>) {
+    begin_sculpting(rig);
+    cut(rig);
+    rig.host.perform(ButtonAction::Press(Press::Finish));
+    rig.export.is_kept = true;
+    while rig.phase() != VisitPhase::Badge {
+        rig.tick(None);
+    }
+}
+
 #[test]
 fn a_visit_goes_from_attract_to_the_badge_and_the_next_visitor() {
     with_rig(|rig| {
@@ -187,13 +198,7 @@ fn a_visit_goes_from_attract_to_the_badge_and_the_next_visitor() {
 #[test]
 fn a_badge_can_be_left_as_soon_as_its_least_time_is_over_and_no_sooner() {
     with_rig(|rig| {
-        begin_sculpting(rig);
-        cut(rig);
-        rig.host.perform(ButtonAction::Press(Press::Finish));
-        rig.export.is_kept = true;
-        while rig.phase() != VisitPhase::Badge {
-            rig.tick(None);
-        }
+        go_to_badge(rig);
         let least = 10 * TICK_RATE;
         while rig.world().visit().phase_ticks() < least - 1 {
             rig.tick(None);

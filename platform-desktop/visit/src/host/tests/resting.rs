@@ -3,7 +3,7 @@
 use paros_core::session::{SessionState, TICK_RATE};
 use paros_core::visit::{GuideStep, Presence, VisitPhase};
 
-use super::{HostRig, Press, begin_sculpting, cut, options, with_rig};
+use super::{HostRig, Press, begin_sculpting, cut, go_to_badge, options, with_rig};
 use crate::options::Controls;
 use crate::screen::ButtonAction;
 
@@ -98,13 +98,7 @@ fn go_to_thanks(rig: &mut HostRig<'_, '_>) {
 fn a_windows_next_visitor_begins_from_the_thanks_of_the_last_one() {
     with_rig(|rig| {
         rig.host.set_controls(Controls::Mouse);
-        begin_sculpting(rig);
-        cut(rig);
-        rig.host.perform(ButtonAction::Press(Press::Finish));
-        rig.export.is_kept = true;
-        while rig.phase() != VisitPhase::Badge {
-            rig.tick(None);
-        }
+        go_to_badge(rig);
         rig.wait(10 * TICK_RATE);
         assert!(!rig.press(ButtonAction::NewVisit), "the badge first");
         assert!(rig.press(ButtonAction::Press(Press::Confirm)));
