@@ -27,6 +27,16 @@ pub const MAX_PARCEL_BYTES: u64 = 32 << 20;
 /// Sculptures that an outbox knows: five days of 50 visits without the booth, and some.
 pub const MAX_OUTBOX_ENTRIES: usize = 256;
 
+/// Percent of an outbox's table beyond which what is signed for leaves before its grace ends, if the booth said in this start
+/// that it has it: the last fifth is for what comes, a day's visits.
+pub const MAX_SIGNED_PERCENT: u8 = 80;
+
+/// The same of its bytes: the largest parcel finds room where the smallest setting is set, 64 MB.
+pub const MAX_SIGNED_BYTES_PERCENT: u8 = 45;
+
+/// Percent of either beyond which it leaves though the booth didn't say so: what is owed comes first.
+pub const MAX_UNASKED_PERCENT: u8 = 95;
+
 /// Bytes of a parcel that are sent at once: a second of a weak radio link, which is lost where it fails.
 pub const MAX_CHUNK_BYTES: u32 = 256 << 10;
 

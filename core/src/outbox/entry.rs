@@ -62,6 +62,8 @@ pub enum EntryEvent {
         /// How many a parcel stays after its receipt.
         grace: u32,
     },
+    /// What comes has no room beside it.
+    RoomNeeded,
     /// The booth noted that it is lost.
     LossNoted,
     /// The booth doesn't know any more that it signed for it, as where it came back from an older copy.
@@ -114,7 +116,7 @@ impl EntryState {
     /// | kept, sending, refused | renewed | gone |
     /// | receipted | the site changed, forgotten | kept |
     /// | receipted | seconds passed, up to the grace | receipted for so much longer |
-    /// | receipted | seconds passed, beyond the grace | deletable |
+    /// | receipted | seconds passed, beyond the grace; room needed | deletable |
     /// | lost | loss noted | gone |
     /// | deletable | parcel deleted | gone |
     ///
@@ -146,6 +148,7 @@ impl EntryState {
                 let seconds = before.saturating_add(seconds);
                 if seconds > grace { State::Deletable } else { State::Receipted { seconds } }
             }
+            (State::Receipted { .. }, Event::RoomNeeded) => State::Deletable,
             (State::Lost, Event::LossNoted) | (State::Deletable, Event::ParcelDeleted) => {
                 State::Gone
             }
@@ -157,6 +160,11 @@ impl EntryState {
     #[must_use]
     pub const fn is_owed(self) -> bool {
         self.announcement_state().is_some()
+    }
+
+    /// Whether it isn't to be deleted yet.
+    pub(super) const fn stays(self) -> bool {
+        !matches!(self, EntryState::Deletable | EntryState::Gone)
     }
 
     /// Whether a parcel of it is in the outbox's folder.

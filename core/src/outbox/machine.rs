@@ -68,17 +68,6 @@ pub enum OutboxRefusal {
     WrongReceipt,
 }
 
-/// How full an outbox is with what can't be deleted.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum OutboxLevel {
-    /// There is room.
-    Fine,
-    /// Four fifths are taken: the staff is told.
-    NearlyFull,
-    /// Not one sculpture more.
-    Full,
-}
-
 /// Seconds of receipts after which the journal is written again though nothing else happened: what a start forgets of
 /// a grace.
 const SAVED_EVERY_SECONDS: u32 = 600;
@@ -146,37 +135,6 @@ impl Outbox {
         self.entries.iter().filter(|entry| entry.state.is_owed()).count()
     }
 
-    /// Bytes of all parcels in the folder.
-    #[must_use]
-    pub fn bytes_here(&self) -> u64 {
-        self.entries.iter().map(OutboxEntry::bytes_here).sum()
-    }
-
-    /// How full it is with what can't be deleted, in percent: of the table or of the bytes, whichever is fuller.
-    #[must_use]
-    pub fn full_percent(&self) -> u8 {
-        let staying = self.entries.iter().filter(|entry| entry.state != EntryState::Deletable);
-        let (mut count, mut bytes) = (0, 0);
-        for entry in staying {
-            count += 1;
-            bytes += entry.bytes_here();
-        }
-        let of_table = count * 100 / MAX_OUTBOX_ENTRIES as u64;
-        let of_bytes =
-            bytes.saturating_mul(100).checked_div(self.settings.max_bytes).unwrap_or(100);
-        of_table.max(of_bytes).min(100) as u8
-    }
-
-    /// The same as a level.
-    #[must_use]
-    pub fn level(&self) -> OutboxLevel {
-        match self.full_percent() {
-            0..80 => OutboxLevel::Fine,
-            80..100 => OutboxLevel::NearlyFull,
-            _ => OutboxLevel::Full,
-        }
-    }
-
     /// Takes in a sculpture that is finished, under an id of random bits. The journal is written before the booth is
     /// told, and before the parcel is.
     ///
@@ -210,12 +168,6 @@ impl Outbox {
             self.is_journal_due = true;
         }
         Ok(())
-    }
-
-    /// Whether a parcel of so many bytes has room beside those that are here. Asked before it is written.
-    #[must_use]
-    pub fn has_room_for(&self, parcel_bytes: u64) -> bool {
-        self.bytes_here().saturating_add(parcel_bytes) <= self.settings.max_bytes
     }
 
     /// A parcel is on the disk, under its own name: it is *kept here*. One that the table doesn't know is taken in, as
@@ -269,7 +221,8 @@ impl Outbox {
         Ok(())
     }
 
-    /// Lets time pass, up to `now_ms` of the shell's clock: what was signed for long enough ago becomes deletable.
+    /// Lets time pass, up to `now_ms` of the shell's clock: what was signed for long enough ago becomes deletable, and what
+    /// takes the room of what comes.
     pub fn pass_time(&mut self, now_ms: u64) {
         let before = self.last_told_ms.replace(now_ms).unwrap_or(now_ms);
         if now_ms < before {
@@ -284,6 +237,7 @@ impl Outbox {
         if seconds > 0 {
             self.pass_seconds(seconds);
         }
+        self.make_room();
     }
 
     fn pass_seconds(&mut self, seconds: u32) {

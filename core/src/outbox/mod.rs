@@ -47,9 +47,11 @@ mod journal;
 mod machine;
 pub mod messages;
 mod renewal;
+mod room;
 mod uploads;
 
 pub use entry::{EntryEvent, EntryState, OutboxEntry};
 pub use heartbeats::{DueCommand, HeadsetStatus};
-pub use machine::{Outbox, OutboxLevel, OutboxOwner, OutboxRefusal, OutboxSettings};
+pub use machine::{Outbox, OutboxOwner, OutboxRefusal, OutboxSettings};
+pub use room::OutboxLevel;
 pub use uploads::{UploadAnswer, UploadRequest};

@@ -181,7 +181,7 @@ impl Exhibition {
         }
     }
 
-    fn step(&mut self, h: usize) {
+    pub(crate) fn step(&mut self, h: usize) {
         let headset = &mut self.headsets[h];
         let Some(driver) = &mut headset.driver else { return };
         driver.step(&mut headset.host);

@@ -50,6 +50,11 @@ impl Exhibition {
             self.headsets[h].see_whether_it_is_dead();
             self.power_up(h);
         }
+        // What makes room for others has done so before anybody counts on it.
+        self.turn(1000);
+        for h in 0..self.headsets.len() {
+            self.step(h);
+        }
     }
 
     /// What is true of the booth as it is now: what it signed for since the backup is lost, but what is in a headset that

@@ -1,11 +1,14 @@
 //! The outbox by what is true of each sculpture: no states, no table of what leads to what, no saved waits.
 
 use paros_core::badge::BadgeNumber;
-use paros_core::limits::{CONFIRM_MS, MAX_CHUNK_BYTES, MAX_OUTBOX_ENTRIES};
+use paros_core::limits::{
+    CONFIRM_MS, MAX_CHUNK_BYTES, MAX_OUTBOX_ENTRIES, MAX_SIGNED_BYTES_PERCENT, MAX_SIGNED_PERCENT,
+    MAX_UNASKED_PERCENT,
+};
 use paros_core::outbox::messages::{
     Announcement, AnnouncementState, ContentHash, Receipt, ReceiptOutcome, SculptureId,
 };
-use paros_core::outbox::{EntryState, OutboxOwner};
+use paros_core::outbox::{EntryState, OutboxOwner, OutboxSettings};
 
 /// What is true of a sculpture.
 #[derive(Clone, PartialEq, Debug)]
@@ -30,6 +33,10 @@ pub struct ModelSculpture {
     pub signed: Option<(ReceiptOutcome, u64)>,
     /// Milliseconds that had passed since the receipt when the program started.
     pub signed_before_ms: u64,
+    /// Whether it makes room for others.
+    pub makes_room: bool,
+    /// Whether the booth is being asked whether it has it.
+    pub is_asked: bool,
     /// The id that it gave up.
     pub replaced: Option<SculptureId>,
     /// What the booth noted.
@@ -47,6 +54,8 @@ pub struct OutboxModel {
     pub owner: OutboxOwner,
     /// Seconds that a parcel stays after its receipt.
     pub grace_seconds: u64,
+    /// Bytes that all parcels may take together.
+    pub max_bytes: u64,
     /// The sculptures.
     pub sculptures: Vec<ModelSculpture>,
     /// Milliseconds of this start.
@@ -66,6 +75,8 @@ impl ModelSculpture {
             held: None,
             signed: None,
             signed_before_ms: 0,
+            makes_room: false,
+            is_asked: false,
             replaced: None,
             noted: None,
             failures: 0,
@@ -87,6 +98,7 @@ impl ModelSculpture {
     pub fn state(&self, now_ms: u64, grace_seconds: u64) -> EntryState {
         match (self.signed, self.is_lost, self.is_parcel_here) {
             (Some((ReceiptOutcome::Deleted, _)), ..) => EntryState::Deletable,
+            (Some(_), ..) if self.makes_room => EntryState::Deletable,
             (Some((ReceiptOutcome::Kept, _)), ..) => match self.seconds_since_receipt(now_ms) {
                 seconds if seconds > grace_seconds => EntryState::Deletable,
                 seconds => EntryState::Receipted { seconds: seconds as u32 },
@@ -137,6 +149,7 @@ impl OutboxModel {
     pub fn note_question(&mut self, id: SculptureId, has_it: bool) {
         let now_ms = self.now_ms;
         let Some(sculpture) = self.at(id) else { return };
+        sculpture.is_asked = false;
         if has_it {
             sculpture.confirmed_ms = Some(now_ms);
         } else {
@@ -146,8 +159,46 @@ impl OutboxModel {
     }
 
     /// The model of an empty outbox.
-    pub fn new(owner: OutboxOwner, grace_seconds: u64) -> Self {
-        OutboxModel { owner, grace_seconds, sculptures: Vec::new(), now_ms: 0 }
+    pub fn new(owner: OutboxOwner, settings: OutboxSettings) -> Self {
+        let (grace_seconds, max_bytes) = (u64::from(settings.grace_seconds), settings.max_bytes);
+        OutboxModel { owner, grace_seconds, max_bytes, sculptures: Vec::new(), now_ms: 0 }
+    }
+
+    /// Time passes.
+    pub fn pass_time(&mut self, ms: u64) {
+        self.now_ms += ms;
+        let (now_ms, grace) = (self.now_ms, self.grace_seconds);
+        let [wanted, last] = [
+            [MAX_SIGNED_PERCENT, MAX_SIGNED_BYTES_PERCENT],
+            [MAX_UNASKED_PERCENT, MAX_UNASKED_PERCENT],
+        ];
+        // Who may leave changes with each that does: from the oldest on again.
+        while self.is_beyond(wanted) {
+            let is_short = self.is_beyond(last);
+            let leaves = self.sculptures.iter_mut().find(|sculpture| {
+                let is_known_there = sculpture.confirmed_ms.is_some() && !sculpture.is_asked;
+                let state = sculpture.state(now_ms, grace);
+                matches!(state, EntryState::Receipted { .. }) && (is_known_there || is_short)
+            });
+            let Some(sculpture) = leaves else { return };
+            sculpture.makes_room = true;
+        }
+    }
+
+    /// Whether what isn't to be deleted takes more than so many percent of the table or of the bytes.
+    fn is_beyond(&self, percents: [u8; 2]) -> bool {
+        let stays = |sculpture: &&ModelSculpture| {
+            sculpture.state(self.now_ms, self.grace_seconds) != EntryState::Deletable
+        };
+        let staying = self.sculptures.iter().filter(stays);
+        let bytes_here = staying.clone().filter(|sculpture| sculpture.is_parcel_here);
+        let bytes: u64 = bytes_here.map(|here| u64::from(here.parcel.expect("it is here").1)).sum();
+        let parts = [(staying.count() as u64, MAX_OUTBOX_ENTRIES as u64), (bytes, self.max_bytes)];
+        // Whole percents count.
+        let is_beyond = |((taken, all), percent): ((u64, u64), u8)| {
+            taken * 100 >= all * (u64::from(percent) + 1)
+        };
+        parts.into_iter().zip(percents).any(is_beyond)
     }
 
     fn at(&mut self, id: SculptureId) -> Option<&mut ModelSculpture> {
@@ -213,7 +264,7 @@ impl OutboxModel {
         let is_done = is_own && is_same && sculpture.waits();
         if is_done {
             sculpture.signed = Some((receipt.outcome, now_ms));
-            sculpture.confirmed_ms = Some(now_ms);
+            (sculpture.confirmed_ms, sculpture.is_asked) = (Some(now_ms), false);
         }
         is_done
     }
@@ -299,7 +350,7 @@ impl OutboxModel {
     /// The program starts again, from what the journal said.
     pub fn restart(&mut self) {
         for sculpture in &mut self.sculptures {
-            sculpture.confirmed_ms = None;
+            (sculpture.confirmed_ms, sculpture.is_asked) = (None, false);
             if sculpture.signed.is_some() {
                 // Whole seconds are kept.
                 sculpture.signed_before_ms = sculpture.seconds_since_receipt(self.now_ms) * 1000;

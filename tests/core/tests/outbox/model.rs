@@ -5,15 +5,16 @@ use paros_core::limits::{MAX_ANNOUNCEMENTS, REFUSED_RETRY_MS, UPLOAD_TIMEOUT_MS}
 use paros_core::outbox::messages::{
     AnnouncementState, HeartbeatAnswer, Receipt, ReceiptOutcome, SculptureId,
 };
-use paros_core::outbox::{Outbox, OutboxOwner, UploadAnswer, UploadRequest};
+use paros_core::outbox::{Outbox, OutboxOwner, OutboxSettings, UploadAnswer, UploadRequest};
 use paros_models::outbox::OutboxModel;
 use paros_models::random_visitor::RandomSource;
 
-use super::journal::{load, save};
-use super::{OWNER, SETTINGS, STATUS, empty, hash_of};
+use super::journal::save;
+use super::{OWNER, SETTINGS, STATUS, hash_of};
 
 struct Exhibition {
     outbox: Box<Outbox>,
+    settings: OutboxSettings,
     model: OutboxModel,
     dice: RandomSource,
     clock_ms: u64,
@@ -27,11 +28,15 @@ struct Exhibition {
 
 impl Exhibition {
     fn new(seed: u64) -> Self {
-        let mut outbox = empty();
+        // In a third of them a few parcels fill it.
+        let max_bytes = if seed.is_multiple_of(3) { 60_000 } else { SETTINGS.max_bytes };
+        let settings = OutboxSettings { max_bytes, ..SETTINGS };
+        let mut outbox = Box::new(Outbox::new(OWNER, settings, super::BOOT));
         outbox.pass_time(0);
         Exhibition {
             outbox,
-            model: OutboxModel::new(OWNER, u64::from(SETTINGS.grace_seconds)),
+            settings,
+            model: OutboxModel::new(OWNER, settings),
             dice: RandomSource::new(seed),
             clock_ms: 0,
             boot_id: super::BOOT,
@@ -186,7 +191,7 @@ impl Exhibition {
         let longest = [900, 8_000, 40_000_000][self.dice.below(3) as usize];
         let passed = self.dice.below(longest);
         self.clock_ms += passed;
-        self.model.now_ms += passed;
+        self.model.pass_time(passed);
         self.outbox.pass_time(self.clock_ms);
     }
 
@@ -210,6 +215,9 @@ impl Exhibition {
         let questions: Vec<_> = questions.iter().map(|question| question.id).collect();
         let told = news.clone().filter(|(announcement, _)| list.contains(announcement));
         assert_eq!(told.count(), news.count().min(MAX_ANNOUNCEMENTS), "news go first");
+        for sculpture in &mut self.model.sculptures {
+            sculpture.is_asked = questions.contains(&sculpture.id);
+        }
         let mut noted = list.clone();
         noted.retain(|_| !self.dice.one_in(3));
         if let Some(first) = noted.first_mut().filter(|_| self.dice.one_in(5)) {
@@ -253,10 +261,12 @@ impl Exhibition {
             self.model.delete(first);
             assert_eq!(self.outbox.note_deleted(first), Ok(()));
         } else if self.dice.one_in(3) {
-            self.outbox = load(&bytes).expect("its journal");
+            let loaded = Outbox::load(&bytes, OWNER, self.settings, super::BOOT + 1);
+            *self.outbox = loaded.expect("its journal");
             (self.boot_id, self.clock_ms) = (super::BOOT + 1, 0);
             self.outbox.pass_time(0);
             self.model.restart();
+            self.model.pass_time(0);
             self.sent = None;
             self.late.clear();
         }
