@@ -1,8 +1,13 @@
 //! Optional dependencies of tests: a library to compare with, a device, a tool. A test that lacks one is
-//! skipped with a message; where the environment variable `PAROS_REQUIRE` is `all` it fails.
+//! skipped with a message; where the environment variable `PAROS_REQUIRE` is `all` it fails. `PAROS_SKIPPED` names a file
+//! that lists what was skipped, for who runs it again once the dependency is there.
 
+use std::env;
 use std::fmt::{self, Display};
+use std::fs::OpenOptions;
 use std::io::{self, Write};
+use std::path::Path;
+use std::thread;
 
 /// A required dependency is missing. Holds the reason.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -15,7 +20,7 @@ pub struct MissingDependency(pub String);
 pub fn require_or_skip<T, E: Display>(
     dependency: Result<T, E>,
 ) -> Result<Option<T>, MissingDependency> {
-    let all = std::env::var_os("PAROS_REQUIRE").is_some_and(|parts| parts == "all");
+    let all = env::var_os("PAROS_REQUIRE").is_some_and(|parts| parts == "all");
     let if_missing = if all { IfMissing::Fail } else { IfMissing::Skip };
     require_or_skip_by(if_missing, dependency)
 }
@@ -38,9 +43,29 @@ fn require_or_skip_by<T, E: Display>(
             let _ = writeln!(io::stderr(), "skipped: {why}");
             match if_missing {
                 IfMissing::Fail => Err(MissingDependency(why.to_string())),
-                IfMissing::Skip => Ok(None),
+                IfMissing::Skip => {
+                    if let Some(list) = env::var_os("PAROS_SKIPPED") {
+                        add_to_list(Path::new(&list));
+                    }
+                    Ok(None)
+                }
             }
         }
+    }
+}
+
+/// Adds the calling test to a list: a line of the folder in which it runs, its program and its name, between tabs.
+fn add_to_list(list: &Path) {
+    let folder = env::current_dir().unwrap_or_default();
+    let program = env::current_exe().unwrap_or_default();
+    // The harness calls a test's thread by the test's name.
+    let thread = thread::current();
+    let name = thread.name().unwrap_or_default();
+    let line = format!("{}\t{}\t{name}\n", folder.display(), program.display());
+    let file = OpenOptions::new().append(true).create(true).open(list);
+    // One write: lines of tests that run side by side stay whole. Who reads the list misses what couldn't be written.
+    if let Err(error) = file.and_then(|mut file| file.write_all(line.as_bytes())) {
+        let _ = writeln!(io::stderr(), "{}: {error}", list.display());
     }
 }
 
@@ -54,7 +79,23 @@ impl std::error::Error for MissingDependency {}
 
 #[cfg(test)]
 mod tests {
-    use super::{IfMissing, MissingDependency, require_or_skip_by};
+    use std::{env, fs, process};
+
+    use super::{IfMissing, MissingDependency, add_to_list, require_or_skip_by};
+
+    #[test]
+    fn who_skips_is_listed_so_that_it_can_be_run_alone() {
+        let list = env::temp_dir().join(format!("paros-skipped-{}", process::id()));
+        add_to_list(&list);
+        add_to_list(&list);
+        let lines = fs::read_to_string(&list).expect("a list");
+        fs::remove_file(&list).expect("a list");
+        let program = env::current_exe().expect("a program");
+        let name = "require::tests::who_skips_is_listed_so_that_it_can_be_run_alone";
+        let folder = env!("CARGO_MANIFEST_DIR");
+        let line = format!("{folder}\t{}\t{name}\n", program.display());
+        assert_eq!(lines, line.repeat(2));
+    }
 
     #[test]
     fn what_is_missing_is_skipped_unless_all_is_required() {

@@ -11,8 +11,8 @@ use std::thread;
 
 use paros_shell::require::require_or_skip;
 
-/// The booth's program, brought up to date. Newcomers don't build it: where nobody has, there is none, and a test is
-/// skipped unless all is required.
+/// The booth's program, brought up to date, or the one that the environment variable `PAROS_BOOTH` names. Newcomers don't
+/// build it: where nobody has, there is none, and a test is skipped unless all is required.
 ///
 /// # Panics
 /// It can't be built, and all is required.
@@ -20,6 +20,11 @@ use paros_shell::require::require_or_skip;
 pub fn find_booth() -> Option<PathBuf> {
     // Once a process: a program that another test runs isn't replaced.
     static FOUND: LazyLock<Result<PathBuf, String>> = LazyLock::new(|| {
+        if let Some(program) = env::var_os("PAROS_BOOTH") {
+            let program = PathBuf::from(program);
+            return fs::canonicalize(&program)
+                .map_err(|error| format!("no booth: {}: {error}", program.display()));
+        }
         let test = env::current_exe().map_err(|error| error.to_string())?;
         let folder = test.ancestors().nth(2).ok_or("the test has no folder")?;
         let program = folder.join(format!("paros-booth{}", env::consts::EXE_SUFFIX));
