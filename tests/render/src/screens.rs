@@ -120,7 +120,7 @@ fn visit_screens(language: Language) -> Vec<Screen> {
             layout::draw_clock(panel, language, &clock, buttons);
         }));
     }
-    let next = layout::badge_buttons(0);
+    let next = layout::badge_buttons(0).map(PanelButton::primary);
     for (name, told, buttons) in [
         ("badge", Message::BadgeBody, &[][..]),
         ("badge-seen", Message::BadgeBody, &next),

@@ -212,6 +212,23 @@ fn a_badge_can_be_left_as_soon_as_its_least_time_is_over_and_no_sooner() {
     });
 }
 
+/// Who learns it by heart is not to look for it again.
+#[test]
+fn a_badge_stays_where_it_is_as_its_button_appears() {
+    with_rig(|rig| {
+        go_to_badge(rig);
+        let mut places = Vec::new();
+        for buttons in [0, 1] {
+            while rig.host.buttons().count() != buttons {
+                rig.tick(None);
+            }
+            rig.host.place_panels(|spot, size| room_pose(spot, size, 1.6));
+            places.push((rig.host.panels()[0].size_mm(), rig.host.panels()[0].pose));
+        }
+        assert_eq!(places[0], places[1]);
+    });
+}
+
 #[test]
 fn a_sculpture_that_is_never_kept_lets_the_visitor_go_all_the_same() {
     with_rig(|rig| {

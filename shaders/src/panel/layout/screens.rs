@@ -83,10 +83,11 @@ pub fn draw_notice(
 /// The button of a badge's panel: on to what comes next.
 #[must_use]
 pub const fn badge_buttons(id: u16) -> [PanelButton<'static>; 1] {
-    [PanelButton::new(id, PanelRect::new(355.0, BADGE_HEIGHT, 290.0, 96.0), Message::Next)]
+    [PanelButton::new(id, PanelRect::new(355.0, 800.0, 290.0, 96.0), Message::Next)]
 }
 
-const BADGE_HEIGHT: f32 = 800.0;
+/// A badge's panel, with room for its button: that comes later, and the badge that is being learnt stays where it is.
+const BADGE_SIZE: [f32; 2] = [1000.0, 936.0];
 
 /// A visitor's badge, the words by which it is said, and what is told below: two lines of a text's body.
 pub fn draw_badge(
@@ -95,8 +96,7 @@ pub fn draw_badge(
     (badge, told): (&Badge, Message),
     buttons: &[PanelButton<'_>],
 ) {
-    let height = BADGE_HEIGHT + if buttons.is_empty() { 0.0 } else { 136.0 };
-    begin_panel(panel, [1000.0, height]);
+    begin_panel(panel, BADGE_SIZE);
     super::add_title(panel, language, Message::BadgeTitle, 100.0);
     panel.add_badge(badge, PanelRect::new(64.0, 176.0, 430.0, 430.0));
     let style = TextPlace::Word.style().colored(palette::INK, TextAlign::Left);
