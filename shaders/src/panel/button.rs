@@ -35,7 +35,7 @@ pub enum ButtonState {
     Hot,
     /// It is being pressed.
     Pressed,
-    /// It is what was chosen.
+    /// It is what was chosen: it has a tick, and the colour of none that is to be pressed.
     Chosen,
     /// It can't be pressed.
     Off,
@@ -75,6 +75,10 @@ const CARD_HEIGHT: f32 = 180.0;
 /// Between a card's edge and its cell's picture, and the radius of that one's corners, in millimetres.
 const CELL_MARGIN: f32 = 14.0;
 const CELL_RADIUS: f32 = 14.0;
+
+/// The tick of what is chosen: its side, and how far it is from the button's two edges, in millimetres.
+const TICK_SIDE: f32 = 26.0;
+const TICK_INSET: f32 = 7.0;
 
 /// The number of the button at a point of a panel: the last one that has it and isn't off.
 #[must_use]
@@ -137,7 +141,7 @@ impl<'a> PanelButton<'a> {
     const fn colors(&self) -> [PanelColor; 3] {
         match (self.state, self.is_primary) {
             (ButtonState::Off, _) => [palette::GROUND, palette::LINE, palette::FAINT],
-            (ButtonState::Chosen, _) => [palette::CLAY, palette::CLAY, palette::PLASTER],
+            (ButtonState::Chosen, _) => [palette::PLASTER, palette::OLIVE, palette::INK],
             (ButtonState::Pressed, _) => [palette::CLAY_DARK, palette::CLAY_DARK, palette::PLASTER],
             (ButtonState::Hot, true) => [palette::CLAY_LIGHT, palette::INK, palette::PLASTER],
             (ButtonState::Idle, true) => [palette::CLAY, palette::CLAY, palette::PLASTER],
@@ -166,7 +170,7 @@ impl Panel {
         let is_card = rect.height >= CARD_HEIGHT;
         let radius_mm = if is_card { 22.0 } else { 18.0 };
         let outline_mm = match button.state {
-            ButtonState::Hot => 5.0,
+            ButtonState::Hot | ButtonState::Chosen => 5.0,
             _ => 2.0,
         };
         self.add_box(
@@ -178,6 +182,16 @@ impl Panel {
         } else {
             self.add_row_contents(language, button, ink);
         }
+        if button.state == ButtonState::Chosen {
+            self.add_tick(rect);
+        }
+    }
+
+    /// Marks what is chosen, in its upper right corner.
+    fn add_tick(&mut self, button: PanelRect) {
+        let left = button.x + button.width - TICK_INSET - TICK_SIDE;
+        let place = PanelRect::new(left, button.y + TICK_INSET, TICK_SIDE, TICK_SIDE);
+        self.add_icon(Icon::Tick, place, palette::OLIVE);
     }
 
     /// Picture over text.

@@ -90,7 +90,7 @@ fn choice_screens(language: Language) -> Vec<Screen> {
 fn visit_screens(language: Language) -> Vec<Screen> {
     let mut welcome = layout::welcome_buttons(0, 3);
     welcome[language as usize].state = ButtonState::Chosen;
-    welcome[3].state = ButtonState::Chosen;
+    welcome[2].state = ButtonState::Chosen;
     welcome[5].state = ButtonState::Hot;
     let badge = BadgeNumber::new(3 << 18 | 777).expect("a number").badge();
     let mut all = vec![
@@ -100,7 +100,8 @@ fn visit_screens(language: Language) -> Vec<Screen> {
         }),
         drawn("welcome", |panel| layout::draw_welcome(panel, language, 3, &welcome)),
         drawn("welcome-mouse", |panel| {
-            let buttons = layout::welcome_buttons(0, 1);
+            let mut buttons = layout::welcome_buttons(0, 1);
+            buttons[language as usize].state = ButtonState::Chosen;
             let of_use = [0, 1, 6].map(|k| buttons[k]);
             layout::draw_welcome(panel, language, 1, &of_use);
         }),

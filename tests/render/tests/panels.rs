@@ -8,14 +8,14 @@ use glam::{Quat, Vec2, Vec3};
 use paros_core::RangeMaps;
 use paros_core::badge::{BadgeColour, POINT_STEPS, Pictogram, covers_point};
 use paros_models::twin::with_maps_of_ball;
-use paros_shaders::constants::{PANEL_IMAGE, PANEL_SHAPE};
+use paros_shaders::constants::{PANEL_BOX, PANEL_IMAGE, PANEL_SHAPE};
 use paros_shaders::gpu::{Eye, Fov};
 use paros_shaders::limits::PANEL_CELL_TEXELS;
 use paros_shaders::panel::button::ButtonLabel;
 use paros_shaders::panel::layout::{self, READING_DISTANCE, palette};
 use paros_shaders::panel::{
-    BoxStyle, FontWeight, Icon, Language, Message, Panel, PanelButton, PanelPictures, PanelQuad,
-    PanelRect, TextAlign, TextPlace, TextStyle, line_width,
+    BoxStyle, FontWeight, Icon, Language, Message, Panel, PanelButton, PanelColor, PanelPictures,
+    PanelQuad, PanelRect, TextAlign, TextPlace, TextStyle, line_width,
 };
 use paros_shaders::{Camera, Image, RenderOptions, contact_sheet, lit_studio};
 use paros_shaders::{
@@ -120,6 +120,27 @@ fn every_label_is_within_its_button() {
             for quad in &panel.quads()[1..] {
                 assert!(is_within(quad, &inner), "{language:?}: {button:?}: {quad:?}");
             }
+        }
+    }
+}
+
+/// Of the welcome's buttons one has the colour of what is to be pressed next; what was chosen has ticks.
+#[test]
+fn one_button_of_the_welcome_leads_on() {
+    for language in Language::ALL {
+        let screens = all_screens(language);
+        for (wanted, chosen) in [("welcome", 2), ("welcome-mouse", 1)] {
+            let (_, panel) = screens.iter().find(|(name, _)| *name == wanted).expect("a screen");
+            let count = |kind: u32, fill: PanelColor, least_half: f32| {
+                let is_such = |quad: &&PanelQuad| {
+                    quad.kind == kind && quad.fill == fill && quad.half[1] > least_half
+                };
+                panel.quads().iter().filter(is_such).count()
+            };
+            let leading = count(PANEL_BOX, palette::CLAY, 40.0);
+            assert_eq!(leading, 1, "{wanted} in {language:?}: buttons that lead on");
+            let ticks = count(PANEL_SHAPE, palette::OLIVE, 0.0);
+            assert_eq!(ticks, chosen, "{wanted} in {language:?}: ticks");
         }
     }
 }

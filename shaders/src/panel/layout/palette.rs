@@ -18,13 +18,13 @@ pub const INK: PanelColor = [0x2e, 0x26, 0x20, 0xff];
 pub const SOFT_INK: PanelColor = [0x63, 0x56, 0x4a, 0xff];
 /// Letters of what can't be chosen.
 pub const FAINT: PanelColor = [0xa5, 0x98, 0x88, 0xff];
-/// What leads on, or is chosen.
+/// What leads on.
 pub const CLAY: PanelColor = [0xac, 0x4f, 0x33, 0xff];
 /// The same, pointed at.
 pub const CLAY_LIGHT: PanelColor = [0xc2, 0x66, 0x48, 0xff];
 /// The same, pressed.
 pub const CLAY_DARK: PanelColor = [0x86, 0x3a, 0x24, 0xff];
-/// All is well.
+/// All is well, or chosen.
 pub const OLIVE: PanelColor = [0x66, 0x77, 0x3c, 0xff];
 /// Soon.
 pub const AMBER: PanelColor = [0xb8, 0x70, 0x14, 0xff];
