@@ -23,7 +23,7 @@ use crate::pointing::{POINTERS, Pointer, Pointing};
 use crate::previews::LivingPreviews;
 use crate::queue::VisitQueue;
 use crate::screen::{
-    BoothTold, ButtonAction, Question, Screen, ScreenState, is_at_work, point_in_room,
+    BoothTold, ButtonAction, GuideEnd, Question, Screen, ScreenState, is_at_work, point_in_room,
 };
 use crate::standing::PanelSpot;
 use remote::RemoteWatch;
@@ -52,6 +52,10 @@ pub struct VisitHost {
     pub(crate) headset: HeadsetWatch,
     /// What the visitor is told of the time, and for how many ticks more.
     told: Option<(Message, u32)>,
+    /// The phase is the guided one.
+    is_guided: bool,
+    /// How the first cut ended, and for how many ticks more that is told.
+    guide_end: Option<(GuideEnd, u32)>,
     /// Turn of the stool that a button has asked for and no tick has taken yet.
     turn_left: i16,
     undoes: bool,
@@ -86,6 +90,8 @@ impl VisitHost {
             screen: Screen::new(),
             headset: HeadsetWatch::default(),
             told: None,
+            is_guided: visit.phase() == VisitPhase::Guided,
+            guide_end: None,
             turn_left: 0,
             undoes: false,
             recentres: false,
@@ -181,7 +187,7 @@ impl VisitHost {
         let visit = world.visit();
         for event in world.events() {
             match event {
-                WorldEvent::Visit(phase) => self.enter_phase(*phase),
+                WorldEvent::Visit(phase) => self.enter_phase(*phase, visit),
                 WorldEvent::TimeLeft { seconds } => {
                     self.told = warning_of(*seconds).map(|message| (message, WARNING_TICKS));
                 }
@@ -189,6 +195,7 @@ impl VisitHost {
             }
         }
         self.told = self.told.and_then(|(message, left)| Some((message, left.checked_sub(1)?)));
+        self.guide_end = self.guide_end.and_then(|(end, left)| Some((end, left.checked_sub(1)?)));
         let is_staffs = matches!(self.question, Question::Pin | Question::Staff);
         if self.pin_pad.as_mut().is_some_and(PinPad::is_left_after_tick) && is_staffs {
             self.ask(Question::None);
@@ -236,6 +243,12 @@ impl VisitHost {
     #[must_use]
     pub fn is_beside_sculpture(&self) -> bool {
         self.screen.is_beside_sculpture()
+    }
+
+    /// Whether the guide has its panel: at the first cut, and until its end is read.
+    #[must_use]
+    pub const fn has_guide(&self) -> bool {
+        self.is_guided || self.guide_end.is_some()
     }
 
     /// Asks the staff for its PIN, if there is one; a panel of the staff's that is open is shut.
@@ -291,7 +304,7 @@ impl VisitHost {
         core::mem::take(&mut self.recentres)
     }
 
-    fn enter_phase(&mut self, phase: VisitPhase) {
+    fn enter_phase(&mut self, phase: VisitPhase, visit: &Visit) {
         // The staff is asked on, whatever the visitor's time does.
         if self.question == Question::Finish {
             self.ask(Question::None);
@@ -309,6 +322,12 @@ impl VisitHost {
             VisitPhase::Export => (self.has_sent_badge, self.has_sent_export) = (false, false),
             _ => {}
         }
+        let is_end = self.is_guided && phase == VisitPhase::Sculpting;
+        self.is_guided = phase == VisitPhase::Guided;
+        self.guide_end = is_end.then(|| {
+            let end = GuideEnd::of_visit(visit);
+            (end, end.reading_ticks(self.language(visit)))
+        });
         (self.turn_left, self.undoes) = (0, false);
     }
 
@@ -317,6 +336,7 @@ impl VisitHost {
         let mut state = ScreenState::of_visit(visit, &self.options);
         state.question = self.question;
         state.warning = self.told.map(|(message, _)| message);
+        state.guide_end = self.guide_end.map(|(end, _)| end);
         if state.phase == VisitPhase::Export {
             // The last hundredth is writing it.
             state.percent = (export.part.clamp(0.0, 1.0) * 99.0) as u32;

@@ -1,6 +1,7 @@
 //! What is shown of a visit: which panels, with which buttons, and what those do.
 
 mod draw;
+mod guide;
 mod rays;
 
 use paros_core::badge::BadgeNumber;
@@ -16,6 +17,7 @@ use crate::export_state::ExportState;
 use crate::options::{Controls, VisitOptions};
 use crate::pointing::ShownButton;
 use crate::standing::PanelSpot;
+pub(crate) use guide::GuideEnd;
 pub(crate) use rays::point_in_room;
 
 /// The most panels shown at once: one before the visitor, one at the side.
@@ -80,6 +82,8 @@ pub(crate) struct ScreenState {
     pub(crate) phase: VisitPhase,
     pub(crate) question: Question,
     pub(crate) step: GuideStep,
+    /// The first cut has just ended, and the visitor is told so.
+    pub(crate) guide_end: Option<GuideEnd>,
     pub(crate) language: Language,
     pub(crate) language_number: u8,
     pub(crate) working_hand: u8,
@@ -150,6 +154,7 @@ impl ScreenState {
             phase: visit.phase(),
             question: Question::None,
             step: visit.guide_step(),
+            guide_end: None,
             language: options.language(visit.language()),
             language_number: visit.language(),
             working_hand: visit.working_hand(),
@@ -234,6 +239,12 @@ impl Screen {
     #[cfg(test)]
     pub(crate) fn told_rest(&self) -> Option<u32> {
         self.drawn.and_then(|(drawn, _)| drawn.seconds_to_gone)
+    }
+
+    /// What is told of the first cut's end.
+    #[cfg(test)]
+    pub(crate) fn told_guide_end(&self) -> Option<GuideEnd> {
+        self.drawn.and_then(|(drawn, _)| drawn.guide_end)
     }
 
     /// What is told of the booth.

@@ -174,18 +174,21 @@ fn guide_screens(language: Language) -> Vec<Screen> {
         (Message::GuideTurn, Icon::Turn),
         (Message::GuideTurnBare, Icon::Turn),
         (Message::GuideTurnMouse, Icon::Turn),
-        (Message::GuideDone, Icon::Tick),
     ];
     let mut step = 0;
-    instructions
-        .into_iter()
-        .map(|(instruction, icon)| {
-            step += 1;
-            let guide = Guide { instruction, icon, step: step.min(9), steps: 9, progress: 0.4 };
-            let buttons = layout::guide_buttons(0);
-            drawn("guide", |panel| layout::draw_guide(panel, language, &guide, &buttons))
-        })
-        .collect()
+    let steps = instructions.into_iter().map(|(instruction, icon)| {
+        step += 1;
+        let guide = Guide { instruction, icon, step: step.min(9), steps: 9, progress: 0.4 };
+        let buttons = layout::guide_buttons(0);
+        drawn("guide", |panel| layout::draw_guide(panel, language, &guide, &buttons))
+    });
+    let done = (Message::GuideDone, Icon::Tick, 9, 1.0);
+    let over = (Message::GuideOver, Icon::Stone, 5, 0.0);
+    let ends = [done, over].map(|(instruction, icon, step, progress)| {
+        let guide = Guide { instruction, icon, step, steps: 9, progress };
+        drawn("guide-end", |panel| layout::draw_guide(panel, language, &guide, &[]))
+    });
+    steps.chain(ends).collect()
 }
 
 fn notice_screens(language: Language) -> Vec<Screen> {

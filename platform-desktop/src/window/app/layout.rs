@@ -60,6 +60,7 @@ where
             opening: self.studio.path_being_read(),
             language: self.visit_language(),
             visit: self.visit_phase(),
+            has_guide: self.has_visit_guide(),
             is_asking: self.is_visit_asking(),
             kiosk: self.kiosk.is_on,
             seconds_to_handover: self.kiosk.seconds_to_handover(world.session_state()),

@@ -159,6 +159,11 @@ where
         self.visits.as_ref().is_some_and(|visits| visits.host.is_asking())
     }
 
+    /// Whether the visit's guide has its panel.
+    pub(super) fn has_visit_guide(&self) -> bool {
+        self.visits.as_ref().is_some_and(|visits| visits.host.has_guide())
+    }
+
     /// Whether the cursor is over a panel of the visit's.
     pub(super) fn is_cursor_on_visit_panel(&self) -> bool {
         let ray = self.hands.cursor_ray();

@@ -21,7 +21,6 @@ use egui::{
     TextureOptions, Vec2,
 };
 use paros_core::session::{SessionMode, SessionState};
-use paros_core::visit::VisitPhase;
 use paros_shaders::Image;
 use paros_shaders::panel::Language;
 use paros_shell::figures::StoneThickness;
@@ -341,8 +340,7 @@ impl Panels {
                 let now = context.input(|input| input.time);
                 let work = self.hints.note_work(status, now);
                 // A guided cut has its own panel.
-                let is_guided = status.visit == Some(VisitPhase::Guided);
-                let text = self.hints.text(work).filter(|_| !is_guided);
+                let text = self.hints.text(work).filter(|_| !status.has_guide);
                 let hint = Hint { text, bit: self.hints.bit(work) };
                 let bar = strip::show_tools(context, status, hint, &mut self.actions);
                 self.finishing = bar.finish == FinishButton::Clicked;

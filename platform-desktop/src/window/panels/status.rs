@@ -64,6 +64,8 @@ pub(in crate::window) struct StudioStatus<'a> {
     pub(in crate::window) language: Language,
     /// Where the visit stands, if sessions are visits.
     pub(in crate::window) visit: Option<VisitPhase>,
+    /// Whether a visit's guide has its panel.
+    pub(in crate::window) has_guide: bool,
     /// Whether a visit's panel asks something, over the tools.
     pub(in crate::window) is_asking: bool,
     /// Whether the window is one of a kiosk.

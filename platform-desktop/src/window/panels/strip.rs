@@ -6,7 +6,6 @@ use paros_core::internals::{BitShape, SizeRange, ToolBitSpec};
 use paros_core::session::{
     BenchItem, FOUND_PERCENT, SessionMode, SessionState, Tool, ToolBit, commands,
 };
-use paros_core::visit::VisitPhase;
 use paros_shaders::panel::{FillingValue, Language, Message};
 use paros_visit::name_of_start;
 
@@ -86,7 +85,7 @@ pub(super) fn show_status(context: &Context, status: &StudioStatus<'_>) {
             });
         };
         // A guided cut's own panel stands there.
-        if status.visit != Some(VisitPhase::Guided) {
+        if !status.has_guide {
             line(ui, style::quiet_text(text));
         }
         if let Some(slowness) = status.slow {

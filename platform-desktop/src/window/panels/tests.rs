@@ -24,6 +24,7 @@ pub(in crate::window) fn sculpting_status() -> StudioStatus<'static> {
         is_steadied: true,
         language: Language::English,
         visit: None,
+        has_guide: false,
         is_asking: false,
         kiosk: false,
         seconds_to_handover: None,

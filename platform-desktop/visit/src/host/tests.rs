@@ -2,6 +2,7 @@
 
 mod aiming;
 mod booth;
+mod guide;
 mod headset;
 mod previews;
 mod resting;

@@ -3,8 +3,8 @@
 use std::mem;
 
 use paros_core::badge::BadgeNumber;
-use paros_core::visit::{GuideStep, PanelAction, StaffCommand, VisitPhase};
-use paros_shaders::panel::layout::{self, Clock, Guide, HandoverTold, PanelNotice, palette};
+use paros_core::visit::{PanelAction, StaffCommand, VisitPhase};
+use paros_shaders::panel::layout::{self, Clock, HandoverTold, PanelNotice, palette};
 use paros_shaders::panel::{
     ButtonState, FillingValue, Icon, Language, Message, Panel, PanelButton,
 };
@@ -48,6 +48,9 @@ impl Screen {
             && !state.is_glowing
         {
             self.draw_clock(state);
+            if let Some(end) = state.guide_end {
+                self.draw_guide_end(state, end);
+            }
         }
         for shown in &self.buttons {
             if hot.contains(&Some(shown.button.id)) && shown.button.state == ButtonState::Idle {
@@ -192,18 +195,6 @@ impl Screen {
         });
     }
 
-    fn draw_guide(&mut self, state: &ScreenState) {
-        let (instruction, icon) = guide_text(state.step, state.controls);
-        let steps = GuideStep::Done as u32;
-        let step = (state.step as u32 + 1).min(steps);
-        let guide = Guide { instruction, icon, step, steps, progress: 0.0 };
-        let skip = ButtonAction::Press(PanelAction::Skip { all: false });
-        let buttons = layout::guide_buttons(0).map(|button| (button, skip));
-        self.add(PanelSpot::Guide, &buttons, |panel, buttons| {
-            layout::draw_guide(panel, state.language, &guide, buttons);
-        });
-    }
-
     /// Clock and buttons beside the stone.
     fn draw_clock(&mut self, state: &ScreenState) {
         let clock = Clock { seconds: state.seconds, warning: state.warning };
@@ -333,7 +324,7 @@ impl Screen {
     }
 
     /// Adds a panel and its buttons, which are numbered anew among all.
-    fn add(
+    pub(super) fn add(
         &mut self,
         spot: PanelSpot,
         buttons: &[(PanelButton<'static>, ButtonAction)],
@@ -374,26 +365,5 @@ fn handover_of(state: &ScreenState) -> HandoverTold {
         pending: state.pending,
         owed: state.booth.map(|booth| booth.owed),
         is_nearly_full: state.booth.is_some_and(|booth| booth.is_nearly_full),
-    }
-}
-
-/// What a step asks for, by what the visitor works with.
-const fn guide_text(step: GuideStep, controls: Controls) -> (Message, Icon) {
-    match (step, controls) {
-        (GuideStep::TakeTool, Controls::Controllers) => (Message::GuideTake, Icon::Tool),
-        (GuideStep::TakeTool, Controls::BareHands) => (Message::GuideTakeBare, Icon::Tool),
-        (GuideStep::TakeTool, Controls::Mouse) => (Message::GuideTakeMouse, Icon::Tool),
-        (GuideStep::Touch, Controls::Mouse) => (Message::GuideTouchMouse, Icon::Stone),
-        (GuideStep::Touch, _) => (Message::GuideTouch, Icon::Stone),
-        (GuideStep::Cut, Controls::Controllers) => (Message::GuideCut, Icon::Trigger),
-        (GuideStep::Cut, Controls::BareHands) => (Message::GuideCutBare, Icon::RightHand),
-        (GuideStep::Cut, Controls::Mouse) => (Message::GuideCutMouse, Icon::Tool),
-        (GuideStep::Smooth, _) => (Message::GuideSmooth, Icon::Smooth),
-        (GuideStep::Undo, Controls::Controllers) => (Message::GuideUndo, Icon::Undo),
-        (GuideStep::Undo, _) => (Message::GuideUndoButton, Icon::Undo),
-        (GuideStep::TurnStool, Controls::Controllers) => (Message::GuideTurn, Icon::Turn),
-        (GuideStep::TurnStool, Controls::BareHands) => (Message::GuideTurnBare, Icon::Turn),
-        (GuideStep::TurnStool, Controls::Mouse) => (Message::GuideTurnMouse, Icon::Turn),
-        (GuideStep::Done, _) => (Message::GuideDone, Icon::Tick),
     }
 }
