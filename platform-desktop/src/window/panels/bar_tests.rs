@@ -6,7 +6,7 @@ use paros_core::session::{SessionMode, Tool};
 use paros_core::visit::VisitPhase;
 use paros_shaders::panel::Language;
 
-use super::tests::{flatten, sculpting_status, text_and_bare_text};
+use super::tests::{click, flatten, sculpting_status, text_and_bare_text};
 use super::{Panels, StudioStatus};
 use crate::window::hands::tool_bits_of;
 
@@ -65,6 +65,24 @@ fn the_status_gives_way_to_the_guide() {
         all.iter().any(|text| text.contains("Free form"))
     };
     assert_eq!([true, false].map(shows), [false, true]);
+}
+
+/// Keys are nowhere told to who has never seen them, but by F1, and a finger has no F1: the bar's button tells of it, and
+/// shows and hides the help.
+#[test]
+fn a_visitor_is_told_of_the_help_and_has_it_by_a_click() {
+    for (language, name) in [(Language::English, "F1 help"), (Language::Greek, "F1 βοήθεια")]
+    {
+        for visit in [VisitPhase::Guided, VisitPhase::Sculpting] {
+            let status = StudioStatus { language, visit: Some(visit), ..sculpting_status() };
+            let mut panels = in_studio();
+            let at = find_text(&mut panels, [1000, 700], &status, name);
+            for is_shown in [true, false] {
+                assert_eq!(click(&mut panels, &status, at), [], "no command of the hands");
+                assert_eq!(panels.is_help_shown(), is_shown, "{visit:?} in {language:?}");
+            }
+        }
+    }
 }
 
 /// What a Greek visitor reads has no English word in it: keys, millimetres and numbers are no words.

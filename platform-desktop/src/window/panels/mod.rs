@@ -34,7 +34,7 @@ use graph::FrameTimeGraph;
 use hints::{Hint, Hints};
 pub(super) use outline::{BitOutline, MirrorGuide, is_pasting_beyond_box};
 pub(super) use status::StudioStatus;
-use strip::{FinishButton, FinishedChoice};
+use strip::{BarButton, FinishedChoice};
 
 /// Least size of the window in points that the panels are laid out for.
 const LEAST_SIZE: Vec2 = Vec2::new(640.0, 420.0);
@@ -342,8 +342,9 @@ impl Panels {
                 // A guided cut has its own panel.
                 let text = self.hints.text(work).filter(|_| !status.has_guide);
                 let hint = Hint { text, bit: self.hints.bit(work) };
-                let bar = strip::show_tools(context, status, hint, &mut self.actions);
-                self.finishing = bar.finish == FinishButton::Clicked;
+                let bar = strip::show_tools(context, status, (hint, self.help), &mut self.actions);
+                self.finishing = bar.clicked == Some(BarButton::Finish);
+                self.help ^= bar.clicked == Some(BarButton::Help);
                 self.note_covered(context, bar.height);
             }
         }

@@ -26,16 +26,18 @@ pub(super) enum Confirmation {
     No,
 }
 
-/// The button of the tool bar that asks for the end.
+/// A button of the tool bar that asks for a panel.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum FinishButton {
-    NotClicked,
-    Clicked,
+pub(super) enum BarButton {
+    /// The session's end, to be confirmed.
+    Finish,
+    /// The help, shown or hidden.
+    Help,
 }
 
 /// What a frame's tool bar did.
 pub(super) struct ToolBar {
-    pub(super) finish: FinishButton,
+    pub(super) clicked: Option<BarButton>,
     /// From its upper edge to the window's lower one, in points.
     pub(super) height: f32,
 }
@@ -132,10 +134,10 @@ fn describe_mode(status: &StudioStatus<'_>) -> Option<String> {
 pub(super) fn show_tools(
     context: &Context,
     status: &StudioStatus<'_>,
-    hint: Hint,
+    (hint, is_help_shown): (Hint, bool),
     actions: &mut Vec<PanelAction>,
 ) -> ToolBar {
-    let (mut finish, language) = (FinishButton::NotClicked, status.language);
+    let (mut clicked, language) = (None, status.language);
     let is_measured = is_area_measured(context, "tools");
     let bottom =
         Area::new(Id::new("tools")).anchor(Align2::CENTER_BOTTOM, Vec2::new(0.0, -BOTTOM_GAP));
@@ -163,15 +165,20 @@ pub(super) fn show_tools(
                 ui.add_space(10.0);
                 show_edits(ui, status, actions);
                 ui.add_space(10.0);
-                // A visit's own panel has it.
-                if status.visit.is_none() && ui.add(Button::new("Finish")).clicked() {
-                    finish = FinishButton::Clicked;
+                // A visit's own panel has the end, and nothing else tells of the help.
+                let (button, text) = match status.visit {
+                    None => (BarButton::Finish, "Finish"),
+                    Some(_) => (BarButton::Help, Message::BarHelp.text(language)),
+                };
+                let is_shown = button == BarButton::Help && is_help_shown;
+                if ui.add(style::choice_button(text, is_shown)).clicked() {
+                    clicked = Some(button);
                 }
             });
         });
     });
     let height = if is_measured { shown.response.rect.height() + BOTTOM_GAP } else { 0.0 };
-    ToolBar { finish, height }
+    ToolBar { clicked, height }
 }
 
 /// Whether an area has its size: not yet in its first frame.
