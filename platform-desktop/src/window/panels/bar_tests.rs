@@ -4,9 +4,10 @@ use egui::{Pos2, Shape};
 use paros_core::edit::UndoCounts;
 use paros_core::session::{SessionMode, Tool};
 use paros_core::visit::VisitPhase;
-use paros_shaders::panel::Language;
+use paros_shaders::panel::{Language, Message};
 
 use super::tests::{click, flatten, sculpting_status, text_and_bare_text};
+use super::words::bit_name;
 use super::{Panels, StudioStatus};
 use crate::window::hands::tool_bits_of;
 
@@ -81,6 +82,62 @@ fn a_visitor_is_told_of_the_help_and_has_it_by_a_click() {
                 assert_eq!(click(&mut panels, &status, at), [], "no command of the hands");
                 assert_eq!(panels.is_help_shown(), is_shown, "{visit:?} in {language:?}");
             }
+        }
+    }
+}
+
+/// The tool bar's texts in a window of an ordinary size, row by row.
+fn bar_rows(status: &StudioStatus<'_>) -> Vec<Vec<String>> {
+    let mut panels = in_studio();
+    find_text(&mut panels, [1280, 800], status, Message::BarMirror.text(status.language));
+    let bar = panels.context.memory(|memory| memory.area_rect("tools")).expect("it is shown");
+    let mut shapes = Vec::new();
+    let drawn = panels.lay_out(status).0.shapes;
+    drawn.into_iter().for_each(|clipped| flatten(clipped.shape, &mut shapes));
+    let (mut rows, mut last) = (Vec::<Vec<String>>::new(), f32::NEG_INFINITY);
+    for shape in shapes {
+        let place = shape.visual_bounding_rect();
+        let Shape::Text(shown) = shape else { continue };
+        if !bar.contains_rect(place) {
+            continue;
+        }
+        // A row's texts are of two sizes.
+        if place.center().y > last + 16.0 {
+            rows.push(Vec::new());
+        }
+        last = place.center().y;
+        rows.last_mut().expect("a row").push(shown.galley.text().into());
+    }
+    rows
+}
+
+/// Greek words are longer; the bar that they are in is as high as the English one, and a tool's bits are in a row.
+#[test]
+fn a_greek_tool_bar_has_the_rows_of_an_english_one() {
+    let visit = Some(VisitPhase::Sculpting);
+    for tool in Tool::ALL {
+        let bits: Vec<_> = tool_bits_of(tool).collect();
+        for (bit, depth_mm) in bits.iter().flat_map(|bit| [9.0, 40.0, -20.0].map(|mm| (*bit, mm))) {
+            let held = Some((tool, bit));
+            let status = StudioStatus { held, visit, depth_mm, ..sculpting_status() };
+            let rows = Language::ALL.map(|language| {
+                let rows = bar_rows(&StudioStatus { language, ..status });
+                let has = |row: &[String], name: Message| {
+                    row.iter().any(|shown| shown == name.text(language))
+                };
+                let names = bits.iter().map(|bit| bit_name(*bit));
+                assert!(names.into_iter().all(|name| has(&rows[0], name)), "{rows:#?}");
+                // Where there is one of these there is the other.
+                let sizes = |row: &Vec<String>| {
+                    [Message::BarSmaller, Message::BarLarger].map(|name| has(row, name))
+                };
+                assert!(
+                    rows.iter().map(sizes).all(|[smaller, larger]| smaller == larger),
+                    "{rows:#?}"
+                );
+                rows
+            });
+            assert_eq!(rows[0].len(), rows[1].len(), "{rows:#?}");
         }
     }
 }

@@ -13,8 +13,8 @@ use super::hints::Hint;
 use super::{PanelAction, StudioStatus, style, words};
 use crate::window::hands::{DEPTHS_MM, tool_bits_of};
 
-/// The tool bar's width in points, where the window is as wide: any tool's bits are in a row.
-const BAR_WIDTH: f32 = 980.0;
+/// The tool bar's width in points, where the window is as wide: any tool's bits are in a row, in any language.
+const BAR_WIDTH: f32 = 1000.0;
 
 /// From the window's lower edge to what stands there, in points.
 const BOTTOM_GAP: f32 = 16.0;
