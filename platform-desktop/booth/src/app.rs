@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use paros_booth_rules::{Booth, BoothPlan, Refusal, Store};
+use tokio::runtime::Handle;
 
 use crate::error::Error;
 use crate::files::Files;
@@ -43,7 +44,11 @@ const MAX_WAITING_MODELS: usize = 16;
 const LONGEST_WAIT_FOR_MODEL: Duration = Duration::from_secs(20);
 
 /// Threads for work that waits for the disk.
-pub(crate) const WORK_THREADS: usize = MAX_SMALL + MAX_WORK + MAX_DECODES + MAX_MODELS;
+pub(crate) const WORK_THREADS: usize = MAX_SMALL + MAX_WORK;
+
+/// Threads for work on whole parcels and models. They are others: an allocator keeps for each thread what its largest work
+/// took, and that was a third of the booth's memory where any thread might get it.
+pub(crate) const WHOLE_THREADS: usize = MAX_DECODES + MAX_MODELS;
 
 /// Pieces of parcels that are read from the network at once, all and of a headset: each has up to a quarter of a
 /// megabyte, and a slow radio takes its time.
@@ -85,6 +90,8 @@ pub(crate) struct App {
     work: Gate,
     decodes: Gate,
     models: Gate,
+    /// The threads for work on whole parcels and models.
+    of_wholes: Handle,
 }
 
 /// What tells threads of work.
@@ -147,6 +154,7 @@ impl App {
         logins: LoginGate,
         public_address: Option<PublicAddress>,
         facts: SiteFacts,
+        of_wholes: Handle,
     ) -> Self {
         App {
             booth,
@@ -168,6 +176,7 @@ impl App {
             work: Gate::new(MAX_WORK, MAX_WAITING, LONGEST_WAIT),
             decodes: Gate::new(MAX_DECODES, MAX_WAITING_DECODES, LONGEST_WAIT),
             models: Gate::new(MAX_MODELS, MAX_WAITING_MODELS, LONGEST_WAIT_FOR_MODEL),
+            of_wholes,
         }
     }
 
@@ -179,7 +188,7 @@ impl App {
         self: &Arc<Self>,
         work: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
     ) -> Result<T, Refusal> {
-        self.run_behind(&self.work, work).await
+        self.run_behind(&self.work, &Handle::current(), work).await
     }
 
     /// Does work that takes a moment and is asked for often.
@@ -190,7 +199,7 @@ impl App {
         self: &Arc<Self>,
         work: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
     ) -> Result<T, Refusal> {
-        self.run_behind(&self.small, work).await
+        self.run_behind(&self.small, &Handle::current(), work).await
     }
 
     /// Does work that unpacks a parcel.
@@ -201,7 +210,7 @@ impl App {
         self: &Arc<Self>,
         work: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
     ) -> Result<T, Refusal> {
-        self.run_behind(&self.decodes, work).await
+        self.run_behind(&self.decodes, &self.of_wholes, work).await
     }
 
     /// Does work that makes a model.
@@ -212,17 +221,18 @@ impl App {
         self: &Arc<Self>,
         work: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
     ) -> Result<T, Refusal> {
-        self.run_behind(&self.models, work).await
+        self.run_behind(&self.models, &self.of_wholes, work).await
     }
 
     async fn run_behind<T: Send + 'static>(
         self: &Arc<Self>,
         gate: &Gate,
+        threads: &Handle,
         work: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
     ) -> Result<T, Refusal> {
         let permit = gate.enter().await?;
         let app = self.clone();
-        let done = tokio::task::spawn_blocking(move || {
+        let done = threads.spawn_blocking(move || {
             // The work goes on where nobody waits for it any more, and holds its place.
             let _permit = permit;
             work(&app)

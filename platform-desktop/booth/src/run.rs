@@ -10,12 +10,13 @@ use std::time::{Duration, SystemTime};
 use paros_booth_rules::{Booth, BoothPlan};
 use paros_shell::durable::take_storage_warnings;
 use tokio::net::TcpListener;
+use tokio::runtime::{Builder, Runtime};
 use tokio::signal::unix::{Signal, SignalKind, signal};
 use tokio_rustls::TlsAcceptor;
 use tokio_rustls::rustls::sign::CertifiedKey;
 use tracing::{info, warn};
 
-use crate::app::{App, OpenBooth, WORK_THREADS, Wakers};
+use crate::app::{App, OpenBooth, WHOLE_THREADS, WORK_THREADS, Wakers};
 use crate::clock::booth_time;
 use crate::demo::{DemoFolder, add_demo};
 use crate::error::Error;
@@ -54,11 +55,8 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     let mailer = Mailer::new(&options.mail, public.clone())?;
     let plan = BoothPlan { retention_days: options.keep_days, ..BoothPlan::default() };
     let quota = u64::from(options.quota_gb) * 1_000_000_000;
-    let runtime = tokio::runtime::Builder::new_multi_thread()
-        .enable_all()
-        .max_blocking_threads(WORK_THREADS)
-        .build()
-        .map_err(|error| Error::failure("threads", error))?;
+    let (runtime, of_wholes) =
+        build_runtimes().map_err(|error| Error::failure("threads", error))?;
     // First of all: where the port is another's, no folder is made. Who comes before all is there, waits.
     let listeners = runtime.block_on(Listeners::bind(options.listen, public.as_ref()))?;
     let demo = DemoFolder::make(options)?;
@@ -88,15 +86,26 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     let logins = LoginGate::new(first_code.clone());
     let facts = SiteFacts { ca_pem: open.keys.ca_pem.clone(), settings: list_settings(options) };
     let (wakers, public_of_app) = ((wakers, printers), public.clone());
-    let app = Arc::new(App::new(open.booth, open.files, wakers, logins, public_of_app, facts));
+    let threads = of_wholes.handle().clone();
+    let app = App::new(open.booth, open.files, wakers, logins, public_of_app, facts, threads);
+    let app = Arc::new(app);
     let serving = Serving { app: app.clone(), public, first_code, of_staff, names, listeners };
     let served = runtime.block_on(serving.serve_until_told(open.keys));
     // Its threads end with what they do; the app goes with them, and then its workers can end.
     runtime.shutdown_timeout(Duration::from_secs(10));
+    of_wholes.shutdown_timeout(Duration::from_secs(10));
     drop(app);
     drop((exports, mails, slices));
     info!("ended");
     served
+}
+
+/// What serves, and the threads for work on whole parcels and models.
+fn build_runtimes() -> io::Result<(Runtime, Runtime)> {
+    let mut serving = Builder::new_multi_thread();
+    let serving = serving.enable_all().max_blocking_threads(WORK_THREADS).build()?;
+    let of_wholes = Builder::new_current_thread().max_blocking_threads(WHOLE_THREADS).build()?;
+    Ok((serving, of_wholes))
 }
 
 /// What is served, and where.
