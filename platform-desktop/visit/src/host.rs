@@ -7,7 +7,7 @@ mod remote;
 use glam::Vec3;
 use paros_core::session::{PointerCommand, SessionMode, TICK_RATE, commands};
 use paros_core::visit::{
-    GuideStep, PanelAction, Presence, Visit, VisitCommand, VisitInput, VisitPhase,
+    GuideStep, PanelAction, PlanSetting, Presence, Visit, VisitCommand, VisitInput, VisitPhase,
 };
 use paros_core::volume::{Grid, Size};
 use paros_core::{TickInput, World, WorldEvent};
@@ -322,7 +322,9 @@ impl VisitHost {
             VisitPhase::Export => (self.has_sent_badge, self.has_sent_export) = (false, false),
             _ => {}
         }
-        let is_end = self.is_guided && phase == VisitPhase::Sculpting;
+        // Where the first cut is left out, a tick of it passes all the same.
+        let has_guide = visit.plan().value(PlanSetting::Guided) > 0;
+        let is_end = self.is_guided && phase == VisitPhase::Sculpting && has_guide;
         self.is_guided = phase == VisitPhase::Guided;
         self.guide_end = is_end.then(|| {
             let end = GuideEnd::of_visit(visit);

@@ -1,7 +1,7 @@
 //! The end of the guided first cut.
 
 use paros_core::session::TICK_RATE;
-use paros_core::visit::{Presence, StaffCommand, VisitPhase};
+use paros_core::visit::{PlanSetting, Presence, StaffCommand, VisitPhase};
 use paros_shaders::panel::Language;
 
 use super::{HostRig, Press, begin_sculpting, options, with_rig};
@@ -111,5 +111,24 @@ fn nobody_is_told_again_that_the_first_cut_has_ended() {
         rig.wait(2);
         assert_eq!(rig.phase(), VisitPhase::Sculpting);
         assert_eq!(rig.host.screen.told_guide_end(), None);
+    });
+}
+
+#[test]
+fn where_the_first_cut_is_left_out_nobody_is_told_of_its_end() {
+    with_rig(|rig| {
+        let mut options = options();
+        options.plan.set_value(PlanSetting::Guided, 0);
+        let start = options.starts[0];
+        rig.host = VisitHost::new(options, rig.world().visit());
+        rig.wait(4);
+        rig.presence = Presence::Worn;
+        rig.wait(2);
+        rig.host.perform(ButtonAction::Press(Press::Confirm));
+        rig.wait(2);
+        rig.host.perform(ButtonAction::Choose(start));
+        rig.wait(6);
+        assert_eq!(rig.phase(), VisitPhase::Sculpting);
+        assert_eq!((rig.host.has_guide(), rig.host.screen.told_guide_end()), (false, None));
     });
 }
