@@ -11,7 +11,7 @@ use paros_shell::headset::visit::LastUse;
 use paros_shell::statics::Resident;
 use paros_shell::studio::Studio;
 use paros_visit::{
-    Controls, ExportState, POINTERS, Pointer, VisitHost, VisitOptions, close_visits,
+    Controls, ExportState, POINTERS, Pointer, VisitHost, VisitOptions, close_visits, is_at_work,
 };
 
 use super::App;
@@ -270,6 +270,9 @@ where
             self.hands.reset_eye_and_depths();
             self.panels.forget_visitor();
         }
+        if world.events().iter().any(ends_work) {
+            self.panels.close_help();
+        }
         self.follow_guide();
     }
 
@@ -290,12 +293,20 @@ where
     }
 }
 
+/// Whether the visitor's work is over. Help that stays open would hide the badge, and a finger has nothing to close it by.
+const fn ends_work(event: &WorldEvent) -> bool {
+    matches!(event, WorldEvent::Visit(phase) if !is_at_work(*phase))
+}
+
 #[cfg(test)]
 mod tests {
     use glam::Quat;
     use paros_core::visit::GuideStep::{Cut, TurnStool};
 
-    use super::{LookAround, QUIET_TICKS, STAMP_TICKS, UseStamp, VisitPhase, is_window_used};
+    use super::{
+        LookAround, QUIET_TICKS, STAMP_TICKS, UseStamp, VisitPhase, WorldEvent, ends_work,
+        is_window_used,
+    };
 
     #[test]
     fn an_eye_has_looked_around_once_it_went_far_enough_since_it_was_asked_to() {
@@ -319,6 +330,15 @@ mod tests {
         assert_eq!([stamped(true, 1), stamped(true, STAMP_TICKS - 1)], [1, 0]);
         assert_eq!(stamped(true, 10 * STAMP_TICKS), 10);
         assert_eq!([stamped(false, 3), stamped(true, 1)], [0, 1], "it is taken up again");
+    }
+
+    #[test]
+    fn help_is_closed_once_the_tool_bar_with_its_button_goes() {
+        use VisitPhase::{Badge, Choice, Guided, HandsOff, Sculpting, Welcome};
+        let closes = [Welcome, Choice, Guided, Sculpting, HandsOff, Badge]
+            .map(|phase| ends_work(&WorldEvent::Visit(phase)));
+        assert_eq!(closes, [true, true, false, false, true, true]);
+        assert!(!ends_work(&WorldEvent::Found));
     }
 
     #[test]
