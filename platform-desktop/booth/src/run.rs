@@ -93,7 +93,7 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     let served = runtime.block_on(serving.serve_until_told(open.keys));
     // Its threads end with what they do; the app goes with them, and then its workers can end.
     runtime.shutdown_timeout(Duration::from_secs(10));
-    of_wholes.shutdown_timeout(Duration::from_secs(10));
+    of_wholes.shutdown_timeout(Duration::from_secs(5));
     drop(app);
     drop((exports, mails, slices));
     info!("ended");
