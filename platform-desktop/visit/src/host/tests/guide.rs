@@ -9,7 +9,7 @@ use crate::host::VisitHost;
 use crate::screen::{ButtonAction, GuideEnd};
 
 /// To the first step of the guided cut.
-fn begin_guide(rig: &mut HostRig<'_, '_>) {
+pub(super) fn begin_guide(rig: &mut HostRig<'_, '_>) {
     rig.presence = Presence::Worn;
     rig.wait(2);
     rig.host.perform(ButtonAction::Press(Press::Confirm));

@@ -3,6 +3,7 @@
 use paros_core::session::{SessionState, TICK_RATE};
 use paros_core::visit::{GuideStep, Presence, VisitPhase};
 
+use super::guide::begin_guide;
 use super::{HostRig, Press, begin_sculpting, cut, go_to_badge, options, with_rig};
 use crate::options::Controls;
 use crate::screen::ButtonAction;
@@ -177,12 +178,7 @@ fn who_begins_at_once_begins_as_the_settings_say() {
 fn a_window_tells_that_a_step_is_done_and_ends_that_one_alone() {
     with_rig(|rig| {
         rig.host.set_controls(Controls::Mouse);
-        rig.presence = Presence::Worn;
-        rig.wait(2);
-        rig.host.perform(ButtonAction::Press(Press::Confirm));
-        rig.wait(2);
-        rig.host.perform(ButtonAction::Choose(options().starts[0]));
-        rig.wait(4);
+        begin_guide(rig);
         for (number, step) in GuideStep::ALL.into_iter().take(6).enumerate() {
             let visit = *rig.world().visit();
             assert_eq!(visit.guide_step(), step);
