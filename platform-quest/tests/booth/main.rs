@@ -160,7 +160,9 @@ fn an_exception_is_told() {
         assert_eq!(ask(&mut link, put()).result, Err(LinkFault::Untrusted));
         let told = link.last_error().expect("it failed").to_string();
         assert!(told.starts_with("who answers isn't the booth: "), "{told}");
-        assert!(told.contains("javax.net.ssl.SSLHandshakeException: PKIX path"), "{told}");
+        // Newer machines put the alert's name between them.
+        let (_, said) = told.split_once("javax.net.ssl.SSLHandshakeException: ").expect(&told);
+        assert!(said.contains("PKIX path"), "{told}");
     });
 }
 
