@@ -97,6 +97,8 @@ pub struct OutboxEntry {
     pub(super) confirmed_ms: Option<u64>,
     /// Whether the heartbeat under way asks whether the booth has what it signed for.
     pub(super) is_asked_for: bool,
+    /// Whether the journal on the disk says that the booth signed for it.
+    pub(super) is_signed_on_disk: bool,
 }
 
 impl EntryState {
@@ -162,6 +164,11 @@ impl EntryState {
         self.announcement_state().is_some()
     }
 
+    /// Whether the booth signed for it, and its parcel is here still.
+    pub(super) const fn is_signed(self) -> bool {
+        matches!(self, EntryState::Receipted { .. } | EntryState::Deletable)
+    }
+
     /// Whether it isn't to be deleted yet.
     pub(super) const fn stays(self) -> bool {
         !matches!(self, EntryState::Deletable | EntryState::Gone)
@@ -202,7 +209,14 @@ impl OutboxEntry {
             retry_ms: 0,
             confirmed_ms: None,
             is_asked_for: false,
+            is_signed_on_disk: false,
         }
+    }
+
+    /// Leads it to a state.
+    pub(super) fn enter(&mut self, state: EntryState) {
+        self.state = state;
+        self.is_signed_on_disk &= state.is_signed();
     }
 
     /// What the booth is told of it; `None` where it has signed.

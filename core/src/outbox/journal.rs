@@ -76,7 +76,7 @@ impl Outbox {
             return Err(bad);
         }
         from.expect_end()?;
-        outbox.is_journal_due = false;
+        outbox.note_journal_written();
         if site != owner.site {
             outbox.leave_site();
         }
@@ -86,7 +86,7 @@ impl Outbox {
     fn leave_site(&mut self) {
         self.is_journal_due = true;
         for entry in &mut self.entries {
-            entry.state = entry.state.next(EntryEvent::SiteChanged).unwrap_or(entry.state);
+            entry.enter(entry.state.next(EntryEvent::SiteChanged).unwrap_or(entry.state));
         }
     }
 

@@ -117,7 +117,7 @@ impl Outbox {
         self.was_wiped
     }
 
-    /// Whether the journal on the disk is behind: it is written next, and nothing is deleted before.
+    /// Whether the journal on the disk is behind: it is written next.
     #[must_use]
     pub const fn is_journal_due(&self) -> bool {
         self.is_journal_due
@@ -127,6 +127,9 @@ impl Outbox {
     pub fn note_journal_written(&mut self) {
         self.is_journal_due = false;
         self.unsaved_seconds = 0;
+        for entry in &mut self.entries {
+            entry.is_signed_on_disk = entry.state.is_signed();
+        }
     }
 
     /// Sculptures that the booth hasn't signed for.
@@ -247,7 +250,7 @@ impl Outbox {
             if let Some(next) = entry.state.next(event) {
                 has_receipts = true;
                 self.is_journal_due |= next == EntryState::Deletable;
-                entry.state = next;
+                entry.enter(next);
             }
         }
         if has_receipts {
@@ -256,13 +259,13 @@ impl Outbox {
         }
     }
 
-    /// The parcel to delete next, the oldest first; `None` while the journal is behind, so that what is deleted is
-    /// known as signed for whenever the program starts again.
-    #[must_use]
-    pub fn next_to_delete(&self) -> Option<SculptureId> {
-        let deletable = |entry: &&OutboxEntry| entry.state == EntryState::Deletable;
-        let entry = self.entries.iter().find(deletable).filter(|_| !self.is_journal_due);
-        entry.map(|entry| entry.id)
+    /// The parcels to delete, the oldest first: of those that are deletable what the journal on the disk calls signed
+    /// for, so that it is known as such whenever the program starts again. That the journal is behind otherwise holds up
+    /// nothing: on a full disk it is what is deleted that makes room for it.
+    pub fn parcels_to_delete(&self) -> impl Iterator<Item = SculptureId> {
+        let deletable =
+            |entry: &&OutboxEntry| entry.state == EntryState::Deletable && entry.is_signed_on_disk;
+        self.entries.iter().filter(deletable).map(|entry| entry.id)
     }
 
     /// The parcel of a deletable sculpture isn't on the disk any more.
@@ -293,7 +296,7 @@ impl Outbox {
             (EntryState::Kept | EntryState::Sending { .. }, EntryState::Sending { .. })
         );
         self.is_journal_due |= !is_saved_alike;
-        entry.state = next;
+        entry.enter(next);
         if next == EntryState::Gone {
             self.entries.remove(at);
         }

@@ -35,7 +35,8 @@
 //! # What shells must keep
 //! - A parcel is on the disk, whole, under its own name before [`Outbox::keep`] is told; it isn't changed after.
 //! - The journal is written whenever [it is due](Outbox::is_journal_due): before the booth hears of a new sculpture,
-//!   and before a parcel is deleted.
+//!   and whenever it can be. Of what is deleted the journal that is there already says that it is signed for
+//!   ([`Outbox::parcels_to_delete`]).
 //! - At a start the folder's parcels are compared with the journal: those that are there and not known are kept
 //!   ([`Outbox::keep`]) unless they were given up, those that are known and not there, or damaged, are missing.
 //! - An id that the booth knows as another's is replaced by one that follows from the old one and its parcel alone, so

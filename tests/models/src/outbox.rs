@@ -45,6 +45,8 @@ pub struct ModelSculpture {
     pub failures: u32,
     /// When the booth last said that it has it, after it signed; `None` in this start.
     pub confirmed_ms: Option<u64>,
+    /// Whether the journal on the disk says that the booth signed.
+    pub is_signed_on_disk: bool,
 }
 
 /// All sculptures, in the order of their coming.
@@ -81,6 +83,7 @@ impl ModelSculpture {
             noted: None,
             failures: 0,
             confirmed_ms: None,
+            is_signed_on_disk: false,
         }
     }
 
@@ -155,6 +158,7 @@ impl OutboxModel {
         } else {
             (sculpture.signed, sculpture.signed_before_ms, sculpture.held) = (None, 0, None);
             (sculpture.is_refused, sculpture.refused_ms) = (false, None);
+            sculpture.is_signed_on_disk = false;
         }
     }
 
@@ -298,6 +302,22 @@ impl OutboxModel {
             };
         }
         true
+    }
+
+    /// The journal is on the disk as it is.
+    pub fn note_journal_written(&mut self) {
+        for sculpture in &mut self.sculptures {
+            sculpture.is_signed_on_disk = sculpture.signed.is_some();
+        }
+    }
+
+    /// Parcels that may be deleted now.
+    pub fn list_parcels_to_delete(&self) -> Vec<SculptureId> {
+        let may_be = |sculpture: &&ModelSculpture| {
+            sculpture.is_signed_on_disk
+                && sculpture.state(self.now_ms, self.grace_seconds) == EntryState::Deletable
+        };
+        self.sculptures.iter().filter(may_be).map(|sculpture| sculpture.id).collect()
     }
 
     /// The deletable parcel is gone.

@@ -51,6 +51,8 @@ pub struct OutboxDriver<F, L> {
     read: Option<Parcel>,
     /// Ids whose parcels are to be removed once the journal says why.
     pub(super) given_up: Vec<SculptureId>,
+    /// How many parcels couldn't be removed since one could.
+    unremoved: usize,
     /// Whether there are parcels that the table has no room for.
     pub(super) has_unlisted: bool,
     /// When the last heartbeat was sent.
@@ -76,6 +78,7 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
             sent: None,
             read: None,
             given_up: Vec::new(),
+            unremoved: 0,
             has_unlisted: false,
             heartbeat_ms: 0,
             journal_failed_ms: None,
@@ -207,23 +210,24 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
         }
     }
 
-    /// Removes a parcel that the journal says is signed for or given up.
+    /// Removes a parcel that the journal says is given up or signed for. One that can't be removed waits until the others
+    /// were tried.
     fn remove_one(&mut self) {
-        if self.outbox.is_journal_due() {
+        let mut ids = self.outbox.parcels_to_delete().collect::<Vec<_>>();
+        if !self.outbox.is_journal_due() {
+            ids.extend(&self.given_up);
+        }
+        let turn = self.unremoved.checked_rem(ids.len()).unwrap_or_default();
+        let Some(&id) = ids.get(turn) else { return };
+        if self.folder.remove(&parcel_name(id)).is_err() {
+            self.unremoved = turn + 1;
             return;
         }
-        if let Some(id) = self.given_up.pop() {
-            if self.folder.remove(&parcel_name(id)).is_err() {
-                self.given_up.push(id);
-            }
-        } else if let Some(id) = self.outbox.next_to_delete()
-            && self.folder.remove(&parcel_name(id)).is_ok()
-        {
-            // It was the next one.
-            let _ = self.outbox.note_deleted(id);
-            if mem::take(&mut self.has_unlisted) {
-                self.take_in_unlisted();
-            }
+        self.unremoved = 0;
+        self.given_up.retain(|other| *other != id);
+        // One that was given up isn't in the table.
+        if self.outbox.note_deleted(id).is_ok() && mem::take(&mut self.has_unlisted) {
+            self.take_in_unlisted();
         }
     }
 

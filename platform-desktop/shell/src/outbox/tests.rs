@@ -206,6 +206,65 @@ fn a_parcel_outlives_starts_until_its_receipt_and_grace_are_over() {
     );
 }
 
+/// Keeps parcels, and has the booth sign for each.
+fn sign_all(
+    folder: &Folder,
+    host: &mut Host,
+    parcels: &[Parcel],
+) -> OutboxDriver<DiskFolder, Link> {
+    let mut driver = folder.open();
+    for parcel in parcels {
+        driver.keep(parcel).expect("room");
+        answer(&mut driver, host, 200, receipt_of(parcel, &site_key()));
+    }
+    driver
+}
+
+#[test]
+fn a_parcel_that_cant_be_removed_holds_up_no_other() {
+    let (folder, parcels) = (Folder::new("stuck"), [parcel(1), parcel(2), parcel(3)]);
+    let mut host = Host::default();
+    let mut driver = sign_all(&folder, &mut host, &parcels);
+    let stuck = [1, 2].map(|number| format!("{}.parcel", SculptureId([number; 16])));
+    for name in &stuck {
+        // No file's removal takes a folder away.
+        fs::remove_file(folder.0.join(name)).expect("it is kept");
+        fs::create_dir(folder.0.join(name)).expect("room on the disk");
+    }
+    host.now_ms += 200_000;
+    (0..6).for_each(|_| driver.step(&mut host));
+    let states = parcels.each_ref().map(|parcel| state(&driver, parcel));
+    assert_eq!(states, [Some(EntryState::Deletable), Some(EntryState::Deletable), None]);
+    fs::remove_dir(folder.0.join(&stuck[1])).expect("it is empty");
+    (0..4).for_each(|_| driver.step(&mut host));
+    assert_eq!(state(&driver, &parcels[1]), None);
+    assert_eq!(folder.names(), [&stuck[0], "outbox.journal"]);
+}
+
+/// What was signed for before the disk was full is what makes room on it.
+#[test]
+fn where_no_journal_can_be_written_what_it_calls_signed_for_goes_all_the_same() {
+    let (folder, parcels) = (Folder::new("full"), [parcel(1), parcel(2)]);
+    let mut host = Host::default();
+    let mut driver = sign_all(&folder, &mut host, &parcels[..1]);
+    driver.step(&mut host);
+    // No file takes the place of a folder.
+    let journal = folder.0.join("outbox.journal");
+    fs::remove_file(&journal).expect("it was written");
+    fs::create_dir(&journal).expect("room on the disk");
+    driver.keep(&parcels[1]).expect("room");
+    answer(&mut driver, &mut host, 200, receipt_of(&parcels[1], &site_key()));
+    host.now_ms += 200_000;
+    (0..3).for_each(|_| driver.step(&mut host));
+    assert!(host.events.iter().any(|event| matches!(event, OutboxEvent::JournalUnwritten(_))));
+    let states = parcels.each_ref().map(|parcel| state(&driver, parcel));
+    assert_eq!(states, [None, Some(EntryState::Deletable)], "the second one's receipt isn't saved");
+    fs::remove_dir(&journal).expect("it is empty");
+    host.now_ms += 2000;
+    (0..3).for_each(|_| driver.step(&mut host));
+    assert_eq!((state(&driver, &parcels[1]), folder.names().len()), (None, 1));
+}
+
 #[test]
 fn nothing_but_the_sites_signature_is_a_receipt() {
     let (folder, parcel) = (Folder::new("receipts"), parcel(1));

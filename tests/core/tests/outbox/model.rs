@@ -94,6 +94,7 @@ impl Exhibition {
             5 | 6 => self.send(),
             7 | 8 => self.answer(),
             9 => self.pass_time(),
+            10 if self.dice.one_in(2) => self.delete(),
             10 => self.beat(),
             _ => self.write_journal(),
         }
@@ -251,15 +252,9 @@ impl Exhibition {
     fn write_journal(&mut self) {
         let bytes = save(&self.outbox);
         self.outbox.note_journal_written();
-        let deletable = |sculpture: &&paros_models::outbox::ModelSculpture| {
-            let state = sculpture.state(self.model.now_ms, self.model.grace_seconds);
-            state == paros_core::outbox::EntryState::Deletable
-        };
-        let first = self.model.sculptures.iter().find(deletable).map(|sculpture| sculpture.id);
-        assert_eq!(self.outbox.next_to_delete(), first);
-        if let Some(first) = first.filter(|_| self.dice.one_in(2)) {
-            self.model.delete(first);
-            assert_eq!(self.outbox.note_deleted(first), Ok(()));
+        self.model.note_journal_written();
+        if self.dice.one_in(2) {
+            self.delete();
         } else if self.dice.one_in(3) {
             let loaded = Outbox::load(&bytes, OWNER, self.settings, super::BOOT + 1);
             *self.outbox = loaded.expect("its journal");
@@ -269,6 +264,17 @@ impl Exhibition {
             self.model.pass_time(0);
             self.sent = None;
             self.late.clear();
+        }
+    }
+
+    /// Deletes one of what may be, whether or not the journal is behind.
+    fn delete(&mut self) {
+        let to_delete: Vec<_> = self.outbox.parcels_to_delete().collect();
+        assert_eq!(to_delete, self.model.list_parcels_to_delete());
+        if !to_delete.is_empty() {
+            let id = to_delete[self.dice.below(to_delete.len() as u64) as usize];
+            self.model.delete(id);
+            assert_eq!(self.outbox.note_deleted(id), Ok(()));
         }
     }
 

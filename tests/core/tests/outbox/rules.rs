@@ -74,11 +74,14 @@ fn a_sculpture_is_announced_kept_sent_signed_for_and_deleted_after_the_grace() {
     outbox.pass_time(0);
     outbox.pass_time(3_600_000);
     assert_eq!(state(&outbox, 1), Some(EntryState::Receipted { seconds: 3600 }));
-    assert_eq!(outbox.next_to_delete(), None);
+    assert_eq!(outbox.parcels_to_delete().next(), None);
     outbox.pass_time(3_601_000);
-    assert_eq!(outbox.next_to_delete(), None, "the journal is behind");
-    outbox.note_journal_written();
-    assert_eq!(outbox.next_to_delete(), Some(id(1)));
+    assert!(outbox.is_journal_due());
+    assert_eq!(
+        outbox.parcels_to_delete().next(),
+        Some(id(1)),
+        "the journal says it was signed for"
+    );
     outbox.note_deleted(id(1)).expect("deletable");
     assert_eq!((outbox.entries(), outbox.bytes_here()), (&[][..], 0));
 }
@@ -215,7 +218,7 @@ fn what_the_booth_deleted_is_deleted_here_without_a_grace() {
     outbox.take_receipt(&receipt(id(1), ReceiptOutcome::Deleted)).expect("its own");
     assert_eq!((state(&outbox, 1), outbox.depth()), (Some(EntryState::Deletable), 0));
     outbox.note_journal_written();
-    assert_eq!(outbox.next_to_delete(), Some(id(1)));
+    assert_eq!(outbox.parcels_to_delete().next(), Some(id(1)));
 }
 
 #[test]
@@ -258,7 +261,7 @@ fn a_full_table_refuses_and_warns_before() {
     outbox.keep(long_id(0), None, hash_of(long_id(0)), BYTES).expect("announced");
     outbox.take_receipt(&receipt(long_id(0), ReceiptOutcome::Deleted)).expect("its own");
     outbox.note_journal_written();
-    assert_eq!(outbox.next_to_delete(), Some(long_id(0)));
+    assert_eq!(outbox.parcels_to_delete().next(), Some(long_id(0)));
     outbox.note_deleted(long_id(0)).expect("deletable");
     assert_eq!(outbox.announce(id(9), None), Ok(()));
 }
@@ -274,6 +277,29 @@ fn bytes_are_bounded_too() {
     assert_eq!(outbox.level(), OutboxLevel::Full);
 }
 
+/// What the journal on the disk doesn't call signed for may be needed at the next start; the rest makes room on a full
+/// disk.
+#[test]
+fn what_is_deleted_is_signed_for_in_the_journal_on_the_disk() {
+    let mut outbox = keeping(1..=3);
+    outbox.take_receipt(&receipt(id(2), KEPT)).expect("its own");
+    outbox.note_journal_written();
+    outbox.take_receipt(&receipt(id(1), KEPT)).expect("its own");
+    outbox.take_receipt(&receipt(id(3), ReceiptOutcome::Deleted)).expect("its own");
+    outbox.pass_time(0);
+    outbox.pass_time(3_601_000);
+    assert_eq!(state(&outbox, 1), Some(EntryState::Deletable));
+    let to_delete =
+        |outbox: &paros_core::outbox::Outbox| outbox.parcels_to_delete().collect::<Vec<_>>();
+    assert_eq!(to_delete(&outbox), [id(2)], "the journal that is there knows 2 alone");
+    let mut started = super::journal::load(&super::journal::save(&outbox)).expect("a journal");
+    assert_eq!(to_delete(&started), [id(1), id(2), id(3)]);
+    started.note_deleted(id(2)).expect("deletable");
+    assert_eq!(to_delete(&started), [id(1), id(3)]);
+    outbox.note_journal_written();
+    assert_eq!(to_delete(&outbox), [id(1), id(2), id(3)]);
+}
+
 /// A headset on its two hundredth visit of the days of grace takes in the next ones all the same.
 #[test]
 fn what_is_signed_for_makes_room_the_oldest_first() {
@@ -286,7 +312,8 @@ fn what_is_signed_for_makes_room_the_oldest_first() {
         outbox.pass_time(u64::from(number));
         outbox.note_journal_written();
         assert_eq!(outbox.level(), OutboxLevel::Fine, "nothing is owed");
-        if let Some(oldest) = outbox.next_to_delete() {
+        let oldest = outbox.parcels_to_delete().next();
+        if let Some(oldest) = oldest {
             assert_eq!(oldest, outbox.entries()[0].id);
             outbox.note_deleted(oldest).expect("deletable");
         }
@@ -313,7 +340,7 @@ fn what_is_signed_for_makes_room_for_bytes_and_what_is_owed_never_does() {
     outbox.pass_time(1);
     outbox.note_journal_written();
     // 43 parcels of 11,000 bytes are 45 percent of a MiB.
-    assert_eq!((deletable(&outbox), outbox.next_to_delete()), (37, Some(id(1))));
+    assert_eq!((deletable(&outbox), outbox.parcels_to_delete().next()), (37, Some(id(1))));
     assert_eq!(state(&outbox, 38), Some(EntryState::Receipted { seconds: 0 }));
 }
 
