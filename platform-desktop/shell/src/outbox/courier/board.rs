@@ -10,6 +10,9 @@ use paros_core::visit::VisitPhase;
 /// Badges that wait to be looked at: of the last sculpture, and some that nobody asked for again.
 const MAX_BADGES: usize = 8;
 
+/// Sculptures that the booth signed for, and that may be looked at once more.
+const MAX_SIGNED: usize = 8;
+
 /// Lines that wait to be told.
 const MAX_NOTES: usize = 64;
 
@@ -77,6 +80,7 @@ pub(super) struct Board {
     /// Those whose parcels are being made, or couldn't be kept.
     under_way: Vec<(SculptureId, Keeping)>,
     badges: VecDeque<(SculptureId, BadgeNumber)>,
+    signed: VecDeque<SculptureId>,
 }
 
 /// A headset of which nothing is known yet.
@@ -104,6 +108,7 @@ impl Board {
             entries: Vec::new(),
             under_way: Vec::new(),
             badges: VecDeque::new(),
+            signed: VecDeque::new(),
         }
     }
 
@@ -125,6 +130,15 @@ impl Board {
         self.badges.push_back((id, badge));
         if self.badges.len() > MAX_BADGES {
             self.badges.pop_front();
+        }
+    }
+
+    /// Notes that the booth signed for a sculpture, which may leave the outbox at once.
+    pub(super) fn note_signed(&mut self, id: SculptureId) {
+        let entry = self.entries.iter().find(|entry| entry.id == id);
+        self.signed.extend(entry.and_then(|entry| entry.replaced).into_iter().chain([id]));
+        while self.signed.len() > MAX_SIGNED {
+            self.signed.pop_front();
         }
     }
 
@@ -171,7 +185,8 @@ impl Board {
             return Some(*keeping);
         }
         let entry = self.entries.iter().find(|entry| entry.id == id || entry.replaced == Some(id));
-        entry.map(|entry| keeping_of(entry.state))
+        let signed = || self.signed.contains(&id).then_some(Keeping::KeptAtBooth);
+        entry.map(|entry| keeping_of(entry.state)).or_else(signed)
     }
 }
 

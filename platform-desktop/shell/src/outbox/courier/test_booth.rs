@@ -99,6 +99,7 @@ pub(crate) struct Rig {
     pub(crate) is_down: Arc<AtomicBool>,
     /// What the booth answers, 200 where all is well.
     pub(crate) status: Arc<AtomicU16>,
+    pub(crate) grace_seconds: u32,
 }
 
 impl Rig {
@@ -106,7 +107,8 @@ impl Rig {
         let folder =
             std::env::temp_dir().join(format!("paros-courier-{test}-{}", std::process::id()));
         let _ = std::fs::remove_dir_all(&folder);
-        Rig { folder, is_down: Arc::default(), status: Arc::new(AtomicU16::new(200)) }
+        let status = Arc::new(AtomicU16::new(200));
+        Rig { folder, is_down: Arc::default(), status, grace_seconds: 3600 }
     }
 
     pub(crate) fn start(&self, command: Option<BoothCommand>) -> Courier {
@@ -123,7 +125,7 @@ impl Rig {
             receipt_key: ReceiptKey(SigningKey::from_bytes(&[9; 32]).verifying_key().to_bytes()),
             owner: OutboxOwner { headset, ..OWNER },
         };
-        let settings = OutboxSettings { grace_seconds: 3600, max_bytes: 1 << 20 };
+        let settings = OutboxSettings { grace_seconds: self.grace_seconds, max_bytes: 1 << 20 };
         let plan = CourierPlan { folder: self.folder.clone(), enrolment, settings, clock };
         let booth = Booth {
             headset,

@@ -118,6 +118,20 @@ fn a_start_finds_what_was_finished_last_and_whether_it_was_kept() {
     assert_eq!(courier.found(), [(id, Keeping::KeptHere)]);
 }
 
+/// The badge says *kept at the booth* for as long as it is shown, though the grace is over.
+#[test]
+fn what_has_left_the_outbox_is_kept_at_the_booth_still() {
+    let mut rig = Rig::new("left");
+    rig.grace_seconds = 0;
+    let courier = rig.start(None);
+    let id = SculptureId([8; 16]);
+    courier.keep(draft(id, None));
+    wait("kept at the booth", || (courier.keeping(id) == Some(Keeping::KeptAtBooth)).then_some(()));
+    wait("it leaves", || (parcels(&rig.folder) == 0).then_some(()));
+    thread::sleep(Duration::from_millis(500));
+    assert_eq!(courier.keeping(id), Some(Keeping::KeptAtBooth));
+}
+
 #[test]
 fn a_parcel_without_room_waits_and_is_kept_once_there_is() {
     let rig = Rig::new("full");

@@ -83,8 +83,12 @@ impl OutboxHost for Host {
             }
             OutboxEvent::UnknownToken => return self.board().note_refused(Refused::Forgotten),
             OutboxEvent::ShutOut => return self.board().note_refused(Refused::ShutOut),
-            OutboxEvent::KeptHere(_) | OutboxEvent::KeptAtBooth(_) => return,
-            OutboxEvent::DeletedAtBooth(id) => format!("sculpture {id} was deleted at the booth"),
+            OutboxEvent::KeptHere(_) => return,
+            OutboxEvent::KeptAtBooth(id) => return self.board().note_signed(id),
+            OutboxEvent::DeletedAtBooth(id) => {
+                self.board().note_signed(id);
+                format!("sculpture {id} was deleted at the booth")
+            }
             OutboxEvent::RefusedByBooth(id) => {
                 format!("the booth can't take sculpture {id}: it stays here")
             }
