@@ -9,14 +9,15 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::thread;
 
-/// A required dependency is missing. Holds the reason.
+/// A required dependency is missing, or nobody could be told that it was. Holds the reason.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct MissingDependency(pub String);
 
 /// The dependency, or `None` after a message `skipped: REASON` on standard error.
 ///
 /// # Errors
-/// It is missing, and `PAROS_REQUIRE` is `all`.
+/// It is missing, and `PAROS_REQUIRE` is `all`; or it is missing, and the list that `PAROS_SKIPPED` names can't be
+/// written.
 pub fn require_or_skip<T, E: Display>(
     dependency: Result<T, E>,
 ) -> Result<Option<T>, MissingDependency> {
@@ -42,11 +43,12 @@ fn require_or_skip_by<T, E: Display>(
             // Nobody may be listening there.
             let _ = writeln!(io::stderr(), "skipped: {why}");
             match if_missing {
-                IfMissing::Fail => Err(MissingDependency(why.to_string())),
+                IfMissing::Fail => {
+                    Err(MissingDependency(format!("{why}, and PAROS_REQUIRE is all")))
+                }
                 IfMissing::Skip => {
-                    if let Some(list) = env::var_os("PAROS_SKIPPED") {
-                        add_to_list(Path::new(&list));
-                    }
+                    let list = env::var_os("PAROS_SKIPPED");
+                    list.map_or(Ok(()), |list| add_to_list(Path::new(&list)))?;
                     Ok(None)
                 }
             }
@@ -54,8 +56,9 @@ fn require_or_skip_by<T, E: Display>(
     }
 }
 
-/// Adds the calling test to a list: a line of the folder in which it runs, its program and its name, between tabs.
-fn add_to_list(list: &Path) {
+/// Adds the calling test to a list: a line of the folder in which it runs, its program and its name, between tabs. Where
+/// that fails, so does the test: nobody would run it again.
+fn add_to_list(list: &Path) -> Result<(), MissingDependency> {
     let folder = env::current_dir().unwrap_or_default();
     let program = env::current_exe().unwrap_or_default();
     // The harness calls a test's thread by the test's name.
@@ -63,15 +66,14 @@ fn add_to_list(list: &Path) {
     let name = thread.name().unwrap_or_default();
     let line = format!("{}\t{}\t{name}\n", folder.display(), program.display());
     let file = OpenOptions::new().append(true).create(true).open(list);
-    // One write: lines of tests that run side by side stay whole. Who reads the list misses what couldn't be written.
-    if let Err(error) = file.and_then(|mut file| file.write_all(line.as_bytes())) {
-        let _ = writeln!(io::stderr(), "{}: {error}", list.display());
-    }
+    // One write: lines of tests that run side by side stay whole.
+    let written = file.and_then(|mut file| file.write_all(line.as_bytes()));
+    written.map_err(|error| MissingDependency(format!("{}: {error}", list.display())))
 }
 
 impl Display for MissingDependency {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}, and PAROS_REQUIRE is all", self.0)
+        f.write_str(&self.0)
     }
 }
 
@@ -86,8 +88,10 @@ mod tests {
     #[test]
     fn who_skips_is_listed_so_that_it_can_be_run_alone() {
         let list = env::temp_dir().join(format!("paros-skipped-{}", process::id()));
-        add_to_list(&list);
-        add_to_list(&list);
+        add_to_list(&list).expect("room on the disk");
+        add_to_list(&list).expect("room on the disk");
+        let error = add_to_list(&list.join("no folder")).expect_err("it is a file");
+        assert!(error.to_string().contains("no folder"), "{error}");
         let lines = fs::read_to_string(&list).expect("a list");
         fs::remove_file(&list).expect("a list");
         let program = env::current_exe().expect("a program");
@@ -104,7 +108,6 @@ mod tests {
         }
         assert_eq!(require_or_skip_by::<(), _>(IfMissing::Skip, Err("no harp")), Ok(None));
         let required = require_or_skip_by::<(), _>(IfMissing::Fail, Err("no harp"));
-        assert_eq!(required, Err(MissingDependency("no harp".into())));
         assert_eq!(required.unwrap_err().to_string(), "no harp, and PAROS_REQUIRE is all");
     }
 }
