@@ -195,7 +195,11 @@ impl VisitHost {
             }
         }
         self.told = self.told.and_then(|(message, left)| Some((message, left.checked_sub(1)?)));
-        self.guide_end = self.guide_end.and_then(|(end, left)| Some((end, left.checked_sub(1)?)));
+        if self.question == Question::None {
+            // A question hides it.
+            self.guide_end =
+                self.guide_end.and_then(|(end, left)| Some((end, left.checked_sub(1)?)));
+        }
         let is_staffs = matches!(self.question, Question::Pin | Question::Staff);
         if self.pin_pad.as_mut().is_some_and(PinPad::is_left_after_tick) && is_staffs {
             self.ask(Question::None);

@@ -78,6 +78,23 @@ fn who_had_no_time_for_all_steps_is_told_that_they_are_over() {
     });
 }
 
+/// A question that comes in between takes none of the time that it is read in.
+#[test]
+fn what_is_told_under_a_question_is_told_after_it() {
+    with_rig(|rig| {
+        begin_guide(rig);
+        end_steps(rig);
+        rig.host.toggle_finish_question(rig.runner.world().visit());
+        rig.wait(TICK_RATE);
+        rig.host.toggle_finish_question(rig.runner.world().visit());
+        rig.tick(None);
+        let (ticks, told) = read_end(rig);
+        assert_eq!(told, Some(GuideEnd::Done));
+        let all = GuideEnd::Done.reading_ticks(rig.host.language(rig.runner.world().visit()));
+        assert!((all - 2..=all).contains(&ticks), "{ticks} of {all} ticks");
+    });
+}
+
 #[test]
 fn a_first_cut_that_another_run_of_the_program_began_is_told_to_have_ended() {
     with_rig(|rig| {
