@@ -96,16 +96,21 @@ impl HttpsCaller {
         let is_late = self.watchdog.watch(watched, Instant::now() + self.timeout);
         let answer = connection.send(request).and_then(|()| connection.read_answer());
         self.watchdog.rest();
-        if answer.is_err() {
+        // A head that was cut off may be taken for a whole one.
+        let is_late = is_late.load(Ordering::Acquire);
+        if is_late || answer.is_err() {
             // What it throws is about a connection that is over.
             let _ = connection.caller.call_method(DISCONNECT, &connection.object, &[]);
         }
-        answer.map_err(|error| match error {
-            AskError::Java(error) if is_late.load(Ordering::Acquire) => {
-                AskError::Other(LinkFault::TimedOut, error.to_string())
+        match answer {
+            Err(AskError::Java(error)) if is_late => {
+                Err(AskError::Other(LinkFault::TimedOut, error.to_string()))
             }
-            error => error,
-        })
+            Ok(_) if is_late => {
+                Err(AskError::Other(LinkFault::TimedOut, "the answer has no end".into()))
+            }
+            answer => answer,
+        }
     }
 }
 
