@@ -2,6 +2,7 @@
 //! headset starts, and visits go on meanwhile.
 
 use std::fmt;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
@@ -20,7 +21,8 @@ use crate::log::write_log_line;
 const FIRST_PAUSE: Duration = Duration::from_secs(2);
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 
-/// The pause after the booth refused: its staff has to do something before it would not.
+/// The pause after the booth refused: its staff has to do something before it would not. Where that is another fleet's
+/// file, it is found within [`LONGEST_PAUSE`].
 const PAUSE_AFTER_REFUSAL: Duration = Duration::from_secs(600);
 
 /// How long it is from one time that a headset enrols anew, as the booth has forgotten it, to the next: whatever is wrong
@@ -31,6 +33,17 @@ const PAUSE_BEFORE_AGAIN: Duration = Duration::from_secs(3600);
 #[derive(Clone, Copy, Debug)]
 pub struct AgainClock {
     last: Option<Instant>,
+}
+
+/// Where a fleet's file may be, in the order in which they count.
+#[derive(Clone, Default, Debug)]
+pub struct FleetSources {
+    /// What a console set.
+    pub managed: Option<String>,
+    /// The folder of the sessions, into which a computer puts it by `adb push`.
+    pub folder: PathBuf,
+    /// What the package brings.
+    pub baked: Option<Vec<u8>>,
 }
 
 /// What a headset tells of itself.
@@ -97,27 +110,22 @@ impl EnrolTask {
     }
 }
 
-/// Takes the first fleet's file of these sources, which are in the order in which they count: what a console set, the
-/// file in the folder of the sessions, which a computer puts there by `adb push`, what the package brings. One that is
-/// none is told, and counts for nothing.
-pub fn find_fleet_file(
-    managed: Option<&str>,
-    folder: &Path,
-    baked: Option<&[u8]>,
-    mut log: impl FnMut(fmt::Arguments<'_>),
-) -> Option<FleetFile> {
-    let path = folder.join(FLEET_FILE_NAME);
-    let managed = managed.filter(|text| !text.trim().is_empty());
-    let managed = managed.map(|text| FleetFile::parse_text("managed configuration", text));
-    let in_folder = path.exists().then(|| FleetFile::read(&path));
-    let baked = baked.map(|bytes| FleetFile::parse("the package", bytes));
-    for file in [managed, in_folder, baked].into_iter().flatten() {
-        match file {
-            Ok(file) => return Some(file),
-            Err(why) => log(format_args!("{why}; this fleet's file is left out")),
+impl FleetSources {
+    /// Takes the first fleet's file, as it is now. One that is none is told, and counts for nothing.
+    pub fn find(&self, mut log: impl FnMut(fmt::Arguments<'_>)) -> Option<FleetFile> {
+        let path = self.folder.join(FLEET_FILE_NAME);
+        let managed = self.managed.as_deref().filter(|text| !text.trim().is_empty());
+        let managed = managed.map(|text| FleetFile::parse_text("managed configuration", text));
+        let in_folder = path.exists().then(|| FleetFile::read(&path));
+        let baked = self.baked.as_ref().map(|bytes| FleetFile::parse("the package", bytes));
+        for file in [managed, in_folder, baked].into_iter().flatten() {
+            match file {
+                Ok(file) => return Some(file),
+                Err(why) => log(format_args!("{why}; this fleet's file is left out")),
+            }
         }
+        None
     }
-    None
 }
 
 /// Does what a fleet's file asks, where that takes no booth. Returns whether the headset is still to be enrolled.
@@ -146,13 +154,14 @@ pub fn follow_fleet_file(
 }
 
 impl Enroller {
-    /// Starts the thread. It asks through `link` until the booth takes the headset, and keeps the enrolment in `file`.
+    /// Starts the thread. It asks the booth of the fleet's file that is there then, through what `connect` makes, until
+    /// that takes the headset, and keeps the enrolment in `file`.
     ///
     /// # Errors
     /// The system has no random bits.
-    pub fn spawn(
-        mut link: impl BoothCaller + Send + 'static,
-        fleet: FleetFile,
+    pub fn spawn<C: BoothCaller>(
+        sources: FleetSources,
+        connect: impl FnMut(&FleetFile) -> C + Send + 'static,
         names: HeadsetNames,
         file: PathBuf,
     ) -> Result<Self, EnrolError> {
@@ -163,7 +172,9 @@ impl Enroller {
         let told_to_stop = Arc::clone(&stop);
         let thread = thread::Builder::new().name("enrol".into()).spawn(move || {
             let pause = |pause| wait_unless_stopped(pause, &told_to_stop);
-            if enrol_with_patience(&mut link, &fleet, &device, &file, pause) {
+            // What is wrong with one that is none was told at the start.
+            let find = || sources.find(|_| ());
+            if enrol_with_patience((find, connect), &device, &file, pause) {
                 // Nobody may be there any more.
                 let _ = tell.send(());
             }
@@ -189,38 +200,76 @@ impl Drop for Enroller {
     }
 }
 
-/// Asks until the booth takes the headset, and keeps the enrolment; whether it came to that. `pause` returns whether to
-/// go on.
-fn enrol_with_patience(
-    link: &mut impl BoothCaller,
-    fleet: &FleetFile,
+/// Asks the booth of the fleet's file that `find` finds until it takes the headset, and keeps the enrolment; whether it
+/// came to that. `pause` returns whether to go on.
+fn enrol_with_patience<C: BoothCaller>(
+    (find, mut connect): (impl Fn() -> Option<FleetFile>, impl FnMut(&FleetFile) -> C),
     device: &NewDevice,
     file: &Path,
     mut pause: impl FnMut(Duration) -> bool,
 ) -> bool {
     let mut next_pause = FIRST_PAUSE;
     let mut told = String::new();
+    let mut fleet = find();
     loop {
-        let enrolled = enrol_by_fleet(link, fleet, device)
-            .and_then(|enrolment| enrolment.write(file).map(|()| enrolment).map_err(Into::into));
-        let why = match enrolled {
-            Ok(Enrolment { owner, address, .. }) => {
-                write_log_line(format_args!("headset {} of {address}", owner.headset));
-                return true;
+        let asked = fleet.as_ref().map(|fleet| {
+            let enrolled = enrol_and_keep(&mut connect(fleet), fleet, device, file);
+            enrolled.map_err(|why| (format!("{}: {why}; it is tried again", fleet.address), why))
+        });
+        let wait = match asked {
+            Some(Ok(())) => return true,
+            Some(Err((line, why))) => {
+                if line != told {
+                    write_log_line(format_args!("{line}"));
+                    told = line;
+                }
+                match why {
+                    EnrolError::Refused { status: 400..=428, .. } => PAUSE_AFTER_REFUSAL,
+                    _ => next_pause,
+                }
             }
-            Err(why) => why,
+            None => LONGEST_PAUSE,
         };
-        let is_refusal = matches!(why, EnrolError::Refused { status: 400..=428, .. });
-        let why = why.to_string();
-        if why != told {
-            write_log_line(format_args!("{}: {why}; it is tried again", fleet.address));
-            told = why;
-        }
-        if !pause(if is_refusal { PAUSE_AFTER_REFUSAL } else { next_pause }) {
-            return false;
-        }
         next_pause = (next_pause * 2).min(LONGEST_PAUSE);
+        let find_another = || find().filter(|found| Some(found) != fleet.as_ref());
+        match wait_for(find_another, wait, &mut pause) {
+            ControlFlow::Break(()) => return false,
+            ControlFlow::Continue(None) => {}
+            ControlFlow::Continue(another) => (fleet, next_pause) = (another, FIRST_PAUSE),
+        }
     }
+}
+
+fn enrol_and_keep(
+    link: &mut impl BoothCaller,
+    fleet: &FleetFile,
+    device: &NewDevice,
+    file: &Path,
+) -> Result<(), EnrolError> {
+    let enrolment = enrol_by_fleet(link, fleet, device)?;
+    enrolment.write(file)?;
+    let Enrolment { owner, address, .. } = enrolment;
+    write_log_line(format_args!("headset {} of {address}", owner.headset));
+    Ok(())
+}
+
+/// Waits so long, or until a fleet's file is found, which is looked for now and then. `pause` returns whether to go on.
+fn wait_for(
+    find: impl Fn() -> Option<FleetFile>,
+    mut left: Duration,
+    mut pause: impl FnMut(Duration) -> bool,
+) -> ControlFlow<(), Option<FleetFile>> {
+    while !left.is_zero() {
+        let part = left.min(LONGEST_PAUSE);
+        if !pause(part) {
+            return ControlFlow::Break(());
+        }
+        left -= part;
+        if let Some(found) = find() {
+            return ControlFlow::Continue(Some(found));
+        }
+    }
+    ControlFlow::Continue(None)
 }
 
 /// Waits so long. Returns whether to go on then: nobody has said to stop.

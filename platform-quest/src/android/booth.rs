@@ -11,7 +11,7 @@ use paros_shell::outbox::enrolment::{
 };
 
 use crate::device::AndroidDevice;
-use crate::fleet::{AgainClock, Enroller, HeadsetNames, find_fleet_file, follow_fleet_file};
+use crate::fleet::{AgainClock, Enroller, FleetSources, HeadsetNames, follow_fleet_file};
 use crate::log::write_log_line;
 
 /// Where what belongs to the booth lies, and the thread that enrols the headset, if one does.
@@ -19,47 +19,45 @@ pub(super) struct BoothWay {
     /// None where Android tells of no internal folder: then nothing is sent.
     folder: Option<PathBuf>,
     enroller: Option<Enroller>,
-    /// A fleet's file and the device's name, by which it may enrol anew.
-    fleet: Option<(FleetFile, String)>,
+    /// By what it may enrol anew, as which device.
+    sources: FleetSources,
+    name: String,
     again: AgainClock,
 }
 
 impl BoothWay {
     /// No way.
-    pub(super) const fn none() -> Self {
-        BoothWay { folder: None, enroller: None, fleet: None, again: AgainClock::new() }
+    pub(super) fn none() -> Self {
+        let (sources, name, again) = (FleetSources::default(), String::new(), AgainClock::new());
+        BoothWay { folder: None, enroller: None, sources, name, again }
     }
 
-    /// Looks for a fleet's file, and does what it asks. `managed` is that of the managed configuration, `folder` that of
-    /// the sessions, `baked` the package's, `name` the device's. What stands in the way is logged.
-    pub(super) fn open(
-        device: &AndroidDevice,
-        (managed, folder, baked): (Option<&str>, &Path, Option<&[u8]>),
-        name: &str,
-    ) -> Self {
+    /// Looks for a fleet's file, and does what it asks, as the device of this name. What stands in the way is logged.
+    pub(super) fn open(device: &AndroidDevice, sources: FleetSources, name: &str) -> Self {
         let private = device.find_private_folder();
         let private = private.map_err(|why| write_log_line(format_args!("{why}"))).ok();
-        let fleet = find_fleet_file(managed, folder, baked, write_log_line);
-        let enroller = private.as_ref().zip(fleet.as_ref()).and_then(|(private, fleet)| {
+        let fleet = sources.find(write_log_line);
+        let enroller = private.as_ref().zip(fleet).and_then(|(private, fleet)| {
             let file = enrolment_file(private);
-            let is_due = follow_fleet_file(&file, fleet, write_log_line).unwrap_or_else(|why| {
+            let is_due = follow_fleet_file(&file, &fleet, write_log_line).unwrap_or_else(|why| {
                 write_log_line(format_args!("{why}"));
                 false
             });
-            if is_due { start_enroller(device, fleet, &file, name) } else { None }
+            if is_due { start_enroller(device, &sources, &file, name) } else { None }
         });
-        let fleet = fleet.map(|fleet| (fleet, name.to_owned()));
-        BoothWay { folder: private, enroller, fleet, again: AgainClock::new() }
+        let (name, again) = (name.to_owned(), AgainClock::new());
+        BoothWay { folder: private, enroller, sources, name, again }
     }
 
     /// See [`Platform::enrol_again`](crate::platform::Platform::enrol_again).
     pub(super) fn enrol_again(&mut self, device: &AndroidDevice) {
-        if let (Some(private), Some((fleet, name))) = (&self.folder, &self.fleet)
+        if let Some(private) = &self.folder
             && self.again.take(Instant::now())
         {
             write_log_line(format_args!("the booth has forgotten this headset: it enrols anew"));
             // The one of before has done its work, or is asking.
-            self.enroller = start_enroller(device, fleet, &enrolment_file(private), name);
+            self.enroller =
+                start_enroller(device, &self.sources, &enrolment_file(private), &self.name);
         }
     }
 
@@ -87,7 +85,7 @@ impl BoothWay {
 
 fn start_enroller(
     device: &AndroidDevice,
-    fleet: &FleetFile,
+    sources: &FleetSources,
     file: &Path,
     name: &str,
 ) -> Option<Enroller> {
@@ -99,7 +97,8 @@ fn start_enroller(
         hint: id.as_deref().map(hint_of_device),
         name: DeviceName::new(name).or_else(|| DeviceName::new("headset"))?,
     };
-    let link = device.booth_caller(&fleet.address, &fleet.ca, ENROL_TIMEOUT);
-    let enroller = Enroller::spawn(link, fleet.clone(), names, file.to_owned());
+    let connect = device.booth_connector();
+    let connect = move |fleet: &FleetFile| connect(&fleet.address, &fleet.ca, ENROL_TIMEOUT);
+    let enroller = Enroller::spawn(sources.clone(), connect, names, file.to_owned());
     enroller.map_err(|why| write_log_line(format_args!("{why}"))).ok()
 }

@@ -31,6 +31,7 @@ use paros_shell::with_size;
 
 use crate::device::{self, AndroidDevice, DeviceMonitor, ManagedEntry};
 use crate::error::Error;
+use crate::fleet::FleetSources;
 use crate::log::{open_log_file, write_log_line};
 use crate::options::ShellOptions;
 use crate::platform::{Platform, PlatformStatus};
@@ -133,9 +134,12 @@ fn run_app(app: AndroidApp, activity: Arc<ActivityState>) -> Result<(), Error> {
         write_log_line(format_args!("{line}"));
     }
     let size = loaded.settings.size.unwrap_or(GRID_SIDES[0]);
-    let fleet = fleet.first().map(|entry| &*entry.value);
-    let baked = open_asset(&app, package::FLEET_ASSET);
-    let way = BoothWay::open(&device, (fleet, &folder, baked.as_deref()), &name);
+    let sources = FleetSources {
+        managed: fleet.into_iter().next().map(|entry| entry.value),
+        folder: folder.clone(),
+        baked: open_asset(&app, package::FLEET_ASSET),
+    };
+    let way = BoothWay::open(&device, sources, &name);
     let mut options =
         ShellOptions { folder: Some(folder), ..ShellOptions::from_settings(&loaded.settings) };
     // A token lies where nobody else reads, whatever a setting says.

@@ -248,10 +248,10 @@ impl AndroidDevice {
         })
     }
 
-    /// What asks a booth over HTTPS by Java: see [`HttpsCaller::new`].
-    #[must_use]
-    pub fn booth_caller(&self, url: &str, ca: &[u8], timeout: Duration) -> HttpsCaller {
-        HttpsCaller::new(self.vm.clone(), url, ca, timeout)
+    /// What makes what asks booths over HTTPS by Java, in any thread: see [`HttpsCaller::new`].
+    pub fn booth_connector(&self) -> impl Fn(&str, &[u8], Duration) -> HttpsCaller + Send + use<> {
+        let vm = self.vm.clone();
+        move |url, ca, timeout| HttpsCaller::new(vm.clone(), url, ca, timeout)
     }
 
     /// A link to a booth, which isn't connected yet. Whether the network is said to reach the Internet is nobody's
@@ -259,7 +259,7 @@ impl AndroidDevice {
     #[must_use]
     pub fn open_booth_link(&self, address: &BoothAddress, times: LinkTimes) -> ThreadedLink {
         let [of_puts, of_heartbeats] = [times.put, times.heartbeat]
-            .map(|timeout| self.booth_caller(&address.url, &address.ca, timeout));
+            .map(|timeout| HttpsCaller::new(self.vm.clone(), &address.url, &address.ca, timeout));
         ThreadedLink::start(address.token, of_puts, of_heartbeats)
     }
 

@@ -67,7 +67,8 @@ fn what_a_console_set_counts_before_the_file_and_that_before_the_package() {
     let mut told = Vec::new();
     let mut find = |managed: Option<&str>, baked: Option<&str>| {
         let log = |line: fmt::Arguments<'_>| told.push(line.to_string());
-        let found = find_fleet_file(managed, &folder, baked.map(str::as_bytes), log);
+        let (managed, baked) = (managed.map(Into::into), baked.map(Into::into));
+        let found = FleetSources { managed, folder: folder.clone(), baked }.find(log);
         found.map(|fleet| fleet.address)
     };
     assert_eq!(find(None, None), None);
@@ -94,8 +95,9 @@ fn a_headset_enrols_once_and_moves_with_its_booth() {
     };
     assert!(is_due(&first));
     let device = NewDevice::draw(names().hint, names().name).expect("random bits");
-    let mut booth = Booth(Arc::new(Mutex::new((vec![accepted()], Vec::new()))));
-    assert!(enrol_with_patience(&mut booth, &first, &device, &file, |_| false));
+    let booth = Booth(Arc::new(Mutex::new((vec![accepted()], Vec::new()))));
+    let way = (|| Some(first.clone()), |_: &FleetFile| booth.clone());
+    assert!(enrol_with_patience(way, &device, &file, |_| false));
     let kept = Enrolment::read(&file).expect("whole").expect("it was kept");
     assert_eq!((kept.owner.headset, kept.token), (5, device.token));
     assert!(!is_due(&first));
@@ -126,14 +128,17 @@ fn a_booth_that_is_off_is_asked_again_and_again_for_the_same() {
         accepted(),
     ];
     let count = answers.len();
-    let mut booth = Booth(Arc::new(Mutex::new((answers, Vec::new()))));
+    let booth = Booth(Arc::new(Mutex::new((answers, Vec::new()))));
+    let way = (|| Some(fleet.clone()), |_: &FleetFile| booth.clone());
     let mut pauses = Vec::new();
     let pause = |pause: Duration| {
         pauses.push(pause.as_secs());
         true
     };
-    assert!(enrol_with_patience(&mut booth, &fleet, &device, &file, pause));
-    assert_eq!(pauses, [2, 4, 8, 600, 32, 60, 60]);
+    assert!(enrol_with_patience(way, &device, &file, pause));
+    // After a refusal ten minutes, in which it looks for another file each minute.
+    assert_eq!(pauses[..3], [2, 4, 8]);
+    assert_eq!((&pauses[3..13], &pauses[13..]), (&[60; 10][..], &[32, 60, 60][..]));
     let (_, asked) = &*booth.0.lock().expect("nobody panicked");
     assert_eq!(asked.len(), count);
     // The booth may have taken one whose answer was lost: another token would be another headset.
@@ -141,13 +146,55 @@ fn a_booth_that_is_off_is_asked_again_and_again_for_the_same() {
     fs::remove_dir_all(folder).expect("it is ours");
 }
 
+/// A restore takes all enrolment tokens back: staff put a file with another one there, and perhaps another address.
+#[test]
+fn a_file_that_is_put_there_meanwhile_is_what_it_asks_by() {
+    let folder = folder("meanwhile");
+    let file = folder.join("enrolment.toml");
+    let device = NewDevice::draw(None, names().name).expect("random bits");
+    let booth = Booth(Arc::new(Mutex::new((Vec::new(), Vec::new()))));
+    let answers = |address: &str| match address {
+        "https://old" => answer(401, b"no such token"),
+        _ => accepted(),
+    };
+    let connected = Mutex::new(Vec::new());
+    let connect = |fleet: &FleetFile| {
+        connected.lock().expect("nobody panicked").push(fleet.address.clone());
+        booth.0.lock().expect("nobody panicked").0.push(answers(&fleet.address));
+        booth.clone()
+    };
+    let sources = FleetSources { folder: folder.clone(), ..FleetSources::default() };
+    let mut pauses = 0;
+    let pause = |_| {
+        pauses += 1;
+        // There is none at first.
+        let address = match pauses {
+            3 => "https://old",
+            7 => "https://new",
+            _ => return true,
+        };
+        fs::write(folder.join(FLEET_FILE_NAME), fleet_text(address)).expect("room on the disk");
+        true
+    };
+    assert!(enrol_with_patience((|| sources.find(|_| ()), connect), &device, &file, pause));
+    assert_eq!(*connected.lock().expect("nobody panicked"), ["https://old", "https://new"]);
+    assert_eq!(pauses, 7, "it is asked as soon as it is found");
+    let kept = Enrolment::read(&file).expect("whole").expect("it was kept");
+    assert_eq!((kept.address.as_str(), kept.token), ("https://new", device.token));
+    fs::remove_dir_all(folder).expect("it is ours");
+}
+
 #[test]
 fn the_thread_tells_once_and_is_not_waited_for() {
     let folder = folder("thread");
     let file = folder.join("enrolment.toml");
-    let booth = Booth(Arc::new(Mutex::new((vec![accepted()], Vec::new()))));
-    let mut enroller =
-        Enroller::spawn(booth, fleet("https://a"), names(), file.clone()).expect("bits");
+    fs::write(folder.join(FLEET_FILE_NAME), fleet_text("https://a")).expect("room on the disk");
+    let sources = FleetSources { folder: folder.clone(), ..FleetSources::default() };
+    let spawn = |booth: Booth| {
+        let connect = move |_: &FleetFile| booth.clone();
+        Enroller::spawn(sources.clone(), connect, names(), file.clone()).expect("random bits")
+    };
+    let mut enroller = spawn(Booth(Arc::new(Mutex::new((vec![accepted()], Vec::new())))));
     let begun = Instant::now();
     while !enroller.poll_enrolled() {
         assert!(begun.elapsed() < Duration::from_secs(60), "it never enrols");
@@ -158,7 +205,7 @@ fn the_thread_tells_once_and_is_not_waited_for() {
     // One whose booth is gone.
     let gone = Booth(Arc::new(Mutex::new((Vec::new(), Vec::new()))));
     let asked = Arc::clone(&gone.0);
-    let enroller = Enroller::spawn(gone, fleet("https://a"), names(), file).expect("bits");
+    let enroller = spawn(gone);
     while asked.lock().expect("nobody panicked").1.is_empty() {
         thread::sleep(Duration::from_millis(5));
     }

@@ -14,9 +14,9 @@ use std::{fs, thread};
 
 use jni::{InitArgsBuilder, JNIVersion, JavaVM};
 use paros_booth_process::{BoothProcess, find_booth};
-use paros_core::outbox::messages::{DeviceName, DeviceToken};
+use paros_core::outbox::messages::{DeviceName, DeviceToken, SculptureId};
 use paros_quest::device::HttpsCaller;
-use paros_quest::fleet::{Enroller, HeadsetNames, find_fleet_file, follow_fleet_file};
+use paros_quest::fleet::{Enroller, FleetSources, HeadsetNames, follow_fleet_file};
 use paros_shell::outbox::courier::{Courier, Keeping, read_clock_ms};
 use paros_shell::outbox::enrolment::{
     ENROL_TIMEOUT, EnrolError, Enrolment, FLEET_FILE_NAME, FleetFile, NewDevice, enrol_by_fleet,
@@ -84,16 +84,101 @@ fn a_headset_enrols_at_the_booth_and_its_sculpture_gets_there() {
         fs::create_dir_all(&folder).expect("room on the disk");
         let booth = BoothProcess::start(&program, &place, None);
         refuse_another_authority(&booth);
-        fs::write(folder.join(FLEET_FILE_NAME), booth.make_fleet_file()).expect("room on the disk");
-        let fleet = find_fleet_file(None, &folder, None, |line| panic!("{line}"));
-        let fleet = fleet.expect("it was pushed");
+        push_fleet_file(&booth, &folder);
+        let sources = sources(&folder);
+        let fleet = sources.find(|line| panic!("{line}")).expect("it was pushed");
         let file = enrolment_file(&folder);
         let is_due = || follow_fleet_file(&file, &fleet, |line| panic!("{line}")).expect("a disk");
         assert!(is_due());
-        enrol(&fleet, &file);
+        let mut enroller = start_enroller(&folder);
+        wait_until("it enrols", || enroller.poll_enrolled());
         assert!(!is_due());
-        send_sculpture(&booth, &folder);
+        let courier = open_courier(&folder);
+        assert_eq!(courier.headset(), 1);
+        send_sculpture(&courier, &booth, 0x5c);
     });
+}
+
+/// The booth comes back from a backup of before the headset enrolled. Staff push a file with a new token, as a restore
+/// takes the others back; what the headset has goes to the booth as the headset's that it becomes.
+#[test]
+fn a_headset_that_a_restored_booth_has_forgotten_enrols_anew_and_loses_nothing() {
+    run_in_checked_vm(
+        "a_headset_that_a_restored_booth_has_forgotten_enrols_anew_and_loses_nothing",
+        || {
+            let Some(program) = find_booth() else { return };
+            let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join("quest-restored");
+            let _ = fs::remove_dir_all(&place);
+            let [folder, first, second] =
+                ["headset", "first", "second"].map(|name| place.join(name));
+            for folder in [&folder, &first, &second] {
+                fs::create_dir_all(folder).expect("room on the disk");
+            }
+            let booth = BoothProcess::start(&program, &first, None);
+            let backup = place.join("booth.backup");
+            let backup = backup.to_str().expect("text");
+            push_fleet_file(&booth, &folder);
+            let _ = booth.run(&["backup", backup]);
+            let mut enroller = start_enroller(&folder);
+            wait_until("it enrols", || enroller.poll_enrolled());
+            let courier = open_courier(&folder);
+            send_sculpture(&courier, &booth, 1);
+            drop(booth);
+            let booth = restore(&program, &second, backup);
+            // The token of the file that is there is taken back. The address is another, too.
+            drop(courier);
+            let fleet = sources(&folder).find(|line| panic!("{line}")).expect("it is there");
+            let file = enrolment_file(&folder);
+            move_to(&booth, &file);
+            let courier = open_courier(&folder);
+            courier.announce(make_draft(1, 2).facts.id, b"its volume".to_vec());
+            courier.keep(make_draft(courier.headset(), 2));
+            wait_until("it is forgotten", || courier.is_forgotten());
+            drop(courier);
+            refuse_token(&booth, &fleet);
+            push_fleet_file(&booth, &folder);
+            let mut enroller = start_enroller(&folder);
+            wait_until("it enrols anew", || enroller.poll_enrolled());
+            let courier = open_courier(&folder);
+            for number in [1, 2] {
+                let id = SculptureId([number; 16]);
+                wait_until("a receipt", || courier.keeping(id) == Some(Keeping::KeptAtBooth));
+                wait_until("it is kept", || is_kept(&booth, id));
+            }
+        },
+    );
+}
+
+/// A booth of a backup, in a folder and at an address of its own.
+fn restore(program: &Path, folder: &Path, backup: &str) -> BoothProcess {
+    let mut command = Command::new(program);
+    command.args(["restore", backup, "--folder"]).arg(folder.join("booth"));
+    let output = command.output().expect("the program");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    BoothProcess::start(program, folder, None)
+}
+
+/// The booth has another address now, as where it runs on another machine.
+fn move_to(booth: &BoothProcess, file: &Path) {
+    let kept = Enrolment::read(file).expect("whole").expect("it is enrolled");
+    let moved = Enrolment { address: booth.address().into(), ..kept };
+    moved.write(file).expect("room on the disk");
+}
+
+/// A token that was made before the backup counts for nothing after the restore.
+fn refuse_token(booth: &BoothProcess, fleet: &FleetFile) {
+    let device = NewDevice::draw(None, DeviceName::new("").expect("a name")).expect("random bits");
+    let mut caller = HttpsCaller::new(VM.clone(), booth.address(), &fleet.ca, ENROL_TIMEOUT);
+    let refused = enrol_by_fleet(&mut caller, fleet, &device);
+    assert!(matches!(refused, Err(EnrolError::Refused { status: 401, .. })), "{refused:?}");
+}
+
+fn push_fleet_file(booth: &BoothProcess, folder: &Path) {
+    fs::write(folder.join(FLEET_FILE_NAME), booth.make_fleet_file()).expect("room on the disk");
+}
+
+fn sources(folder: &Path) -> FleetSources {
+    FleetSources { folder: folder.to_owned(), ..FleetSources::default() }
 }
 
 fn refuse_another_authority(booth: &BoothProcess) {
@@ -105,19 +190,18 @@ fn refuse_another_authority(booth: &BoothProcess) {
     assert!(matches!(refused, Err(EnrolError::Link(LinkFault::Untrusted))), "{refused:?}");
 }
 
-fn enrol(fleet: &FleetFile, file: &Path) {
+fn start_enroller(folder: &Path) -> Enroller {
     let names = HeadsetNames {
         hint: Some(hint_of_device("9774d56d682e549c")),
         name: DeviceName::new("Oculus Quest 3").expect("a name"),
     };
-    let caller = HttpsCaller::new(VM.clone(), &fleet.address, &fleet.ca, ENROL_TIMEOUT);
-    let mut enroller =
-        Enroller::spawn(caller, fleet.clone(), names, file.to_owned()).expect("random bits");
-    wait_until("it enrols", || enroller.poll_enrolled());
+    let connect =
+        |fleet: &FleetFile| HttpsCaller::new(VM.clone(), &fleet.address, &fleet.ca, ENROL_TIMEOUT);
+    let file = enrolment_file(folder);
+    Enroller::spawn(sources(folder), connect, names, file).expect("random bits")
 }
 
-/// A mesh, which takes several parts, to its receipt.
-fn send_sculpture(booth: &BoothProcess, folder: &Path) {
+fn open_courier(folder: &Path) -> Courier {
     let connect = |enrolment: &Enrolment| {
         let link: Box<ThreadedLink> =
             Box::new(open_link(&enrolment.booth_address(), LinkTimes::default()));
@@ -125,10 +209,13 @@ fn send_sculpture(booth: &BoothProcess, folder: &Path) {
     };
     let settings: BoothSettings = LoadedSettings::merge(&[]).settings.booth;
     let courier = Courier::open_enrolled(&settings, folder, read_clock_ms, connect);
-    let courier = courier.expect("an outbox").expect("it is enrolled");
-    assert_eq!(courier.headset(), 1);
+    courier.expect("an outbox").expect("it is enrolled")
+}
+
+/// A mesh, which takes several parts, to its receipt.
+fn send_sculpture(courier: &Courier, booth: &BoothProcess, number: u8) {
     wait_until("the booth answers a heartbeat", || courier.summary().hears_booth);
-    let draft = make_draft(courier.headset());
+    let draft = make_draft(courier.headset(), number);
     let id = draft.facts.id;
     courier.announce(id, b"its volume".to_vec());
     courier.keep(draft);

@@ -25,8 +25,8 @@ pub(crate) fn is_kept(booth: &BoothProcess, id: SculptureId) -> bool {
     booth.read_log().contains(&compared) && names.flatten().any(is_its)
 }
 
-/// The toy that a creative session starts from, as the mesh that a headset exported.
-pub(crate) fn make_draft(headset: u32) -> ParcelDraft {
+/// The toy that a creative session starts from, as the mesh that a headset exported; `number` makes its id.
+pub(crate) fn make_draft(headset: u32, number: u8) -> ParcelDraft {
     let stl = with_fresh_world::<128, INTERVALS, _>(|mut runner| {
         runner.run_tick(&TickInput { start: SessionMode::Creative, ..TickInput::default() });
         let mut buffers = <Grid<128> as Resident<128, INTERVALS>>::lock_stl_buffers();
@@ -36,7 +36,7 @@ pub(crate) fn make_draft(headset: u32) -> ParcelDraft {
     });
     let facts = UploadFacts {
         kind: ParcelKind::Mesh,
-        id: SculptureId([0x5c; 16]),
+        id: SculptureId([number; 16]),
         headset,
         badge: None,
         core_version: paros_core::codec::trace::CORE_VERSION,

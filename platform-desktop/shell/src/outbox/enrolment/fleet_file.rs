@@ -13,7 +13,7 @@ use super::{EnrolError, Fields};
 pub const FLEET_FILE_NAME: &str = "fleet.toml";
 
 /// A fleet's file. Whoever has it can enrol a device.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub struct FleetFile {
     /// `https://HOST:PORT`, without a slash at its end.
     pub address: String,
