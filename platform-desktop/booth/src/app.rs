@@ -65,7 +65,7 @@ const MAX_WAITING_DECODES: usize = 32;
 const LONGEST_WAIT: Duration = Duration::from_secs(5);
 
 /// What all requests share.
-pub(crate) struct App {
+pub(crate) struct BoothApp {
     /// What decides.
     pub booth: Booth,
     /// Where files are.
@@ -144,7 +144,7 @@ fn open_sqlite(folder: &Path) -> Result<(Arc<dyn Store>, BoothKeys), Error> {
     Ok((Arc::new(store), keys))
 }
 
-impl App {
+impl BoothApp {
     /// Of a booth.
     #[must_use]
     pub(crate) fn new(
@@ -156,7 +156,7 @@ impl App {
         facts: SiteFacts,
         of_wholes: Handle,
     ) -> Self {
-        App {
+        BoothApp {
             booth,
             files,
             metrics: Metrics::default(),
@@ -186,7 +186,7 @@ impl App {
     /// The work's, or [`Refusal::Overloaded`].
     pub(crate) async fn run<T: Send + 'static>(
         self: &Arc<Self>,
-        work: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
+        work: impl FnOnce(&BoothApp) -> Result<T, Refusal> + Send + 'static,
     ) -> Result<T, Refusal> {
         self.run_behind(&self.work, &Handle::current(), work).await
     }
@@ -197,7 +197,7 @@ impl App {
     /// The work's, or [`Refusal::Overloaded`].
     pub(crate) async fn run_small<T: Send + 'static>(
         self: &Arc<Self>,
-        work: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
+        work: impl FnOnce(&BoothApp) -> Result<T, Refusal> + Send + 'static,
     ) -> Result<T, Refusal> {
         self.run_behind(&self.small, &Handle::current(), work).await
     }
@@ -208,7 +208,7 @@ impl App {
     /// The work's, or [`Refusal::Overloaded`].
     pub(crate) async fn run_decode<T: Send + 'static>(
         self: &Arc<Self>,
-        work: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
+        work: impl FnOnce(&BoothApp) -> Result<T, Refusal> + Send + 'static,
     ) -> Result<T, Refusal> {
         self.run_behind(&self.decodes, &self.of_wholes, work).await
     }
@@ -219,7 +219,7 @@ impl App {
     /// The work's, or [`Refusal::Overloaded`].
     pub(crate) async fn run_model<T: Send + 'static>(
         self: &Arc<Self>,
-        work: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
+        work: impl FnOnce(&BoothApp) -> Result<T, Refusal> + Send + 'static,
     ) -> Result<T, Refusal> {
         self.run_behind(&self.models, &self.of_wholes, work).await
     }
@@ -228,7 +228,7 @@ impl App {
         self: &Arc<Self>,
         gate: &Gate,
         threads: &Handle,
-        work: impl FnOnce(&App) -> Result<T, Refusal> + Send + 'static,
+        work: impl FnOnce(&BoothApp) -> Result<T, Refusal> + Send + 'static,
     ) -> Result<T, Refusal> {
         let permit = gate.enter().await?;
         let app = self.clone();

@@ -10,7 +10,7 @@ use crate::backup::back_up;
 use crate::clock::booth_time;
 use crate::error::Error;
 use crate::fleet_file::{FleetToken, make_fleet_file};
-use crate::options::{BoothCommand, FolderOption};
+use crate::options::{BoothTask, FolderOption};
 use crate::restore::restore;
 
 /// Who does what is done from the command line.
@@ -20,9 +20,9 @@ const CONSOLE: &str = "console";
 ///
 /// # Errors
 /// What failed.
-pub(crate) fn run(command: &BoothCommand) -> Result<String, Error> {
+pub(crate) fn run(command: &BoothTask) -> Result<String, Error> {
     match command {
-        BoothCommand::FleetFile { folder, address, uses, days } => {
+        BoothTask::FleetFile { folder, address, uses, days } => {
             let OpenBooth { booth, keys, .. } = open(folder)?;
             let token = FleetToken { address, uses: *uses, days: *days, note: "fleet file" };
             let made = make_fleet_file(&booth, &keys.ca_pem, &token, CONSOLE, booth_time());
@@ -31,17 +31,17 @@ pub(crate) fn run(command: &BoothCommand) -> Result<String, Error> {
                 refusal => refusal.into(),
             })
         }
-        BoothCommand::Backup { folder, file } => back_up(folder.path_alone()?, file),
-        BoothCommand::Restore { folder, file, deletions, again } => {
+        BoothTask::Backup { folder, file } => back_up(folder.path_alone()?, file),
+        BoothTask::Restore { folder, file, deletions, again } => {
             restore(file, folder.path_alone()?, deletions.as_deref(), *again)
         }
-        BoothCommand::Attempts { folder } => list_attempts(folder),
-        BoothCommand::Accept { folder, attempt, headset } => {
+        BoothTask::Attempts { folder } => list_attempts(folder),
+        BoothTask::Accept { folder, attempt, headset } => {
             let booth = open(folder)?.booth;
             let headset = booth.accept_attempt(*attempt, *headset, CONSOLE, booth_time())?;
             Ok(format!("headset {headset}\n"))
         }
-        BoothCommand::Decline { folder, attempt } => {
+        BoothTask::Decline { folder, attempt } => {
             open(folder)?.booth.decline_attempt(*attempt, CONSOLE, booth_time())?;
             Ok("declined\n".into())
         }

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use paros_booth_rules::records::{ExportState, Sculpture};
+use paros_booth_rules::records::{MeshComparison, Sculpture};
 use paros_booth_rules::{Booth, Refusal};
 use paros_core::convert::HEIGHT_RANGE_MM;
 use paros_core::limits::MAX_PARCEL_MESH_BYTES;
@@ -43,15 +43,15 @@ fn compare(booth: &Booth, sculpture: &Sculpture) -> Result<(), Refusal> {
     let kept = booth.read_kept(sculpture)?;
     let started = Instant::now();
     let state = match check_kept(&kept) {
-        Ok((facts, mesh)) if mesh.hash != facts.stl_hash => ExportState::Different,
-        Ok((_, mesh)) if mesh.is_closed && mesh.triangles > 0 => ExportState::Equal,
+        Ok((facts, mesh)) if mesh.hash != facts.stl_hash => MeshComparison::Different,
+        Ok((_, mesh)) if mesh.is_closed && mesh.triangles > 0 => MeshComparison::Equal,
         Ok(_) => {
             warn!(%id, "the mesh isn't closed, or empty");
-            ExportState::Failed
+            MeshComparison::Failed
         }
         Err(error) => {
             warn!(%id, error, "no mesh");
-            ExportState::Failed
+            MeshComparison::Failed
         }
     };
     if let Some(png) = draw_kept(&kept) {

@@ -19,7 +19,7 @@ use crate::staff_certificate::StaffCertificateOptions;
 pub struct Options {
     /// Without a command: serves until it is told to end.
     #[command(subcommand)]
-    pub command: Option<BoothCommand>,
+    pub command: Option<BoothTask>,
     /// How to serve.
     #[command(flatten)]
     pub serve: ServeOptions,
@@ -98,7 +98,7 @@ impl FolderOption {
 
 /// What else the program does, also while it serves.
 #[derive(Debug, Subcommand)]
-pub enum BoothCommand {
+pub enum BoothTask {
     /// Make a token that lets headsets enrol, and print the fleet's file with it.
     FleetFile {
         /// Where everything is kept.

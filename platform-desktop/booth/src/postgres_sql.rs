@@ -1,7 +1,7 @@
 //! Queries in the words of PostgreSQL. A value is never in them, but has a place `$1`.
 
 use paros_booth_rules::{
-    Column, ColumnKind, Condition, Order, Query, Row, StoreError, Table, Value,
+    Column, ColumnKind, Condition, Query, Row, RowOrder, StoreError, Table, Value,
 };
 
 use crate::postgres_store::store_error;
@@ -79,10 +79,10 @@ pub(crate) fn write_order(query: &Query) -> Result<String, StoreError> {
             table.columns.iter().any(|known| known.name == column && known.is_nullable);
         // Nothing is less than all others. An index has it elsewhere, but serves where there is always something.
         let direction = match (direction, is_nullable) {
-            (Order::Ascending, false) => "ASC",
-            (Order::Ascending, true) => "ASC NULLS FIRST",
-            (Order::Descending, false) => "DESC",
-            (Order::Descending, true) => "DESC NULLS LAST",
+            (RowOrder::Ascending, false) => "ASC",
+            (RowOrder::Ascending, true) => "ASC NULLS FIRST",
+            (RowOrder::Descending, false) => "DESC",
+            (RowOrder::Descending, true) => "DESC NULLS LAST",
         };
         order.push(format!("{} {direction}", quote(column)));
     }

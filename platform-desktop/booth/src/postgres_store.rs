@@ -30,12 +30,12 @@ const MAX_PAUSE_MS: u16 = 16;
 pub struct PostgresStore {
     address: PostgresAddress,
     /// Links that nobody uses: as many as there were transactions at once.
-    idle: Mutex<Vec<Link>>,
+    idle: Mutex<Vec<PostgresConnection>>,
     writers: Mutex<()>,
 }
 
 /// A link to the database, with the statements that it has prepared.
-struct Link {
+struct PostgresConnection {
     client: Client,
     statements: HashMap<String, Statement>,
 }
@@ -43,7 +43,7 @@ struct Link {
 struct PostgresTransaction<'a> {
     store: &'a PostgresStore,
     /// `None` once it is over.
-    link: Option<Link>,
+    link: Option<PostgresConnection>,
     has_conflict: bool,
     /// After that PostgreSQL takes no more calls, and COMMIT would roll back and call that a success.
     has_failed: bool,
@@ -85,17 +85,17 @@ impl PostgresStore {
         Ok(claimed)
     }
 
-    fn connect(&self) -> Result<Link, StoreError> {
+    fn connect(&self) -> Result<PostgresConnection, StoreError> {
         let client = self.address.connect().map_err(store_error)?;
-        Ok(Link { client, statements: HashMap::new() })
+        Ok(PostgresConnection { client, statements: HashMap::new() })
     }
 
-    fn give_back(&self, link: Link) {
+    fn give_back(&self, link: PostgresConnection) {
         lock(&self.idle).push(link);
     }
 
     /// A link on which a transaction has begun: one that stood idle, if its other end is there still.
-    fn begin_on_link(&self, begin: &str) -> Result<Link, StoreError> {
+    fn begin_on_link(&self, begin: &str) -> Result<PostgresConnection, StoreError> {
         // Not by `while let`: that would hold the lock meanwhile.
         loop {
             let Some(mut link) = lock(&self.idle).pop() else { break };
@@ -131,7 +131,7 @@ impl PostgresTransaction<'_> {
         let Some(link) = &mut self.link else {
             return Err(StoreError::Failed("a conflict ended this transaction".into()));
         };
-        let bound: Vec<Bound<'_>> = values.iter().copied().map(Bound).collect();
+        let bound: Vec<PostgresValue<'_>> = values.iter().copied().map(PostgresValue).collect();
         let bound: Vec<_> = bound.iter().map(|value| value as &(dyn ToSql + Sync)).collect();
         let found = link.prepare(sql).and_then(|statement| link.client.query(&statement, &bound));
         found.map_err(|error| self.fail(error))
@@ -244,7 +244,7 @@ impl Drop for PostgresTransaction<'_> {
     }
 }
 
-impl Link {
+impl PostgresConnection {
     fn prepare(&mut self, sql: &str) -> Result<Statement, postgres::Error> {
         if let Some(statement) = self.statements.get(sql) {
             return Ok(statement.clone());
@@ -256,9 +256,9 @@ impl Link {
 }
 
 /// A value as PostgreSQL takes it.
-struct Bound<'a>(&'a Value);
+struct PostgresValue<'a>(&'a Value);
 
-impl ToSql for Bound<'_> {
+impl ToSql for PostgresValue<'_> {
     fn to_sql(
         &self,
         kind: &Type,
@@ -298,7 +298,7 @@ impl fmt::Display for DatabaseError {
 
 impl std::error::Error for DatabaseError {}
 
-impl fmt::Debug for Bound<'_> {
+impl fmt::Debug for PostgresValue<'_> {
     /// A value may be an address: it is in no log.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a value")

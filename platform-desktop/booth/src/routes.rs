@@ -13,7 +13,7 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post, put};
 use axum::{Router, middleware};
 use paros_booth_rules::limits::MAX_CHUNK_BYTES;
-use paros_booth_rules::records::{Device, ExportState, Sculpture};
+use paros_booth_rules::records::{Device, MeshComparison, Sculpture};
 use paros_booth_rules::{Chunk, EnrolBits, ParcelProgress, Query, Refusal};
 use paros_core::outbox::messages::{
     ContentHash, DeviceToken, EnrolCommit, EnrolNonce, EnrolPoll, EnrolReveal, FleetEnrolment,
@@ -22,7 +22,7 @@ use paros_core::outbox::messages::{
 use tokio::sync::OwnedSemaphorePermit;
 use tracing::{info, warn};
 
-use crate::app::App;
+use crate::app::BoothApp;
 use crate::body::{bound_body, pass_over};
 use crate::clock::booth_time;
 use crate::parcel_decode::check_parcel;
@@ -42,7 +42,7 @@ type Answer = Result<Response, RefusalAnswer>;
 pub(crate) struct RefusalAnswer(Refusal);
 
 /// All routes.
-pub(crate) fn router(app: &Arc<App>) -> Router {
+pub(crate) fn router(app: &Arc<BoothApp>) -> Router {
     let of_headsets = Router::new()
         .route("/v1/sculptures/{id}", put(put_parcel))
         .route("/v1/heartbeat", post(take_heartbeat))
@@ -67,7 +67,7 @@ pub(crate) fn router(app: &Arc<App>) -> Router {
 
 /// Ends a request whose body takes too long, and counts its answer.
 pub(crate) async fn bound_and_count(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     request: Request,
     next: Next,
 ) -> Response {
@@ -96,7 +96,7 @@ fn says_too_long(headers: &HeaderMap) -> bool {
 
 /// Lets headsets in that have a token.
 async fn authenticate(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     Extension(Peer(peer)): Extension<Peer>,
     mut request: Request,
     next: Next,
@@ -110,7 +110,11 @@ async fn authenticate(
     }
 }
 
-async fn find_device(app: &Arc<App>, peer: IpAddr, headers: &HeaderMap) -> Result<Device, Refusal> {
+async fn find_device(
+    app: &Arc<BoothApp>,
+    peer: IpAddr,
+    headers: &HeaderMap,
+) -> Result<Device, Refusal> {
     let found = match bearer_token(headers) {
         Some(token) => app.run_small(move |app| app.booth.authenticate(&token)).await,
         None => Err(Refusal::UnknownToken),
@@ -124,7 +128,7 @@ async fn find_device(app: &Arc<App>, peer: IpAddr, headers: &HeaderMap) -> Resul
 }
 
 async fn limit_stranger(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     Extension(Peer(peer)): Extension<Peer>,
     request: Request,
     next: Next,
@@ -157,7 +161,7 @@ fn bearer_token(headers: &HeaderMap) -> Option<DeviceToken> {
 
 /// `PUT /v1/sculptures/{id}?offset=K`: a piece of a parcel.
 async fn put_parcel(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     Extension(device): Extension<Device>,
     Path(id): Path<String>,
     uri: Uri,
@@ -198,7 +202,7 @@ async fn put_parcel(
 
 /// Reads a piece of a parcel from the network, when it is its turn, and holds that.
 async fn read_piece(
-    app: &App,
+    app: &BoothApp,
     device: &Device,
     request: Request,
 ) -> Result<(Bytes, OwnedSemaphorePermit), RefusalAnswer> {
@@ -241,7 +245,7 @@ fn parse_number(text: &str) -> Option<u64> {
 
 /// `POST /v1/heartbeat`.
 async fn take_heartbeat(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     Extension(device): Extension<Device>,
     bytes: Bytes,
 ) -> Answer {
@@ -253,7 +257,7 @@ async fn take_heartbeat(
 }
 
 /// `POST /v1/enrol/fleet`.
-async fn enrol_fleet(State(app): State<Arc<App>>, bytes: Bytes) -> Answer {
+async fn enrol_fleet(State(app): State<Arc<BoothApp>>, bytes: Bytes) -> Answer {
     let asked = read_message(FleetEnrolment::from_bytes(&bytes))?;
     let answer = app.run(move |app| app.booth.enrol_fleet(&asked, booth_time())).await?;
     info!(headset = answer.headset, "enrolled by a fleet's token");
@@ -261,7 +265,7 @@ async fn enrol_fleet(State(app): State<Arc<App>>, bytes: Bytes) -> Answer {
 }
 
 /// `POST /v1/enrol/commit`.
-async fn commit_enrolment(State(app): State<Arc<App>>, bytes: Bytes) -> Answer {
+async fn commit_enrolment(State(app): State<Arc<BoothApp>>, bytes: Bytes) -> Answer {
     let asked = read_message(EnrolCommit::from_bytes(&bytes))?;
     let answer = app.run(move |app| {
         let bits = EnrolBits {
@@ -274,30 +278,30 @@ async fn commit_enrolment(State(app): State<Arc<App>>, bytes: Bytes) -> Answer {
 }
 
 /// `POST /v1/enrol/reveal`.
-async fn reveal_enrolment(State(app): State<Arc<App>>, bytes: Bytes) -> Answer {
+async fn reveal_enrolment(State(app): State<Arc<BoothApp>>, bytes: Bytes) -> Answer {
     let asked = read_message(EnrolReveal::from_bytes(&bytes))?;
     let answer = app.run(move |app| app.booth.reveal_enrolment(&asked, booth_time())).await?;
     Ok(bytes_answer(StatusCode::OK, &answer.to_bytes()))
 }
 
 /// `POST /v1/enrol/poll`.
-async fn poll_enrolment(State(app): State<Arc<App>>, bytes: Bytes) -> Answer {
+async fn poll_enrolment(State(app): State<Arc<BoothApp>>, bytes: Bytes) -> Answer {
     let asked = read_message(EnrolPoll::from_bytes(&bytes))?;
     let answer = app.run(move |app| app.booth.poll_enrolment(&asked, booth_time())).await?;
     Ok(bytes_answer(StatusCode::OK, &answer.to_bytes()))
 }
 
 /// `GET /healthz`: whether store and disk answer.
-async fn tell_health(State(app): State<Arc<App>>) -> Answer {
+async fn tell_health(State(app): State<Arc<BoothApp>>) -> Answer {
     app.run(|app| app.booth.list_newest(1, booth_time()).map(drop)).await?;
     Ok("ok\n".into_response())
 }
 
 /// `GET /metrics`.
-async fn tell_metrics(State(app): State<Arc<App>>) -> Answer {
+async fn tell_metrics(State(app): State<Arc<BoothApp>>) -> Answer {
     let text = app.run(|app| {
         let kept = app.booth.count(&Query::all::<Sculpture>())?;
-        let queued = Query::all::<Sculpture>().equal("export", &ExportState::Queued);
+        let queued = Query::all::<Sculpture>().equal("export", &MeshComparison::Queued);
         let devices = app.booth.count(&Query::all::<Device>().absent("revoked_at"))?;
         Ok(app.metrics.write(&[
             ("paros_booth_sculptures", "Sculptures kept.", kept),

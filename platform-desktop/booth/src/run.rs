@@ -16,7 +16,7 @@ use tokio_rustls::TlsAcceptor;
 use tokio_rustls::rustls::sign::CertifiedKey;
 use tracing::{info, warn};
 
-use crate::app::{App, OpenBooth, WHOLE_THREADS, WORK_THREADS, Wakers};
+use crate::app::{BoothApp, OpenBooth, WHOLE_THREADS, WORK_THREADS, Wakers};
 use crate::clock::booth_time;
 use crate::demo::{DemoFolder, add_demo};
 use crate::error::Error;
@@ -87,7 +87,7 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     let facts = SiteFacts { ca_pem: open.keys.ca_pem.clone(), settings: list_settings(options) };
     let (wakers, public_of_app) = ((wakers, printers), public.clone());
     let threads = of_wholes.handle().clone();
-    let app = App::new(open.booth, open.files, wakers, logins, public_of_app, facts, threads);
+    let app = BoothApp::new(open.booth, open.files, wakers, logins, public_of_app, facts, threads);
     let app = Arc::new(app);
     let serving = Serving { app: app.clone(), public, first_code, of_staff, names, listeners };
     let served = runtime.block_on(serving.serve_until_told(open.keys));
@@ -110,7 +110,7 @@ fn build_runtimes() -> io::Result<(Runtime, Runtime)> {
 
 /// What is served, and where.
 struct Serving {
-    app: Arc<App>,
+    app: Arc<BoothApp>,
     public: Option<PublicAddress>,
     first_code: Option<String>,
     of_staff: Option<Arc<CertifiedKey>>,
@@ -172,7 +172,7 @@ impl Serving {
 
 /// Serves headsets and staff, and visitors where they have pages, until each end is there.
 async fn serve_all(
-    app: &Arc<App>,
+    app: &Arc<BoothApp>,
     (listener, tls): (TcpListener, TlsAcceptor),
     visitors: Option<(TcpListener, Option<TlsAcceptor>)>,
     (end, end_of_visitors): (impl Future<Output = ()>, impl Future<Output = ()>),
@@ -293,7 +293,7 @@ async fn keep_leaf(leaf: Arc<LeafKeeper>, names: LeafNames, mut hangup: Signal) 
     }
 }
 
-async fn sweep_now_and_then(app: Arc<App>) {
+async fn sweep_now_and_then(app: Arc<BoothApp>) {
     loop {
         match app.run(|app| app.booth.sweep(booth_time())).await {
             Ok(report) if report != Default::default() => info!(?report, "swept"),

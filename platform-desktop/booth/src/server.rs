@@ -15,7 +15,7 @@ use tokio::time::timeout;
 use tokio_rustls::TlsAcceptor;
 use tracing::{debug, warn};
 
-use crate::app::App;
+use crate::app::BoothApp;
 use crate::places::Places;
 use crate::routes::Peer;
 
@@ -38,11 +38,11 @@ const MAX_HEAD_BYTES: usize = 16 << 10;
 const END_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Makes the routes of a connection.
-pub(crate) type MakeRouter = fn(&Arc<App>) -> Router;
+pub(crate) type MakeRouter = fn(&Arc<BoothApp>) -> Router;
 
 /// Serves routes, over TLS or plain, until `end` is there; then takes no more connections, and ends when all requests have.
 pub(crate) async fn serve(
-    app: Arc<App>,
+    app: Arc<BoothApp>,
     listener: TcpListener,
     (tls, router): (Option<TlsAcceptor>, MakeRouter),
     end: impl Future<Output = ()>,

@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use paros_booth_rules::{
-    Access, Condition, Order, Query, Row, Store, StoreError, Table, Transaction, Value,
+    Access, Condition, Query, Row, RowOrder, Store, StoreError, Table, Transaction, Value,
 };
 use rusqlite::types::{ToSqlOutput, ValueRef};
 use rusqlite::{Connection, ErrorCode, OpenFlags, OptionalExtension as _, ToSql, params_from_iter};
@@ -73,7 +73,7 @@ impl Store for SqliteStore {
 impl SqliteTransaction<'_> {
     fn execute(&self, sql: &str, values: &[Value]) -> Result<(), StoreError> {
         let mut statement = self.connection.prepare_cached(sql).map_err(store_error)?;
-        statement.execute(params_from_iter(values.iter().map(Bound))).map_err(store_error)?;
+        statement.execute(params_from_iter(values.iter().map(SqliteValue))).map_err(store_error)?;
         Ok(())
     }
 }
@@ -82,7 +82,7 @@ impl Transaction for SqliteTransaction<'_> {
     fn get_row(&mut self, table: &'static Table, key: &[Value]) -> Result<Option<Row>, StoreError> {
         let sql = format!("SELECT {} FROM {} WHERE {}", columns(table), name(table), key_of(table));
         let mut statement = self.connection.prepare_cached(&sql).map_err(store_error)?;
-        let bound = params_from_iter(key.iter().map(Bound));
+        let bound = params_from_iter(key.iter().map(SqliteValue));
         statement.query_row(bound, |row| read_row(table, row)).optional().map_err(store_error)
     }
 
@@ -97,7 +97,7 @@ impl Transaction for SqliteTransaction<'_> {
             write_order(query)?
         );
         let mut statement = self.connection.prepare_cached(&sql).map_err(store_error)?;
-        let bound = params_from_iter(values.into_iter().map(Bound));
+        let bound = params_from_iter(values.into_iter().map(SqliteValue));
         let rows = statement.query_map(bound, |row| read_row(table, row)).map_err(store_error)?;
         rows.collect::<Result<_, _>>().map_err(store_error)
     }
@@ -106,7 +106,7 @@ impl Transaction for SqliteTransaction<'_> {
         let (condition, values) = write_conditions(query)?;
         let sql = format!("SELECT count(*) FROM {} WHERE {condition}", name(query.table));
         let mut statement = self.connection.prepare_cached(&sql).map_err(store_error)?;
-        let bound = params_from_iter(values.into_iter().map(Bound));
+        let bound = params_from_iter(values.into_iter().map(SqliteValue));
         let count: i64 = statement.query_row(bound, |row| row.get(0)).map_err(store_error)?;
         Ok(count.cast_unsigned())
     }
@@ -145,9 +145,9 @@ impl Drop for SqliteTransaction<'_> {
 }
 
 /// A value as SQLite takes it.
-struct Bound<'a>(&'a Value);
+struct SqliteValue<'a>(&'a Value);
 
-impl ToSql for Bound<'_> {
+impl ToSql for SqliteValue<'_> {
     fn to_sql(&self) -> rusqlite::Result<ToSqlOutput<'_>> {
         Ok(ToSqlOutput::Borrowed(match self.0 {
             Value::Null => ValueRef::Null,
@@ -228,8 +228,8 @@ fn write_order(query: &Query) -> Result<String, StoreError> {
     if let Some((column, direction)) = query.order {
         check_column(query.table, column)?;
         let direction = match direction {
-            Order::Ascending => "ASC",
-            Order::Descending => "DESC",
+            RowOrder::Ascending => "ASC",
+            RowOrder::Descending => "DESC",
         };
         order.push(format!("\"{column}\" {direction}"));
     }

@@ -47,12 +47,12 @@ pub(super) enum PictureRenderer<const N: usize, const K: usize> {
         field: Box<DensityField<N, K>>,
         size: [u32; 2],
         path: RenderPath,
-        surroundings: Surroundings,
+        surroundings: DrawingBackground,
     },
 }
 
 /// What is drawn around the sculpture.
-pub(super) enum Surroundings {
+pub(super) enum DrawingBackground {
     /// A grey backdrop; on the CPU a bare stool.
     Backdrop,
     /// The studio's room, in its light.
@@ -76,7 +76,7 @@ impl DrawingOptions {
         &self,
         [width, height]: [usize; 2],
         rays_along_pixel_side: usize,
-        surroundings: Surroundings,
+        surroundings: DrawingBackground,
     ) -> Result<PictureRenderer<N, K>, Error> {
         if self.renderer == RendererChoice::Cpu {
             let options = match self.path {
@@ -86,8 +86,8 @@ impl DrawingOptions {
             let options =
                 RenderOptions { width, height, samples: rays_along_pixel_side, ..options };
             let room = match surroundings {
-                Surroundings::Backdrop => None,
-                Surroundings::Room(_) => Some(Box::new(lit_studio())),
+                DrawingBackground::Backdrop => None,
+                DrawingBackground::Room(_) => Some(Box::new(lit_studio())),
             };
             return Ok(PictureRenderer::Cpu(options, room));
         }
@@ -125,11 +125,11 @@ impl<const N: usize, const K: usize> PictureRenderer<N, K> {
                 let view = paros_headless::view_of_camera(camera, *size);
                 let (SculptureView { eye, placement }, style, backdrop, scene) = match surroundings
                 {
-                    Surroundings::Backdrop => {
+                    DrawingBackground::Backdrop => {
                         let style = RenderStyle { path: *path, ..RenderStyle::default() };
                         (view, style, BACKDROP, None)
                     }
-                    Surroundings::Room(room) => {
+                    DrawingBackground::Room(room) => {
                         let view = view.moved_onto(&room.sculpture_placement());
                         (view, RenderStyle::in_studio(*path), SKY, Some(room.draw_list()))
                     }

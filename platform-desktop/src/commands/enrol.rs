@@ -12,7 +12,7 @@ use paros_headless::Error;
 use paros_outbox_link::{HttpsCaller, fetch_shown_authority};
 use paros_shell::durable::{self, WriteTarget};
 use paros_shell::outbox::enrolment::{
-    ENROL_TIMEOUT, EnrolError, Enrolment, FleetFile, HandEnrolment, HandState, NewDevice,
+    ByHandState, ENROL_TIMEOUT, EnrolError, Enrolment, FleetFile, HandEnrolment, NewDevice,
     check_address, enrol_by_fleet, enrolment_file, hint_of_device,
 };
 use paros_shell::studio_paths::StudioPaths;
@@ -101,8 +101,8 @@ fn enrol_by_hand(address: &str, device: &NewDevice) -> Result<Enrolment, Error> 
     let mut heard = Instant::now();
     loop {
         match begun.poll(&mut link) {
-            Ok(HandState::Accepted(enrolment)) => return Ok(*enrolment),
-            Ok(HandState::Waiting) => heard = Instant::now(),
+            Ok(ByHandState::Accepted(enrolment)) => return Ok(*enrolment),
+            Ok(ByHandState::Waiting) => heard = Instant::now(),
             Err(EnrolError::Link(_)) if heard.elapsed() < PATIENCE => {}
             Err(error) => return Err(at(error)),
         }

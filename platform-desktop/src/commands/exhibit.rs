@@ -51,7 +51,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(100);
 const RESTART_EVERY: Duration = Duration::from_secs(5);
 
 /// The folders of an exhibition.
-struct Places {
+struct ExhibitPlaces {
     booth: PathBuf,
     /// What `XDG_DATA_HOME` is to the studio.
     data: PathBuf,
@@ -74,7 +74,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let folder = &args.folder;
     durable::make_folder(folder)?;
     let folder = folder.canonicalize().map_err(Error::failure)?;
-    let places = Places {
+    let places = ExhibitPlaces {
         booth: folder.join("booth"),
         data: folder.join("studio"),
         sculptures: folder.join("sculptures"),
@@ -175,7 +175,7 @@ impl RunningBooth {
     fn start(
         program: &Path,
         listen: SocketAddr,
-        places: &Places,
+        places: &ExhibitPlaces,
         sink: Option<&MailSink>,
     ) -> Result<Self, Error> {
         let mut command = Command::new(program);
@@ -236,7 +236,7 @@ fn tell_to_end(process: &mut Child) {
 }
 
 /// Enrols the studio, unless a run before did. The booth's port may be another since.
-fn enrol(program: &Path, places: &Places, address: &str) -> Result<(), Error> {
+fn enrol(program: &Path, places: &ExhibitPlaces, address: &str) -> Result<(), Error> {
     let file = enrolment_file(&places.data.join("paros"));
     if let Some(found) = Enrolment::read(&file).map_err(Error::input)? {
         if found.address != address {

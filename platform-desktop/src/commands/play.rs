@@ -18,7 +18,7 @@ use paros_shell::trace::{ReplayDivergence, Trace};
 use paros_shell::{with_intervals, with_size};
 use serde::Serialize;
 
-use super::drawing::{DrawingOptions, PictureRenderer, Surroundings};
+use super::drawing::{DrawingBackground, DrawingOptions, PictureRenderer};
 use super::{progress, volume};
 
 /// Play a trace; stop at the first tick that differs from the recording.
@@ -237,7 +237,7 @@ where
     let mut frames = match args.frames.as_deref() {
         Some(folder) => Some((
             folder,
-            args.drawing.make_renderer::<N, K>(FRAME_SIZE, 1, Surroundings::Backdrop)?,
+            args.drawing.make_renderer::<N, K>(FRAME_SIZE, 1, DrawingBackground::Backdrop)?,
         )),
         None => None,
     };

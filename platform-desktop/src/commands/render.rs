@@ -12,7 +12,7 @@ use paros_shell::figures::Figure;
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::{with_intervals, with_size};
 
-use super::drawing::{DrawingOptions, PictureRenderer, Surroundings, assemble_room};
+use super::drawing::{DrawingBackground, DrawingOptions, PictureRenderer, assemble_room};
 use super::{progress, volume};
 
 /// The longest side of a picture in pixels.
@@ -137,8 +137,8 @@ where
     // Tried before the work: a place where no file can be is told at once.
     let target = WriteTarget::resolve_and_check_writable(&args.output)?;
     let surroundings = match args.plain {
-        true => Surroundings::Backdrop,
-        false => Surroundings::Room(assemble_room::<N, K>()),
+        true => DrawingBackground::Backdrop,
+        false => DrawingBackground::Room(assemble_room::<N, K>()),
     };
     let mut renderer = args.drawing.make_renderer::<N, K>(args.size, SAMPLES, surroundings)?;
     let png = draw_png(args, &mut renderer, &maps)?;

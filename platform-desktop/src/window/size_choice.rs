@@ -42,11 +42,11 @@ const PICTURE: PictureFormat = PictureFormat { size: [1280, 800], eyes: 1, sampl
 pub struct SizeChoice {
     /// Voxels along an edge.
     pub grid_side: usize,
-    reason: Reason,
+    reason: SizeReason,
 }
 
 #[derive(Clone, Copy, PartialEq, Debug)]
-enum Reason {
+enum SizeReason {
     /// A session of this size is under way.
     UnderWay,
     /// A picture of the fine size took so long.
@@ -67,16 +67,18 @@ impl SizeChoice {
         let measured = || match picture() {
             Ok(Some(taken)) => SizeChoice::of_picture(taken),
             // The window says later what is wrong with a device.
-            Ok(None) | Err(_) => SizeChoice { grid_side: USUAL, reason: Reason::NoGpu },
+            Ok(None) | Err(_) => SizeChoice { grid_side: USUAL, reason: SizeReason::NoGpu },
         };
         let under_way = find_session_under_way(&paths);
-        under_way
-            .map_or_else(measured, |grid_side| SizeChoice { grid_side, reason: Reason::UnderWay })
+        under_way.map_or_else(measured, |grid_side| SizeChoice {
+            grid_side,
+            reason: SizeReason::UnderWay,
+        })
     }
 
     fn of_picture(taken: Duration) -> Self {
         let grid_side = if taken <= DRAWN_WITHIN { FINE } else { USUAL };
-        SizeChoice { grid_side, reason: Reason::Drawn(taken) }
+        SizeChoice { grid_side, reason: SizeReason::Drawn(taken) }
     }
 }
 
@@ -85,12 +87,12 @@ impl fmt::Display for SizeChoice {
         let side = self.grid_side;
         write!(f, "{side} voxels a side: ")?;
         match self.reason {
-            Reason::UnderWay => write!(f, "a sculpture of this size is under way"),
-            Reason::Drawn(taken) => {
+            SizeReason::UnderWay => write!(f, "a sculpture of this size is under way"),
+            SizeReason::Drawn(taken) => {
                 let ms = taken.as_secs_f64() * 1e3;
                 write!(f, "this machine draws a picture of {FINE} in {ms:.1} ms")
             }
-            Reason::NoGpu => write!(f, "this machine draws without a GPU"),
+            SizeReason::NoGpu => write!(f, "this machine draws without a GPU"),
         }?;
         write!(f, " (--size decides otherwise)")
     }

@@ -4,7 +4,7 @@ use crate::booth::{Booth, Tx};
 use crate::limits::SWEEP_BATCH;
 use crate::records::AuditEntry;
 use crate::refusal::Refusal;
-use crate::store::{Order, Query, StoreError};
+use crate::store::{Query, RowOrder, StoreError};
 use crate::time::BoothTime;
 use crate::value::Field as _;
 
@@ -35,7 +35,7 @@ impl Booth {
         limit: usize,
     ) -> Result<Vec<AuditEntry>, Refusal> {
         let query = Query::all::<AuditEntry>().below("at", &before);
-        self.view(|tx| tx.find(&query.ordered("at", Order::Descending).first(limit)))
+        self.view(|tx| tx.find(&query.ordered("at", RowOrder::Descending).first(limit)))
     }
 }
 

@@ -1,10 +1,10 @@
 //! What every store has to do: the suite that each one's tests call.
 
 use crate::records::{
-    Account, AttemptState, BadgeClaim, EnrolAttempt, EnrolToken, ExportState, LedgerSave,
+    Account, AttemptState, BadgeClaim, EnrolAttempt, EnrolToken, LedgerSave, MeshComparison,
     Sculpture, TABLES,
 };
-use crate::store::{Access, Order, Query, Store, StoreError, Transaction, update, view};
+use crate::store::{Access, Query, RowOrder, Store, StoreError, Transaction, update, view};
 use crate::table::{Record, Row, Table};
 use crate::time::BoothTime;
 use crate::value::{ColumnKind, Field, Value};
@@ -50,7 +50,7 @@ fn sample_sculpture(number: u8) -> Sculpture {
         is_in_ledger: false,
         withdrawn_at: (number % 2 == 1).then_some(BoothTime(u64::from(number))),
         has_trace: false,
-        export: ExportState::Queued,
+        export: MeshComparison::Queued,
         link_generation: 0,
         is_link_revoked: false,
     }
@@ -203,10 +203,10 @@ fn finds_what_is_asked_for(store: &dyn Store) {
         (all().absent("badge"), &[]),
         (all().equal("badge", &1u32).equal("headset", &2u32), &[2]),
         (all().absent("withdrawn_at"), &[0, 2, 4]),
-        (all().present("withdrawn_at").ordered("received_at", Order::Ascending), &[5, 3, 1]),
-        (all().ordered("received_at", Order::Descending).first(3), &[0, 1, 2]),
+        (all().present("withdrawn_at").ordered("received_at", RowOrder::Ascending), &[5, 3, 1]),
+        (all().ordered("received_at", RowOrder::Descending).first(3), &[0, 1, 2]),
         // Equal ones by their key.
-        (all().ordered("headset", Order::Descending), &[2, 5, 1, 4, 0, 3]),
+        (all().ordered("headset", RowOrder::Descending), &[2, 5, 1, 4, 0, 3]),
         (all().below("withdrawn_at", &BoothTime(3)), &[1]),
     ];
     for (query, expected) in cases {

@@ -9,7 +9,7 @@ use crate::limits::{COMMAND_LIFE, MAX_WAITING_COMMANDS};
 use crate::reason::Reason;
 use crate::records::{Command, CommandState, Device};
 use crate::refusal::Refusal;
-use crate::store::{Order, Query};
+use crate::store::{Query, RowOrder};
 use crate::time::BoothTime;
 use crate::value::Field as _;
 
@@ -39,7 +39,7 @@ impl Booth {
                 return Err(Refusal::Busy { what: "commands wait", retry_after: 10 });
             }
             let last: Option<Command> =
-                tx.find_first(of_headset.ordered("command", Order::Descending))?;
+                tx.find_first(of_headset.ordered("command", RowOrder::Descending))?;
             // By the clock, so that they grow on where a copy of the records doesn't know the last ones: a headset takes
             // none that is before its last.
             let command = last.map_or(0, |last| last.command.saturating_add(1)).max(now.0);
@@ -70,7 +70,7 @@ impl Booth {
     ) -> Result<Vec<Command>, Refusal> {
         let newest = Query::all::<Command>()
             .equal("headset", &headset)
-            .ordered("command", Order::Descending)
+            .ordered("command", RowOrder::Descending)
             .first(limit);
         let mut commands: Vec<Command> = self.view(|tx| tx.find(&newest))?;
         for command in &mut commands {

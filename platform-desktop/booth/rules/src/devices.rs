@@ -133,7 +133,7 @@ fn next_number(tx: &mut Tx<'_>) -> Result<u32, Refusal> {
     if active >= MAX_HEADSETS as u64 {
         return Err(Refusal::Conflict(Reason::HeadsetsFull));
     }
-    let query = Query::all::<Device>().ordered("headset", crate::store::Order::Descending);
+    let query = Query::all::<Device>().ordered("headset", crate::store::RowOrder::Descending);
     let last: Option<Device> = tx.find_first(query)?;
     let number = last.map_or(Some(1), |device| device.headset.checked_add(1));
     number.ok_or(Refusal::Conflict(Reason::NumbersFull))

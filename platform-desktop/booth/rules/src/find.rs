@@ -8,7 +8,7 @@ use crate::limits::{MAX_LISTED, MAX_NEAREST};
 use crate::reason::Reason;
 use crate::records::{Announcement, BadgeClaim, Device, Sculpture};
 use crate::refusal::Refusal;
-use crate::store::{Order, Query, StoreError};
+use crate::store::{Query, RowOrder, StoreError};
 use crate::time::BoothTime;
 use crate::value::Field as _;
 use crate::words::HeardBadge;
@@ -102,7 +102,7 @@ impl Booth {
     /// Those of the store.
     pub fn list_newest(&self, count: usize, now: BoothTime) -> Result<Vec<Sculpture>, Refusal> {
         let shown = Query::all::<Sculpture>().absent("withdrawn_at");
-        self.list_sculptures(shown.ordered("received_at", Order::Descending), count, now)
+        self.list_sculptures(shown.ordered("received_at", RowOrder::Descending), count, now)
     }
 
     /// The sculptures that are withdrawn, the last one first.
@@ -111,7 +111,7 @@ impl Booth {
     /// Those of the store.
     pub fn list_withdrawn(&self, count: usize, now: BoothTime) -> Result<Vec<Sculpture>, Refusal> {
         let withdrawn = Query::all::<Sculpture>().present("withdrawn_at");
-        self.list_sculptures(withdrawn.ordered("withdrawn_at", Order::Descending), count, now)
+        self.list_sculptures(withdrawn.ordered("withdrawn_at", RowOrder::Descending), count, now)
     }
 
     /// The sculptures that were announced and haven't come, the newest first.
@@ -119,7 +119,7 @@ impl Booth {
     /// # Errors
     /// Those of the store.
     pub fn list_missing(&self, count: usize) -> Result<Vec<MissingSculpture>, Refusal> {
-        let newest = Query::all::<Announcement>().ordered("heard_at", Order::Descending);
+        let newest = Query::all::<Announcement>().ordered("heard_at", RowOrder::Descending);
         self.view(|tx| {
             let mut missing = Vec::new();
             for announcement in tx.find::<Announcement>(&newest.first(count.min(MAX_LISTED)))? {
@@ -163,7 +163,7 @@ fn find_matches(
     let shown = Query::all::<Sculpture>()
         .equal("badge", &number.get())
         .absent("withdrawn_at")
-        .ordered("received_at", Order::Descending);
+        .ordered("received_at", RowOrder::Descending);
     let mut kept: Vec<Sculpture> = tx.find(&shown)?;
     kept.retain(|sculpture| sculpture.keep_day >= now.day());
     kept.sort_by_key(|sculpture| match sculpture.claim {

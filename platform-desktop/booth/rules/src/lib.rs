@@ -67,7 +67,7 @@ pub use refusal::Refusal;
 pub use restore::RestoreReport;
 pub use size_search::{SizeSearch, Sliced};
 pub use staff::{LoggedIn, SessionBits};
-pub use store::{Access, Condition, Order, Query, Store, StoreError, Transaction, update, view};
+pub use store::{Access, Condition, Query, RowOrder, Store, StoreError, Transaction, update, view};
 pub use table::{Column, Record, Row, Table};
 pub use time::BoothTime;
 pub use upload::{Chunk, DecodeParcel, ParcelProgress};

@@ -17,7 +17,7 @@ use crate::limits::{
 use crate::reason::{Expected, Reason};
 use crate::records::{MailOrder, MailState, Sculpture, WorkKind};
 use crate::refusal::Refusal;
-use crate::store::{Order, Query, StoreError};
+use crate::store::{Query, RowOrder, StoreError};
 use crate::time::BoothTime;
 use crate::value::Field as _;
 use crate::work::end_work;
@@ -98,7 +98,7 @@ impl Booth {
     /// # Errors
     /// Those of the store.
     pub fn list_mails(&self, id: &SculptureId) -> Result<Vec<MailOrder>, Refusal> {
-        self.view(|tx| tx.find(&orders_of(&id.0).ordered("asked_at", Order::Descending)))
+        self.view(|tx| tx.find(&orders_of(&id.0).ordered("asked_at", RowOrder::Descending)))
     }
 
     /// The mail that is due for longest, of those that no other process sends. Those whose sculpture isn't shown any
@@ -110,7 +110,7 @@ impl Booth {
         let due = Query::all::<MailOrder>()
             .equal("state", &MailState::Queued)
             .below("next_try_at", &BoothTime(now.0.saturating_add(1)))
-            .ordered("next_try_at", Order::Ascending)
+            .ordered("next_try_at", RowOrder::Ascending)
             .first(MAX_WORKERS);
         loop {
             if self.view(|tx| tx.find_first::<MailOrder>(due.clone()))?.is_none() {

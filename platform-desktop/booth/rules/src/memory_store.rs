@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use crate::store::{Access, Condition, Order, Query, Store, StoreError, Transaction};
+use crate::store::{Access, Condition, Query, RowOrder, Store, StoreError, Transaction};
 use crate::table::{Row, Table};
 use crate::value::Value;
 
@@ -82,8 +82,8 @@ impl MemoryTransaction<'_> {
             let column = column_of(table, column)?;
             // Rows are ordered by their key before, and stay so where they are equal.
             found.sort_by(|a, b| match order {
-                Order::Ascending => a[column].cmp(&b[column]),
-                Order::Descending => b[column].cmp(&a[column]),
+                RowOrder::Ascending => a[column].cmp(&b[column]),
+                RowOrder::Descending => b[column].cmp(&a[column]),
             });
         }
         Ok(found)

@@ -11,7 +11,7 @@ use crate::print_wish::{PrintSize, PrintWish, check_minutes_can_be_found};
 use crate::reason::Reason;
 use crate::records::{EstimateState, PrintOrder, PrintState, Sculpture, WorkKind};
 use crate::refusal::Refusal;
-use crate::store::{Order, Query, StoreError};
+use crate::store::{Query, RowOrder, StoreError};
 use crate::time::BoothTime;
 use crate::value::Field as _;
 use crate::work::end_work;
@@ -142,7 +142,7 @@ impl Booth {
     /// # Errors
     /// Those of the store.
     pub fn list_prints(&self, id: &SculptureId) -> Result<Vec<PrintOrder>, Refusal> {
-        self.view(|tx| tx.find(&orders_of(&id.0).ordered("asked_at", Order::Descending)))
+        self.view(|tx| tx.find(&orders_of(&id.0).ordered("asked_at", RowOrder::Descending)))
     }
 
     /// All prints with their sculptures: those that are open, the oldest first; then the others, the newest first.
@@ -154,13 +154,14 @@ impl Booth {
             let all = Query::all::<PrintOrder>;
             let mut orders = Vec::new();
             for state in [PrintState::Printing, PrintState::Sliced, PrintState::Ordered] {
-                let of_state = all().equal("state", &state).ordered("asked_at", Order::Ascending);
+                let of_state =
+                    all().equal("state", &state).ordered("asked_at", RowOrder::Ascending);
                 orders.extend(tx.find::<PrintOrder>(&of_state.first(MAX_LISTED))?);
             }
             let mut ended = Vec::new();
             for state in [PrintState::Done, PrintState::Failed, PrintState::Cancelled] {
                 let of_state =
-                    all().equal("state", &state).ordered("changed_at", Order::Descending);
+                    all().equal("state", &state).ordered("changed_at", RowOrder::Descending);
                 ended.extend(tx.find::<PrintOrder>(&of_state.first(MAX_LISTED / 4))?);
             }
             ended.sort_by_key(|order: &PrintOrder| std::cmp::Reverse(order.changed_at));
@@ -231,7 +232,7 @@ impl Booth {
             Query::all::<PrintOrder>()
                 .equal("state", state)
                 .equal("estimate", &EstimateState::Waiting)
-                .ordered("changed_at", Order::Ascending)
+                .ordered("changed_at", RowOrder::Ascending)
                 .first(MAX_WORKERS)
         };
         // The second were begun by hand before their turn came.

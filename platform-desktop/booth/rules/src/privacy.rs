@@ -9,7 +9,7 @@ use crate::lifecycle::subject_of_buried;
 use crate::limits::MAX_LISTED;
 use crate::records::{Announcement, AuditEntry, MailOrder, PrintOrder, Sculpture, Tombstone};
 use crate::refusal::Refusal;
-use crate::store::{Order, Query, StoreError};
+use crate::store::{Query, RowOrder, StoreError};
 use crate::time::BoothTime;
 use crate::value::Field as _;
 
@@ -46,7 +46,7 @@ impl Booth {
         let number = badge.get();
         self.view(|tx| {
             let kept = Query::all::<Sculpture>().equal("badge", &number);
-            let kept = kept.ordered("received_at", Order::Descending).first(MAX_LISTED);
+            let kept = kept.ordered("received_at", RowOrder::Descending).first(MAX_LISTED);
             let mut sculptures = Vec::new();
             for sculpture in tx.find::<Sculpture>(&kept)? {
                 sculptures.push(list_of(tx, sculpture)?);
@@ -97,7 +97,7 @@ fn list_of(tx: &mut Tx<'_>, sculpture: Sculpture) -> Result<SculptureRecords, St
     Ok(SculptureRecords {
         mails: tx.find(&mails)?,
         prints: tx.find(&prints)?,
-        audit: tx.find(&audit.ordered("at", Order::Ascending).first(MAX_LISTED))?,
+        audit: tx.find(&audit.ordered("at", RowOrder::Ascending).first(MAX_LISTED))?,
         sculpture,
     })
 }

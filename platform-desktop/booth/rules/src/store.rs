@@ -80,7 +80,7 @@ pub struct Query {
     /// All of these hold.
     pub conditions: Vec<Condition>,
     /// By which column the rows are ordered, and then by their key.
-    pub order: Option<(&'static str, Order)>,
+    pub order: Option<(&'static str, RowOrder)>,
     /// How many are found at most.
     pub limit: usize,
 }
@@ -99,7 +99,7 @@ pub enum Condition {
 
 /// Which rows come first.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Order {
+pub enum RowOrder {
     /// Those of the least.
     Ascending,
     /// Those of the greatest.
@@ -159,7 +159,7 @@ impl Query {
 
     /// In this order.
     #[must_use]
-    pub fn ordered(mut self, column: &'static str, order: Order) -> Self {
+    pub fn ordered(mut self, column: &'static str, order: RowOrder) -> Self {
         self.order = Some((column, order));
         self
     }

@@ -5,7 +5,7 @@ mod common;
 use common::*;
 use paros_booth_rules::limits::{COMMAND_LIFE, MAX_ANNOUNCED, MAX_WAITING_COMMANDS, STATUS_LIFE};
 use paros_booth_rules::records::{CommandState, Device};
-use paros_booth_rules::{BoothTime, MissingSculpture, Order, Query, view};
+use paros_booth_rules::{BoothTime, MissingSculpture, Query, RowOrder, view};
 use paros_core::badge::{AnswerOutcome, BadgeLease, BadgeNumber, DAY_SECONDS};
 use paros_core::outbox::messages::*;
 
@@ -285,7 +285,7 @@ fn commands_go_one_by_one_and_so_many_wait() {
     // Who asked is in the audit.
     let newest = Query::all::<paros_booth_rules::records::AuditEntry>()
         .equal("action", &"identify".to_string())
-        .ordered("number", Order::Ascending);
+        .ordered("number", RowOrder::Ascending);
     let count = view(rig.store.as_ref(), |tx| tx.count_rows(&newest)).unwrap();
     assert_eq!(count, MAX_WAITING_COMMANDS);
 }

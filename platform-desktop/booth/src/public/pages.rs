@@ -22,7 +22,7 @@ use tracing::warn;
 
 use super::address::path_of;
 use super::texts::PublicTexts;
-use crate::app::App;
+use crate::app::BoothApp;
 use crate::clock::booth_time;
 use crate::model::ModelFormat;
 use crate::page_guard::guard;
@@ -68,7 +68,7 @@ impl PublicGate {
 }
 
 /// The sculpture of a valid link, and in which language its page is.
-pub(crate) struct Visit {
+pub(crate) struct PageVisit {
     sculpture: Sculpture,
     token: LinkToken,
     texts: &'static PublicTexts,
@@ -80,7 +80,7 @@ pub(crate) struct PublicAnswer(&'static PublicTexts, Refusal);
 type Answer = Result<Response, PublicAnswer>;
 
 /// All routes of the visitors' listener.
-pub(crate) fn router(app: &Arc<App>) -> Router {
+pub(crate) fn router(app: &Arc<BoothApp>) -> Router {
     let of_visit = Router::new()
         .route("/s/{id}/{token}", get(show))
         .route("/s/{id}/{token}/picture.png", get(send_picture))
@@ -120,10 +120,13 @@ async fn hide_from_robots(request: Request, next: Next) -> Response {
     answer
 }
 
-impl FromRequestParts<Arc<App>> for Visit {
+impl FromRequestParts<Arc<BoothApp>> for PageVisit {
     type Rejection = PublicAnswer;
 
-    async fn from_request_parts(parts: &mut Parts, app: &Arc<App>) -> Result<Self, PublicAnswer> {
+    async fn from_request_parts(
+        parts: &mut Parts,
+        app: &Arc<BoothApp>,
+    ) -> Result<Self, PublicAnswer> {
         let texts = texts_of_browser(&parts.headers);
         let fail = |refusal| PublicAnswer(texts, refusal);
         let peer = parts.extensions.get::<Peer>().map(|peer| peer.0);
@@ -153,11 +156,11 @@ impl FromRequestParts<Arc<App>> for Visit {
             Some("language=en") => PublicTexts::of(Language::English),
             _ => PublicTexts::of(sculpture.visit_language()),
         };
-        Ok(Visit { sculpture, token, texts })
+        Ok(PageVisit { sculpture, token, texts })
     }
 }
 
-impl Visit {
+impl PageVisit {
     fn id(&self) -> SculptureId {
         SculptureId(self.sculpture.id)
     }
@@ -168,8 +171,8 @@ impl Visit {
 }
 
 /// `GET /s/{id}/{token}`.
-async fn show(visit: Visit) -> Response {
-    let Visit { texts, ref sculpture, .. } = visit;
+async fn show(visit: PageVisit) -> Response {
+    let PageVisit { texts, ref sculpture, .. } = visit;
     let at = visit.path();
     let last_day = utc(BoothTime::of_day(sculpture.keep_day));
     page(
@@ -195,7 +198,7 @@ async fn show(visit: Visit) -> Response {
 }
 
 /// `GET /s/{id}/{token}/picture.png`.
-async fn send_picture(State(app): State<Arc<App>>, visit: Visit) -> Answer {
+async fn send_picture(State(app): State<Arc<BoothApp>>, visit: PageVisit) -> Answer {
     let texts = visit.texts;
     let png = app.run(move |app| app.booth.read_picture(&visit.sculpture)).await;
     match png.map_err(|refusal| PublicAnswer(texts, refusal))? {
@@ -205,8 +208,12 @@ async fn send_picture(State(app): State<Arc<App>>, visit: Visit) -> Answer {
 }
 
 /// `GET /s/{id}/{token}/model.*`.
-async fn send_model(State(app): State<Arc<App>>, visit: Visit, format: ModelFormat) -> Answer {
-    let Visit { sculpture, texts, .. } = visit;
+async fn send_model(
+    State(app): State<Arc<BoothApp>>,
+    visit: PageVisit,
+    format: ModelFormat,
+) -> Answer {
+    let PageVisit { sculpture, texts, .. } = visit;
     if !app.public.models.take(sculpture.id, Instant::now()) {
         let refusal = Refusal::Overloaded { retry_after: 20 };
         return Err(PublicAnswer(texts, refusal));
@@ -218,7 +225,7 @@ async fn send_model(State(app): State<Arc<App>>, visit: Visit, format: ModelForm
 }
 
 /// `GET /s/{id}/{token}/delete`: asks whether it is meant.
-async fn ask_delete(visit: Visit) -> Response {
+async fn ask_delete(visit: PageVisit) -> Response {
     let (texts, at) = (visit.texts, visit.path());
     page(
         texts,
@@ -236,8 +243,8 @@ async fn ask_delete(visit: Visit) -> Response {
 
 /// `POST /s/{id}/{token}/delete`.
 async fn delete(
-    State(app): State<Arc<App>>,
-    visit: Visit,
+    State(app): State<Arc<BoothApp>>,
+    visit: PageVisit,
     Form(fields): Form<HashMap<String, String>>,
 ) -> Answer {
     let texts = visit.texts;

@@ -13,7 +13,7 @@ use super::done::Done;
 use super::forms::{FormView, Refused};
 use super::login::{begin_session, hash_password, verify_password};
 use super::page::{StaffForm, StaffView, form_token};
-use crate::app::App;
+use crate::app::BoothApp;
 use crate::clock::booth_time;
 use crate::routes::Peer;
 
@@ -50,7 +50,7 @@ fn account_page(view: &StaffView, refused: Option<&Refused>) -> Response {
 
 /// `POST /staff/account/password`: ends all logins of the account, and begins one anew.
 pub(crate) async fn change_password(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     Extension(Peer(peer)): Extension<Peer>,
     form: StaffForm,
 ) -> Response {
@@ -64,7 +64,7 @@ pub(crate) async fn change_password(
 }
 
 async fn set_password(
-    app: &Arc<App>,
+    app: &Arc<BoothApp>,
     peer: IpAddr,
     StaffForm { login, fields, .. }: &StaffForm,
 ) -> Result<Response, Refusal> {

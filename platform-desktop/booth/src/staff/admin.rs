@@ -18,7 +18,7 @@ use super::login::hash_password;
 use super::page::{Fields, StaffAnswer, StaffForm, StaffView, action_button, form_token};
 use super::sculptures::utc;
 use super::texts::Texts;
-use crate::app::App;
+use crate::app::BoothApp;
 use crate::clock::booth_time;
 use crate::fleet_file::{FleetToken, make_fleet_file};
 
@@ -48,7 +48,7 @@ pub(crate) async fn require_admin(
 
 /// `GET /staff/admin`.
 pub(crate) async fn show_admin(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     view: StaffView,
     headers: HeaderMap,
 ) -> Answer {
@@ -57,7 +57,7 @@ pub(crate) async fn show_admin(
 
 /// The admins' page, and why one of its forms was refused.
 async fn admin_page(
-    app: &Arc<App>,
+    app: &Arc<BoothApp>,
     view: &StaffView,
     headers: &HeaderMap,
     refused: Option<&Refused>,
@@ -91,7 +91,7 @@ async fn admin_page(
 
 /// The admins' page with one of its forms as it was refused.
 async fn refuse_form(
-    app: &Arc<App>,
+    app: &Arc<BoothApp>,
     headers: &HeaderMap,
     form: StaffForm,
     (name, refusal): (&'static str, Refusal),
@@ -102,7 +102,7 @@ async fn refuse_form(
 
 /// `POST /staff/admin/accounts`.
 pub(crate) async fn add_account(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     headers: HeaderMap,
     form: StaffForm,
 ) -> Answer {
@@ -113,7 +113,7 @@ pub(crate) async fn add_account(
 }
 
 async fn make_account(
-    app: &Arc<App>,
+    app: &Arc<BoothApp>,
     StaffForm { login, fields, .. }: &StaffForm,
 ) -> Result<(), Refusal> {
     let role = match fields.get("role").as_str() {
@@ -128,7 +128,7 @@ async fn make_account(
 
 /// `POST /staff/admin/accounts/{name}/{action}`: `disable` or `enable`.
 pub(crate) async fn change_account(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     Path((name, action)): Path<(String, String)>,
     StaffForm { login, texts, .. }: StaffForm,
 ) -> Answer {
@@ -148,7 +148,7 @@ pub(crate) async fn change_account(
 
 /// `POST /staff/admin/tokens`: makes one, and sends the fleet's file, which is all that ever shows it.
 pub(crate) async fn add_token(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     headers: HeaderMap,
     form: StaffForm,
 ) -> Answer {
@@ -165,7 +165,7 @@ pub(crate) async fn add_token(
 }
 
 async fn make_token(
-    app: &Arc<App>,
+    app: &Arc<BoothApp>,
     StaffForm { login, fields, .. }: &StaffForm,
 ) -> Result<String, Refusal> {
     let (uses, days) = (fields.get("uses").parse().ok(), fields.get("days").parse().ok());
@@ -185,7 +185,7 @@ async fn make_token(
 
 /// `POST /staff/admin/tokens/{hash}/revoke`.
 pub(crate) async fn revoke_token(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     Path(hash): Path<String>,
     StaffForm { login, texts, .. }: StaffForm,
 ) -> Answer {
@@ -201,7 +201,7 @@ pub(crate) async fn revoke_token(
 
 /// `GET /staff/audit?before=MILLISECONDS`.
 pub(crate) async fn show_audit(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     view: StaffView,
     Query(fields): Query<Fields>,
 ) -> Answer {

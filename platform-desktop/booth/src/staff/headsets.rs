@@ -15,7 +15,7 @@ use super::done::Done;
 use super::page::{StaffAnswer, StaffForm, StaffView, action_button};
 use super::svg::draw_pictogram;
 use super::texts::Texts;
-use crate::app::App;
+use crate::app::BoothApp;
 use crate::clock::booth_time;
 
 /// Commands of a headset that are shown.
@@ -31,7 +31,7 @@ struct HeadsetView {
 }
 
 /// `GET /staff/headsets`.
-pub(crate) async fn show_headsets(State(app): State<Arc<App>>, view: StaffView) -> Answer {
+pub(crate) async fn show_headsets(State(app): State<Arc<BoothApp>>, view: StaffView) -> Answer {
     let (login, texts) = (&view.login, view.texts);
     let now = booth_time();
     let found = app.run(move |app| {
@@ -58,7 +58,7 @@ pub(crate) async fn show_headsets(State(app): State<Arc<App>>, view: StaffView) 
 
 /// `POST /staff/headsets/{number}/{command}`.
 pub(crate) async fn ask_command(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     Path((headset, kind)): Path<(u32, u8)>,
     StaffForm { login, texts, .. }: StaffForm,
 ) -> Answer {
@@ -73,7 +73,7 @@ pub(crate) async fn ask_command(
 
 /// `POST /staff/attempts/{number}/{action}`: `accept`, `decline`, or the number of the headset that it is.
 pub(crate) async fn decide_attempt(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     Path((attempt, action)): Path<(u64, String)>,
     StaffForm { login, texts, .. }: StaffForm,
 ) -> Answer {

@@ -20,7 +20,7 @@ use super::done::Done;
 use super::forms::{FormView, Refused};
 use super::page::{Fields, StaffAnswer, find_cookie, frame_page, with_cookie};
 use super::texts::Texts;
-use crate::app::App;
+use crate::app::BoothApp;
 use crate::clock::booth_time;
 use crate::random::random_bytes;
 use crate::rate::RateLimiter;
@@ -76,7 +76,7 @@ impl LoginGate {
 
 /// Lets those on who are logged in, and sends others to log in.
 pub(crate) async fn require_login(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     mut request: Request,
     next: Next,
 ) -> Result<Response, StaffAnswer> {
@@ -107,7 +107,7 @@ pub(crate) async fn show_login(headers: HeaderMap) -> Response {
 
 /// `POST /staff/login`.
 pub(crate) async fn log_in(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     Extension(Peer(peer)): Extension<Peer>,
     headers: HeaderMap,
     Form(fields): Form<Fields>,
@@ -119,7 +119,11 @@ pub(crate) async fn log_in(
     })
 }
 
-async fn try_to_log_in(app: &Arc<App>, peer: IpAddr, fields: &Fields) -> Result<Response, Refusal> {
+async fn try_to_log_in(
+    app: &Arc<BoothApp>,
+    peer: IpAddr,
+    fields: &Fields,
+) -> Result<Response, Refusal> {
     let (name, password) = (fields.get("name"), fields.get("password"));
     app.logins.take_turn(&name, peer)?;
     let of_name = name.clone();
@@ -137,7 +141,7 @@ pub(crate) async fn show_first(headers: HeaderMap) -> Response {
 
 /// `POST /staff/first`.
 pub(crate) async fn add_first(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     Extension(Peer(peer)): Extension<Peer>,
     headers: HeaderMap,
     Form(fields): Form<Fields>,
@@ -153,7 +157,7 @@ pub(crate) async fn add_first(
 }
 
 async fn try_to_add_first(
-    app: &Arc<App>,
+    app: &Arc<BoothApp>,
     peer: IpAddr,
     fields: &Fields,
 ) -> Result<Response, Refusal> {
@@ -171,7 +175,7 @@ async fn try_to_add_first(
 
 /// `POST /staff/logout`.
 pub(crate) async fn log_out(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     headers: HeaderMap,
 ) -> Result<Response, StaffAnswer> {
     if let Some(cookie) = read_cookie(&headers) {
@@ -183,7 +187,7 @@ pub(crate) async fn log_out(
     Ok(with_cookie(Redirect::to("/staff/login").into_response(), &gone))
 }
 
-pub(super) async fn begin_session(app: &Arc<App>, name: String) -> Result<Response, Refusal> {
+pub(super) async fn begin_session(app: &Arc<BoothApp>, name: String) -> Result<Response, Refusal> {
     let bits = SessionBits { cookie: random_bytes()?, form_token: random_bytes()? };
     app.run(move |app| app.booth.log_in(&name, &bits, booth_time())).await?;
     let value: String = bits.cookie.iter().map(|byte| format!("{byte:02x}")).collect();
@@ -240,7 +244,10 @@ fn first_page(texts: &Texts, refused: Option<&Refused>) -> Response {
     frame_page(texts, None, None, texts.first_account, &body)
 }
 
-pub(super) async fn hash_password(app: &Arc<App>, password: String) -> Result<String, Refusal> {
+pub(super) async fn hash_password(
+    app: &Arc<BoothApp>,
+    password: String,
+) -> Result<String, Refusal> {
     if password.chars().count() < MIN_PASSWORD_CHARS {
         return Err(Refusal::Unfit(Expected::Password(MIN_PASSWORD_CHARS)));
     }
@@ -255,7 +262,7 @@ pub(super) async fn hash_password(app: &Arc<App>, password: String) -> Result<St
 
 /// Whether a password is that of a hash. Without one it takes as long.
 pub(super) async fn verify_password(
-    app: &Arc<App>,
+    app: &Arc<BoothApp>,
     password: String,
     hash: Option<String>,
 ) -> Result<bool, Refusal> {

@@ -16,7 +16,7 @@ use super::page::{StaffAnswer, StaffForm, form_token};
 use super::refusal_texts::tell_cause;
 use super::sculptures::{parse_id, refuse_form, utc};
 use super::texts::Texts;
-use crate::app::App;
+use crate::app::BoothApp;
 use crate::clock::booth_time;
 use crate::random::random_number;
 
@@ -25,7 +25,7 @@ pub(super) const MAIL_FORM: &str = "mail";
 
 /// `POST /staff/sculptures/{id}/mail`.
 pub(crate) async fn ask_mail(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     Path(id): Path<String>,
     form: StaffForm,
 ) -> Result<Response, StaffAnswer> {
@@ -35,7 +35,7 @@ pub(crate) async fn ask_mail(
     }
 }
 
-async fn order_mail(app: &Arc<App>, id: &str, form: &StaffForm) -> Result<(), Refusal> {
+async fn order_mail(app: &Arc<BoothApp>, id: &str, form: &StaffForm) -> Result<(), Refusal> {
     let id = parse_id(id)?;
     let waker = app.wakers.mails.clone().ok_or(Refusal::NotFound(Reason::NoMailServer))?;
     let order = random_number()?;

@@ -39,13 +39,13 @@ pub(crate) use svg::draw_badge;
 use paros_booth_rules::{Reason, Refusal};
 
 use self::page::{StaffAnswer, StaffView};
-use crate::app::App;
+use crate::app::BoothApp;
 use crate::model::ModelFormat;
 use crate::page_guard::guard;
 use crate::viewer;
 
 /// The routes of the staff page.
-pub(crate) fn router(app: &Arc<App>) -> Router<Arc<App>> {
+pub(crate) fn router(app: &Arc<BoothApp>) -> Router<Arc<BoothApp>> {
     let for_admins = Router::new()
         .route("/staff/admin", get(admin::show_admin))
         .route("/staff/admin/accounts", post(admin::add_account))
@@ -101,7 +101,7 @@ pub(crate) fn router(app: &Arc<App>) -> Router<Arc<App>> {
         .merge(viewer::router())
 }
 
-fn send_model(format: ModelFormat) -> MethodRouter<Arc<App>> {
+fn send_model(format: ModelFormat) -> MethodRouter<Arc<BoothApp>> {
     get(move |app, view, id| sculptures::send_model(app, view, id, format))
 }
 

@@ -21,7 +21,7 @@ use super::print_texts::PrintTexts;
 use super::refusal_texts::tell_cause;
 use super::sculptures::{badge_of, parse_id, refuse_form, utc};
 use super::texts::Texts;
-use crate::app::App;
+use crate::app::BoothApp;
 use crate::clock::booth_time;
 use crate::printing::{Printer, PrinterView};
 use crate::random::random_number;
@@ -38,7 +38,7 @@ const STEPS: [(PrintStep, &str); 5] = [
 type Answer = Result<Response, StaffAnswer>;
 
 /// `GET /staff/prints`: all that is open, then what is over.
-pub(crate) async fn show_queue(State(app): State<Arc<App>>, view: StaffView) -> Answer {
+pub(crate) async fn show_queue(State(app): State<Arc<BoothApp>>, view: StaffView) -> Answer {
     let (login, texts) = (&view.login, view.texts);
     let jobs = app.run(|app| app.booth.list_print_queue()).await;
     let jobs = jobs.map_err(|refusal| StaffAnswer(texts, refusal))?;
@@ -67,7 +67,7 @@ pub(super) const PRINT_FORM: &str = "print";
 
 /// `POST /staff/sculptures/{id}/print`.
 pub(crate) async fn ask_print(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     Path(id): Path<String>,
     form: StaffForm,
 ) -> Answer {
@@ -77,7 +77,7 @@ pub(crate) async fn ask_print(
     }
 }
 
-async fn order_print(app: &Arc<App>, id: &str, form: &StaffForm) -> Result<(), Refusal> {
+async fn order_print(app: &Arc<BoothApp>, id: &str, form: &StaffForm) -> Result<(), Refusal> {
     let (id, fields) = (parse_id(id)?, &form.fields);
     let size = read_size(&fields.get("height"), &fields.get("minutes"))?;
     let wish = PrintWish { size, filament: fields.get("filament"), note: fields.get("note") };
@@ -90,7 +90,7 @@ async fn order_print(app: &Arc<App>, id: &str, form: &StaffForm) -> Result<(), R
 
 /// `POST /staff/prints/{order}/{step}`.
 pub(crate) async fn step_print(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     Path((order, step)): Path<(u64, String)>,
     StaffForm { login, texts, .. }: StaffForm,
 ) -> Answer {
@@ -113,7 +113,7 @@ pub(crate) async fn step_print(
 
 /// `POST /staff/prints/{order}/send/{printer}`, by the printer's place in the list.
 pub(crate) async fn send_print(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     Path((order, printer)): Path<(u64, usize)>,
     StaffForm { login, texts, .. }: StaffForm,
 ) -> Answer {
@@ -325,7 +325,7 @@ pub(crate) fn read_size(height: &str, minutes: &str) -> Result<PrintSize, Refusa
     tenths.map(PrintSize::Height).ok_or(Refusal::Unfit(Expected::Height))
 }
 
-fn wake_slicer(app: &App) {
+fn wake_slicer(app: &BoothApp) {
     if let Some(waker) = &app.wakers.slices {
         waker.wake();
     }

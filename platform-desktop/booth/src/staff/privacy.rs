@@ -18,14 +18,14 @@ use super::page::{StaffAnswer, StaffForm, StaffView, action_button, frame_page};
 use super::sculptures::utc;
 use super::svg::draw_badge;
 use super::texts::Texts;
-use crate::app::App;
+use crate::app::BoothApp;
 use crate::badge_export::write_export;
 use crate::clock::booth_time;
 
 type Answer = Result<Response, StaffAnswer>;
 
 /// `GET /privacy`: what is kept for how long. For everybody.
-pub(crate) async fn show_privacy(State(app): State<Arc<App>>, headers: HeaderMap) -> Response {
+pub(crate) async fn show_privacy(State(app): State<Arc<BoothApp>>, headers: HeaderMap) -> Response {
     let texts = Texts::of_request(&headers);
     let words = AdminTexts::of(texts);
     let body = html! {
@@ -36,7 +36,7 @@ pub(crate) async fn show_privacy(State(app): State<Arc<App>>, headers: HeaderMap
 
 /// `GET /staff/badges/{number}`: all that is known under a badge.
 pub(crate) async fn show_known(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     view: StaffView,
     Path(number): Path<u32>,
 ) -> Answer {
@@ -70,7 +70,7 @@ pub(crate) async fn show_known(
 
 /// `GET /staff/badges/{number}/export.zip`.
 pub(crate) async fn send_export(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     StaffView { texts, .. }: StaffView,
     Path(number): Path<u32>,
 ) -> Answer {
@@ -86,7 +86,7 @@ pub(crate) async fn send_export(
 
 /// `POST /staff/badges/{number}/delete`.
 pub(crate) async fn delete_known(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     Path(number): Path<u32>,
     StaffForm { login, texts, .. }: StaffForm,
 ) -> Answer {

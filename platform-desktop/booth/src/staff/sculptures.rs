@@ -22,7 +22,7 @@ use super::prints::{PRINT_FORM, prints_of};
 use super::slip::link_actions;
 use super::svg::draw_badge;
 use super::texts::Texts;
-use crate::app::App;
+use crate::app::BoothApp;
 use crate::clock::booth_time;
 use crate::model::ModelFormat;
 use crate::viewer::draw_viewer;
@@ -33,7 +33,7 @@ const LISTED: usize = 60;
 type Answer = Result<Response, StaffAnswer>;
 
 /// `GET /staff`: the newest.
-pub(crate) async fn show_newest(State(app): State<Arc<App>>, view: StaffView) -> Answer {
+pub(crate) async fn show_newest(State(app): State<Arc<BoothApp>>, view: StaffView) -> Answer {
     let texts = view.texts;
     let found = app.run(|app| app.booth.list_newest(LISTED, booth_time())).await;
     let found = found.map_err(|refusal| StaffAnswer(texts, refusal))?;
@@ -41,7 +41,7 @@ pub(crate) async fn show_newest(State(app): State<Arc<App>>, view: StaffView) ->
 }
 
 /// `GET /staff/withdrawn`.
-pub(crate) async fn show_withdrawn(State(app): State<Arc<App>>, view: StaffView) -> Answer {
+pub(crate) async fn show_withdrawn(State(app): State<Arc<BoothApp>>, view: StaffView) -> Answer {
     let texts = view.texts;
     let found = app.run(|app| app.booth.list_withdrawn(LISTED, booth_time())).await;
     let found = found.map_err(|refusal| StaffAnswer(texts, refusal))?;
@@ -49,7 +49,7 @@ pub(crate) async fn show_withdrawn(State(app): State<Arc<App>>, view: StaffView)
 }
 
 /// `GET /staff/missing`: what was announced and hasn't come.
-pub(crate) async fn show_missing(State(app): State<Arc<App>>, view: StaffView) -> Answer {
+pub(crate) async fn show_missing(State(app): State<Arc<BoothApp>>, view: StaffView) -> Answer {
     let texts = view.texts;
     let found = app.run(|app| app.booth.list_missing(LISTED)).await;
     let found = found.map_err(|refusal| StaffAnswer(texts, refusal))?;
@@ -66,7 +66,7 @@ pub(crate) async fn show_missing(State(app): State<Arc<App>>, view: StaffView) -
 
 /// `GET /staff/sculptures/{id}`.
 pub(crate) async fn show(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     view: StaffView,
     Path(id): Path<String>,
 ) -> Answer {
@@ -75,7 +75,7 @@ pub(crate) async fn show(
 
 /// The page of a sculpture with one of its forms as it was refused.
 pub(super) async fn refuse_form(
-    app: &Arc<App>,
+    app: &Arc<BoothApp>,
     id: &str,
     form: StaffForm,
     (name, refusal): (&'static str, Refusal),
@@ -86,7 +86,7 @@ pub(super) async fn refuse_form(
 
 /// The page of a sculpture, and why one of its forms was refused.
 async fn show_sculpture(
-    app: &Arc<App>,
+    app: &Arc<BoothApp>,
     view: &StaffView,
     id: &str,
     refused: Option<&Refused>,
@@ -121,7 +121,7 @@ async fn show_sculpture(
 }
 
 /// What else may be done with a sculpture.
-fn actions_of(app: &App, view: &StaffView, sculpture: &Sculpture) -> Markup {
+fn actions_of(app: &BoothApp, view: &StaffView, sculpture: &Sculpture) -> Markup {
     let (login, texts) = (&view.login, view.texts);
     let at = format!("/staff/sculptures/{}", SculptureId(sculpture.id));
     html! {
@@ -158,7 +158,7 @@ fn heading_of(texts: &Texts, sculpture: &Sculpture) -> String {
 
 /// `GET /staff/sculptures/{id}/picture.png`.
 pub(crate) async fn send_picture(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     StaffView { texts, .. }: StaffView,
     Path(id): Path<String>,
 ) -> Answer {
@@ -172,7 +172,7 @@ pub(crate) async fn send_picture(
 
 /// `GET /staff/sculptures/{id}/model.stl`, `.3mf` and `.glb`.
 pub(crate) async fn send_model(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     StaffView { texts, .. }: StaffView,
     Path(id): Path<String>,
     format: ModelFormat,
@@ -186,7 +186,7 @@ pub(crate) async fn send_model(
 
 /// `POST /staff/sculptures/{id}/{action}`.
 pub(crate) async fn change(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     Path((id, action)): Path<(String, String)>,
     StaffForm { login, texts, .. }: StaffForm,
 ) -> Answer {
@@ -221,7 +221,7 @@ pub(super) fn parse_id(id: &str) -> Result<SculptureId, Refusal> {
     SculptureId::parse_hex(id).ok_or(Refusal::NotFound(Reason::NoSculpture))
 }
 
-async fn find_sculpture(app: &Arc<App>, id: &str) -> Result<Sculpture, Refusal> {
+async fn find_sculpture(app: &Arc<BoothApp>, id: &str) -> Result<Sculpture, Refusal> {
     let id = parse_id(id)?;
     app.run(move |app| app.booth.find_sculpture(&id, booth_time())).await
 }

@@ -17,7 +17,7 @@ use super::prints::order_wish;
 use super::sculptures::{parse_id, utc};
 use super::svg::draw_badge;
 use super::texts::Texts;
-use crate::app::App;
+use crate::app::BoothApp;
 use crate::clock::booth_time;
 use crate::public::draw_qr;
 
@@ -25,7 +25,7 @@ type Answer = Result<Response, StaffAnswer>;
 
 /// `GET /staff/sculptures/{id}/slip`.
 pub(crate) async fn show_slip(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     view: StaffView,
     Path(id): Path<String>,
 ) -> Answer {
@@ -39,7 +39,7 @@ pub(crate) async fn show_slip(
 
 /// `GET /staff/prints/{order}/slip`.
 pub(crate) async fn show_order_slip(
-    State(app): State<Arc<App>>,
+    State(app): State<Arc<BoothApp>>,
     view: StaffView,
     Path(order): Path<u64>,
 ) -> Answer {
@@ -52,7 +52,7 @@ pub(crate) async fn show_order_slip(
 }
 
 /// The slip, in the language of the visit.
-fn slip(app: &App, sculpture: &Sculpture, order: Option<&PrintOrder>) -> Markup {
+fn slip(app: &BoothApp, sculpture: &Sculpture, order: Option<&PrintOrder>) -> Markup {
     let texts = Texts::of_visit(sculpture);
     let of_prints = PrintTexts::of(texts.language);
     html! {
@@ -78,7 +78,7 @@ fn slip(app: &App, sculpture: &Sculpture, order: Option<&PrintOrder>) -> Markup 
 }
 
 /// The visitor's link, where visitors have pages and it wasn't taken back.
-fn link_of(app: &App, sculpture: &Sculpture) -> Option<String> {
+fn link_of(app: &BoothApp, sculpture: &Sculpture) -> Option<String> {
     let id = SculptureId(sculpture.id);
     let address = app.public_address.as_ref()?;
     let is_shown = sculpture.withdrawn_at.is_none();

@@ -1,7 +1,7 @@
 //! What the staff page says, in two languages.
 
 use axum::http::{HeaderMap, header};
-use paros_booth_rules::records::{BadgeClaim, CommandState, ExportState, MailState, Sculpture};
+use paros_booth_rules::records::{BadgeClaim, CommandState, MailState, MeshComparison, Sculpture};
 use paros_core::badge::Language;
 use paros_core::outbox::messages::CommandKind;
 
@@ -77,7 +77,7 @@ impl Texts {
         self.command_states[state as usize]
     }
 
-    pub(crate) const fn export(&self, state: ExportState) -> &'static str {
+    pub(crate) const fn export(&self, state: MeshComparison) -> &'static str {
         self.exports[state as usize]
     }
 

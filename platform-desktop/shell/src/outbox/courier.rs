@@ -25,10 +25,10 @@ use super::folder::DiskFolder;
 use super::link::BoothLink;
 use crate::settings::BoothSettings;
 
-use board::{Board, Refused};
+use board::{Board, DeviceRefusal};
 pub use board::{CourierSummary, Keeping, RemoteCommand};
 pub use clock::read_clock_ms;
-use orders::Order;
+use orders::CourierOrder;
 pub use orders::{FinishedSculpture, ParcelDraft};
 use work::Work;
 
@@ -54,7 +54,7 @@ pub type CourierLink = Box<dyn BoothLink + Send>;
 /// A courier. It ends when it is dropped.
 pub struct Courier {
     board: Arc<Mutex<Board>>,
-    orders: Option<Sender<Order>>,
+    orders: Option<Sender<CourierOrder>>,
     thread: Option<JoinHandle<()>>,
     headset: u32,
     clock: fn() -> u64,
@@ -82,7 +82,7 @@ impl Courier {
         let work = Work::open(plan, folder, link)?;
         let board = work.board();
         let (found, last_finished) = (work.list_found(), work.last_finished());
-        let (orders, taken): (Sender<Order>, Receiver<Order>) = channel();
+        let (orders, taken): (Sender<CourierOrder>, Receiver<CourierOrder>) = channel();
         let thread = thread::spawn(move || work.run(&taken));
         let (orders, thread) = (Some(orders), Some(thread));
         let (headset, clock) = (plan.enrolment.owner.headset, plan.clock);
@@ -130,12 +130,12 @@ impl Courier {
     /// Has a finished sculpture announced: its id is on the disk before anything else of it is. `volume` is its `.rmap`.
     pub fn announce(&self, id: SculptureId, volume: Vec<u8>) {
         self.lock().note_making(id);
-        self.order(Order::Announce { id, volume });
+        self.order(CourierOrder::Announce { id, volume });
     }
 
     /// Asks for a badge, which [`Courier::badge_of`] has later.
     pub fn ask_badge(&self, id: SculptureId) {
-        self.order(Order::TakeBadge { id });
+        self.order(CourierOrder::TakeBadge { id });
     }
 
     /// The badge that was asked for, once the lease is on the disk.
@@ -146,18 +146,18 @@ impl Courier {
 
     /// Notes which badge the visitor is shown.
     pub fn note_badge(&self, id: SculptureId, badge: BadgeNumber) {
-        self.order(Order::NoteBadge { id, badge });
+        self.order(CourierOrder::NoteBadge { id, badge });
     }
 
     /// Has a parcel packed and kept.
     pub fn keep(&self, draft: ParcelDraft) {
         self.lock().note_making(draft.facts.id);
-        self.order(Order::Keep(Box::new(draft)));
+        self.order(CourierOrder::Keep(Box::new(draft)));
     }
 
     /// The parcel of a sculpture won't be made.
     pub fn abandon(&self, id: SculptureId) {
-        self.order(Order::Abandon { id });
+        self.order(CourierOrder::Abandon { id });
     }
 
     /// Where a sculpture stands; `None` where nothing is known of it, or not any more.
@@ -176,7 +176,7 @@ impl Courier {
     /// enrolled. One that staff shut out is known.
     #[must_use]
     pub fn is_forgotten(&self) -> bool {
-        self.lock().refused == Some(Refused::Forgotten)
+        self.lock().refused == Some(DeviceRefusal::Forgotten)
     }
 
     /// Takes how the headset is, for the next heartbeat.
@@ -199,7 +199,7 @@ impl Courier {
 
     /// What came of a command.
     pub fn note_command_done(&self, id: u64, outcome: CommandOutcome) {
-        self.order(Order::CommandDone { id, outcome });
+        self.order(CourierOrder::CommandDone { id, outcome });
     }
 
     /// Takes what is to be told to who runs the shell, a line each.
@@ -212,7 +212,7 @@ impl Courier {
         lock(&self.board)
     }
 
-    fn order(&self, order: Order) {
+    fn order(&self, order: CourierOrder) {
         if let Some(orders) = &self.orders {
             // The thread ends after this.
             let _ = orders.send(order);

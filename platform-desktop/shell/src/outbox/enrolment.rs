@@ -23,7 +23,7 @@ use super::link::{HttpAnswer, LinkFault};
 use crate::durable::{self, WriteError};
 
 pub use by_fleet::enrol_by_fleet;
-pub use by_hand::{HandEnrolment, HandState};
+pub use by_hand::{ByHandState, HandEnrolment};
 pub use fleet_file::{FLEET_FILE_NAME, FleetFile};
 
 /// The file's name, in the folder of saved sessions unless a setting says otherwise.

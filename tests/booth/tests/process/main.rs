@@ -10,7 +10,7 @@ use paros_core::badge::Language;
 use paros_core::outbox::messages::DeviceName;
 use paros_outbox_link::{HttpsCaller, fetch_shown_authority};
 use paros_shell::outbox::enrolment::{
-    ENROL_TIMEOUT, EnrolError, HandEnrolment, HandState, NewDevice,
+    ByHandState, ENROL_TIMEOUT, EnrolError, HandEnrolment, NewDevice,
 };
 
 use rig::{Place, wait_for_log};
@@ -49,13 +49,13 @@ fn a_device_enrols_by_hand_once_staff_accept_the_same_pictograms() {
     let ca = fetch_shown_authority(running.address()).expect("it shows one");
     let mut link = HttpsCaller::new(running.address(), &ca, ENROL_TIMEOUT);
     let begun = HandEnrolment::begin(&mut link, (running.address(), &ca), &device).expect("begun");
-    assert_eq!(begun.poll(&mut link).expect("an answer"), HandState::Waiting);
+    assert_eq!(begun.poll(&mut link).expect("an answer"), ByHandState::Waiting);
     let attempts = running.run(&["attempts"]);
     let shown = begun.pictograms().map(|pictogram| pictogram.name(Language::English)).join(", ");
     let (attempt, rest) = attempts.split_once(": ").expect("one attempt");
     assert_eq!(rest, format!("{shown} (desk)\n"));
     let _ = running.run(&["accept", attempt]);
-    let HandState::Accepted(enrolment) = begun.poll(&mut link).expect("an answer") else {
+    let ByHandState::Accepted(enrolment) = begun.poll(&mut link).expect("an answer") else {
         panic!("it was accepted")
     };
     enrolment.write(&place.enrolment_file()).expect("room on the disk");

@@ -23,7 +23,7 @@ stored_enum! {
 
 stored_enum! {
     /// Whether the booth makes the same mesh of a volume as the headset.
-    pub enum ExportState {
+    pub enum MeshComparison {
         /// It wasn't tried yet.
         Queued = 0,
         /// It does, byte by byte.
@@ -61,7 +61,7 @@ record! {
         /// Whether the trace that came with it is here.
         pub has_trace: bool,
         /// What the booth makes of it.
-        pub export: ExportState,
+        pub export: MeshComparison,
         /// Which of its visitor's links is the valid one.
         pub link_generation: u32,
         /// Whether that one was taken back.

@@ -35,7 +35,7 @@ pub enum Keeping {
 
 /// Why the booth answers a device nothing else.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Refused {
+pub(super) enum DeviceRefusal {
     /// It doesn't know it.
     Forgotten,
     /// Staff shut it out.
@@ -75,7 +75,7 @@ pub(super) struct Board {
     pub(super) commands: VecDeque<(RemoteCommand, u64)>,
     pub(super) notes: VecDeque<String>,
     /// Until it answers again.
-    pub(super) refused: Option<Refused>,
+    pub(super) refused: Option<DeviceRefusal>,
     entries: Vec<OutboxEntry>,
     /// Those whose parcels are being made, or couldn't be kept.
     under_way: Vec<(SculptureId, Keeping)>,
@@ -150,13 +150,13 @@ impl Board {
 
     /// Notes that the booth refuses this device. That it does is told once until it answers again, however often it is
     /// asked.
-    pub(super) fn note_refused(&mut self, refused: Refused) {
+    pub(super) fn note_refused(&mut self, refused: DeviceRefusal) {
         if self.refused.replace(refused) != Some(refused) {
             self.add_note(match refused {
-                Refused::Forgotten => {
+                DeviceRefusal::Forgotten => {
                     "the booth doesn't know this device: it must be enrolled anew".into()
                 }
-                Refused::ShutOut => "the booth's staff have shut this device out".into(),
+                DeviceRefusal::ShutOut => "the booth's staff have shut this device out".into(),
             });
         }
     }

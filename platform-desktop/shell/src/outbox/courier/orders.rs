@@ -27,7 +27,7 @@ pub struct ParcelDraft {
 
 /// An order.
 #[derive(Debug)]
-pub(super) enum Order {
+pub(super) enum CourierOrder {
     /// A sculpture is finished.
     Announce { id: SculptureId, volume: Vec<u8> },
     /// It is to have a badge.

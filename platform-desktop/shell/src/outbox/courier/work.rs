@@ -11,9 +11,9 @@ use paros_core::outbox::messages::{ContentHash, SculptureId};
 use paros_core::outbox::{HeadsetStatus, OutboxRefusal};
 use sha2::{Digest as _, Sha256};
 
-use super::board::{Board, Keeping, Refused, RemoteCommand, keeping_of};
+use super::board::{Board, DeviceRefusal, Keeping, RemoteCommand, keeping_of};
 use super::mark;
-use super::orders::{FinishedSculpture, Order, ParcelDraft};
+use super::orders::{CourierOrder, FinishedSculpture, ParcelDraft};
 use super::{CourierLink, CourierPlan};
 use crate::outbox::driver::OutboxDriver;
 use crate::outbox::events::{OutboxError, OutboxEvent, OutboxHost};
@@ -33,7 +33,7 @@ const MAX_WAITING: usize = 8;
 /// The outbox with all that its thread has.
 pub(super) struct Work {
     driver: OutboxDriver<DiskFolder, CourierLink>,
-    host: Host,
+    host: CourierHost,
     mark_path: PathBuf,
     last_finished: Option<FinishedSculpture>,
     /// Parcels that couldn't be kept.
@@ -42,19 +42,19 @@ pub(super) struct Work {
 }
 
 /// What the driver asks and tells.
-struct Host {
+struct CourierHost {
     board: Arc<Mutex<Board>>,
     clock: fn() -> u64,
     lease: LeaseKeeper,
 }
 
-impl Host {
+impl CourierHost {
     fn board(&self) -> MutexGuard<'_, Board> {
         super::lock(&self.board)
     }
 }
 
-impl OutboxHost for Host {
+impl OutboxHost for CourierHost {
     fn now_ms(&mut self) -> u64 {
         (self.clock)()
     }
@@ -81,8 +81,10 @@ impl OutboxHost for Host {
             OutboxEvent::Lease(answer) => {
                 return self.lease.take_answer(&answer, (self.clock)());
             }
-            OutboxEvent::UnknownToken => return self.board().note_refused(Refused::Forgotten),
-            OutboxEvent::ShutOut => return self.board().note_refused(Refused::ShutOut),
+            OutboxEvent::UnknownToken => {
+                return self.board().note_refused(DeviceRefusal::Forgotten);
+            }
+            OutboxEvent::ShutOut => return self.board().note_refused(DeviceRefusal::ShutOut),
             OutboxEvent::KeptHere(_) => return,
             OutboxEvent::KeptAtBooth(id) => return self.board().note_signed(id),
             OutboxEvent::DeletedAtBooth(id) => {
@@ -111,7 +113,8 @@ impl Work {
         let boot_id = getrandom::u64().unwrap_or_default() | 1;
         let driver = OutboxDriver::open(folder, link, &enrolment, plan.settings, boot_id)?;
         let lease = LeaseKeeper::open(&plan.folder, enrolment.owner.headset);
-        let host = Host { board: Arc::new(Mutex::new(Board::new())), clock: plan.clock, lease };
+        let host =
+            CourierHost { board: Arc::new(Mutex::new(Board::new())), clock: plan.clock, lease };
         let mark_path = mark::path_in(&plan.folder);
         let last_finished = mark::read(&mark_path);
         let waiting = Vec::new();
@@ -134,7 +137,7 @@ impl Work {
     }
 
     /// Steps the outbox and carries orders out, until nobody is left to give any.
-    pub(super) fn run(mut self, orders: &Receiver<Order>) {
+    pub(super) fn run(mut self, orders: &Receiver<CourierOrder>) {
         let mut next_step = Instant::now();
         loop {
             let wait = next_step.saturating_duration_since(Instant::now());
@@ -154,24 +157,24 @@ impl Work {
         }
     }
 
-    fn carry_out(&mut self, order: Order) {
+    fn carry_out(&mut self, order: CourierOrder) {
         match order {
-            Order::Announce { id, volume } => self.announce(id, &volume),
-            Order::TakeBadge { id } => {
+            CourierOrder::Announce { id, volume } => self.announce(id, &volume),
+            CourierOrder::TakeBadge { id } => {
                 let badge = self.host.lease.take_number((self.host.clock)());
                 self.host.board().add_badge(id, badge);
             }
-            Order::NoteBadge { id, badge } => {
+            CourierOrder::NoteBadge { id, badge } => {
                 // Its parcel says so too.
                 let _ = self.driver.note_badge(id, badge);
             }
-            Order::Keep(draft) => self.pack_and_keep(*draft),
-            Order::Abandon { id } => {
+            CourierOrder::Keep(draft) => self.pack_and_keep(*draft),
+            CourierOrder::Abandon { id } => {
                 // Where it is kept, or isn't known, there is nothing to give up.
                 let _ = self.driver.abandon(id);
                 self.host.board().note_under_way(id, None);
             }
-            Order::CommandDone { id, outcome } => self.driver.note_command_done(id, outcome),
+            CourierOrder::CommandDone { id, outcome } => self.driver.note_command_done(id, outcome),
         }
     }
 
@@ -198,7 +201,7 @@ impl Work {
             Ok(parcel) => self.keep(parcel),
             Err(fault) => {
                 self.host.board().add_note(format!("sculpture {}: {fault}", facts.id));
-                self.carry_out(Order::Abandon { id: facts.id });
+                self.carry_out(CourierOrder::Abandon { id: facts.id });
             }
         }
     }
@@ -225,7 +228,7 @@ impl Work {
         self.host.board().note_under_way(id, keeping);
         if self.waiting.len() > MAX_WAITING {
             let id = self.waiting.remove(0).facts().id;
-            self.carry_out(Order::Abandon { id });
+            self.carry_out(CourierOrder::Abandon { id });
         }
     }
 

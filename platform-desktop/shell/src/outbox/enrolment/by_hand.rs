@@ -27,7 +27,7 @@ pub struct HandEnrolment {
 
 /// Where it stands.
 #[derive(Clone, PartialEq, Debug)]
-pub enum HandState {
+pub enum ByHandState {
     /// The staff hasn't looked yet.
     Waiting,
     /// The device is the site's.
@@ -77,16 +77,16 @@ impl HandEnrolment {
     ///
     /// # Errors
     /// [`EnrolError::Declined`] and [`EnrolError::Expired`] end it, as all but those of the link do.
-    pub fn poll(&self, link: &mut impl BoothCaller) -> Result<HandState, EnrolError> {
+    pub fn poll(&self, link: &mut impl BoothCaller) -> Result<ByHandState, EnrolError> {
         let EnrolCommitAnswer { attempt, receipt_key, site, .. } = self.answer;
         let asked = EnrolPoll { attempt, token_hash: self.token.hash() };
         let body = ask(link, "/v1/enrol/poll", &asked.to_bytes())?;
         let EnrolPollAnswer { state, headset } = EnrolPollAnswer::from_bytes(&body)?;
         end_of(state)?;
         if state != EnrolState::Accepted {
-            return Ok(HandState::Waiting);
+            return Ok(ByHandState::Waiting);
         }
-        Ok(HandState::Accepted(Box::new(Enrolment {
+        Ok(ByHandState::Accepted(Box::new(Enrolment {
             address: self.address.clone(),
             ca: self.ca.clone(),
             token: self.token,

@@ -111,8 +111,8 @@ fn by_hand_nothing_is_given_before_the_staff_accepts() {
     ]);
     let place = ("https://b:1", &ca[..]);
     let begun = HandEnrolment::begin(&mut waiting, place, &device()).expect("it waits");
-    assert_eq!(begun.poll(&mut waiting).expect("an answer"), HandState::Waiting);
-    let HandState::Accepted(enrolment) = begun.poll(&mut waiting).expect("an answer") else {
+    assert_eq!(begun.poll(&mut waiting).expect("an answer"), ByHandState::Waiting);
+    let ByHandState::Accepted(enrolment) = begun.poll(&mut waiting).expect("an answer") else {
         panic!("it was accepted")
     };
     assert_eq!((enrolment.owner.headset, &enrolment.ca[..]), (2, &ca[..]));
