@@ -1,13 +1,13 @@
 //! What makes a site this one: its name, the key of its receipts, the secret of its links, its certificate authority.
 //! All are drawn at the first start, and lie in files that only their owner reads.
 
-use std::fs::{self, DirBuilder, File, OpenOptions};
-use std::io::{self, Write as _};
-use std::os::unix::fs::{DirBuilderExt as _, OpenOptionsExt as _};
-use std::path::{Path, PathBuf};
+use std::fs::{self, DirBuilder};
+use std::os::unix::fs::DirBuilderExt as _;
+use std::path::Path;
 
 use paros_booth_rules::{SiteKeys, hash_of};
 use paros_core::outbox::messages::SiteId;
+use paros_shell::durable::write_private_file;
 use rcgen::{
     BasicConstraints, CertificateParams, DnType, IsCa, KeyPair, KeyUsagePurpose,
     PKCS_ECDSA_P256_SHA256, date_time_ymd,
@@ -84,7 +84,7 @@ fn draw(folder: &Path) -> Result<(), Error> {
         ("site.key", &secrets),
     ] {
         let path = folder.join(name);
-        write_secret(&path, bytes).map_err(|error| Error::at(&path, error))?;
+        write_private_file(&path, bytes).map_err(|error| Error::at(&path, error.source))?;
     }
     Ok(())
 }
@@ -116,15 +116,4 @@ fn load(folder: &Path) -> Result<BoothKeys, Error> {
     };
     let site = SiteKeys::new(site, ca_hash, &seed, link_secret);
     Ok(BoothKeys { site, ca_pem, ca_key })
-}
-
-/// Writes a file that only its owner reads, whole or not at all.
-fn write_secret(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let temporary: PathBuf = path.with_extension("part");
-    let mut options = OpenOptions::new();
-    let mut file = options.write(true).create(true).truncate(true).mode(0o600).open(&temporary)?;
-    file.write_all(bytes)?;
-    file.sync_all()?;
-    fs::rename(&temporary, path)?;
-    path.parent().map_or(Ok(()), |folder| File::open(folder)?.sync_all())
 }
