@@ -58,9 +58,6 @@ const MAX_PIECES_OF_ONE: usize = 2;
 /// Requests that wait for one of these: about as many as connections may be open; whoever waits holds little.
 const MAX_WAITING: usize = 640;
 
-/// Parcels that wait to be unpacked: what two at once do in [`LONGEST_WAIT`].
-const MAX_WAITING_DECODES: usize = 32;
-
 /// How long a request waits in a line of the booth's, so that its headset hears before it gives up by itself.
 const LONGEST_WAIT: Duration = Duration::from_secs(5);
 
@@ -174,7 +171,8 @@ impl BoothApp {
             pieces_of_device: Arc::new(Places::new(usize::MAX, MAX_PIECES_OF_ONE)),
             small: Gate::new(MAX_SMALL, MAX_WAITING, LONGEST_WAIT),
             work: Gate::new(MAX_WORK, MAX_WAITING, LONGEST_WAIT),
-            decodes: Gate::new(MAX_DECODES, MAX_WAITING_DECODES, LONGEST_WAIT),
+            // What waits here is on the disk, whole, and takes no memory.
+            decodes: Gate::new(MAX_DECODES, MAX_WAITING, LONGEST_WAIT),
             models: Gate::new(MAX_MODELS, MAX_WAITING_MODELS, LONGEST_WAIT_FOR_MODEL),
             of_wholes,
         }
