@@ -120,7 +120,8 @@ pub(crate) fn enrol(
         name: new.name.clone(),
         enrolled_at: now,
         revoked_at: None,
-        wiped_at: known.as_ref().map(|_| now),
+        // That it was wiped it says by itself: it may have kept all and lost its token alone.
+        wiped_at: known.as_ref().and_then(|device| device.wiped_at),
         seen_at: known.as_ref().and_then(|device| device.seen_at),
         status: known.map_or_else(Vec::new, |device| device.status),
     })?;

@@ -101,7 +101,8 @@ fn a_wiped_headset_keeps_its_number_and_one_that_talks_keeps_its_token() {
     assert_eq!(wiped.headset, device.headset);
     assert_eq!(status(rig.booth.authenticate(&DeviceToken([3; 32]))), 401, "the old token");
     let device = rig.booth.authenticate(&DeviceToken([4; 32])).expect("the new token");
-    assert_eq!(device.wiped_at, Some(later));
+    // It may have lost its token alone: that it was wiped its heartbeats say.
+    assert_eq!(device.wiped_at, None);
 }
 
 #[test]
