@@ -224,14 +224,15 @@ fn plan_announcements(
         let id = announced.id.0.to_value();
         let known: Option<Announcement> = tx.get(&[beat.headset.to_value(), id.clone()])?;
         let outcome = match &known {
-            Some(_) => None,
-            None => find_outcome(tx, beat.headset, announced)?,
+            Some(_) if announced.state != AnnouncementState::SignedFor => None,
+            _ => find_outcome(tx, beat.headset, announced)?,
         };
         let badge = announced.badge.map(BadgeNumber::get);
         // Signed for and not known, it was lost with the records since a copy, and is to come again. Deleted, its headset is
-        // to ask, and hears so.
-        let is_kept = outcome == Some(ReceiptOutcome::Kept);
-        let is_to_come = announced.state == AnnouncementState::SignedFor && !is_kept;
+        // to ask, and hears so; as another headset's than it was it would come as a new one.
+        let is_settled = outcome
+            .is_some_and(|(outcome, of)| outcome == ReceiptOutcome::Kept || of != beat.headset);
+        let is_to_come = announced.state == AnnouncementState::SignedFor && !is_settled;
         let state = if is_to_come { AnnouncementState::Kept } else { announced.state };
         let note = Announcement {
             headset: beat.headset,
@@ -260,12 +261,12 @@ fn plan_announcements(
     Ok(())
 }
 
-/// What became of a headset's sculpture; `None` where it didn't come.
+/// What became of a headset's sculpture, and as which headset's it came; `None` where it didn't.
 fn find_outcome(
     tx: &mut Tx<'_>,
     headset: u32,
     announced: &paros_core::outbox::messages::Announcement,
-) -> Result<Option<ReceiptOutcome>, StoreError> {
+) -> Result<Option<(ReceiptOutcome, u32)>, StoreError> {
     let key = [announced.id.0.to_value()];
     let (of, outcome) = if let Some(kept) = tx.get::<Sculpture>(&key)? {
         (kept.headset, ReceiptOutcome::Kept)
@@ -275,8 +276,11 @@ fn find_outcome(
         return Ok(None);
     };
     let is_signed_for = announced.state == AnnouncementState::SignedFor;
-    let is_its = of == headset || is_signed_for && is_same_device(tx, of, headset)?;
-    Ok(is_its.then_some(outcome))
+    // Who was signed for what is deleted is one that had it, whatever number it had then.
+    let is_its = of == headset
+        || is_signed_for
+            && (outcome == ReceiptOutcome::Deleted || is_same_device(tx, of, headset)?);
+    Ok(is_its.then_some((outcome, of)))
 }
 
 /// Whether two headsets are one device, which enrolled anew.

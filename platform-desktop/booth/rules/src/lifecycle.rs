@@ -269,6 +269,7 @@ impl Booth {
         }
         remove_prints(tx, &sculpture.id)?;
         forget_badge(tx, &sculpture.id)?;
+        tx.remove::<Announcement>(&[sculpture.headset.to_value(), sculpture.id.to_value()])?;
         tx.put(&self.make_tombstone(&Deletion {
             id: SculptureId(sculpture.id),
             headset: sculpture.headset,

@@ -10,7 +10,7 @@ use crate::lifecycle::kept_name;
 use crate::mail::fail_queued_mails;
 use crate::parcel_files::KeptPart;
 use crate::reason::Reason;
-use crate::records::{EnrolToken, Sculpture, StaffSession, Tombstone};
+use crate::records::{Announcement, EnrolToken, Sculpture, StaffSession, Tombstone};
 use crate::refusal::Refusal;
 use crate::store::{Query, StoreError};
 use crate::time::BoothTime;
@@ -79,6 +79,8 @@ impl Booth {
             report.deleted += 1;
             return self.bury(tx, &sculpture, deletion.deleted_at);
         }
+        // In the copy it may not have come yet.
+        tx.remove::<Announcement>(&[deletion.headset.to_value(), deletion.id.0.to_value()])?;
         if tx.get::<Tombstone>(&key)?.is_none() {
             report.tombstones += 1;
             tx.put(&self.make_tombstone(deletion))?;

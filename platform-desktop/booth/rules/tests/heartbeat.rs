@@ -114,6 +114,11 @@ fn what_was_signed_for_and_is_not_there_is_asked_for() {
     assert!(!rig.booth.list_missing(9).unwrap().iter().any(of_device));
     let receipt = rig.upload(&device, &parcel, seconds(8)).unwrap().receipt;
     assert_eq!(receipt.outcome, ReceiptOutcome::Deleted);
+    // Its device, once it is another headset, would bring it as a new one: it keeps it until its grace is over.
+    for later in [rig.enrol(3), other] {
+        let beat = announcing(&heartbeat(later.headset), &[asked]);
+        assert_eq!(rig.beat(&later, &beat, seconds(9)).noted.as_slice(), [asked]);
+    }
 }
 
 #[test]

@@ -38,6 +38,8 @@ fn what_was_deleted_since_is_deleted_and_the_rest_is_as_it_was() {
         rig.upload(&device, parcel, START).unwrap();
     }
     let kept = rig.booth.find_sculpture(&parcels[0].id, START).unwrap();
+    let on_its_way = parcels[3].announcement(AnnouncementState::Kept);
+    rig.beat(&device, &announcing(&heartbeat(device.headset), &[on_its_way]), START);
     let copy = copy_of(rig.store.as_ref());
     rig.booth.delete(&parcels[1].id, "ana", seconds(5)).unwrap();
     rig.upload(&device, &parcels[3], seconds(6)).unwrap();
@@ -46,6 +48,7 @@ fn what_was_deleted_since_is_deleted_and_the_rest_is_as_it_was() {
     let again = restored(copy, rig.files.clone());
     let report = again.booth.make_restored(&log_of(&rig), START, seconds(60)).unwrap();
     assert_eq!((report.sculptures, report.deleted, report.tombstones), (3, 1, 1));
+    assert_eq!(again.booth.list_missing(9).unwrap(), [], "nobody waits for what was deleted");
     let again_kept = again.booth.find_sculpture(&parcels[0].id, seconds(60)).unwrap();
     assert_eq!(again_kept, Sculpture { is_in_ledger: true, ..kept });
     for (parcel, outcome) in parcels.iter().zip([true, false, true, false]) {
