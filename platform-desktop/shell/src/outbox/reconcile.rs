@@ -5,7 +5,7 @@ use std::io;
 
 use ed25519_dalek::VerifyingKey;
 use paros_core::outbox::messages::SculptureId;
-use paros_core::outbox::{EntryState, Outbox, OutboxSettings};
+use paros_core::outbox::{EntryState, Outbox, OutboxEntry, OutboxSettings};
 
 use super::driver::{JOURNAL, OutboxDriver, OutboxEnrolment, damaged_name, parcel_name};
 use super::events::{OutboxError, OutboxEvent};
@@ -67,16 +67,24 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
         }
         let known: Vec<SculptureId> = self.outbox.entries().iter().map(|entry| entry.id).collect();
         for id in known.into_iter().filter(|id| !here.contains(id)) {
-            self.note_missing(id);
+            // One that was made again isn't among the names.
+            let read = self.folder.read(&parcel_name(id), MAX_FILE_BYTES);
+            if read.is_err_and(|error| error.kind() == io::ErrorKind::NotFound) {
+                self.note_missing(id);
+            }
         }
     }
 
     /// Compares one parcel with what is known of it. Returns whether its file stays where it is.
     pub(super) fn compare_parcel(&mut self, id: SculptureId) -> bool {
         let name = parcel_name(id);
-        if self.outbox.entries().iter().any(|entry| entry.replaced == Some(id)) {
-            self.given_up.push(id);
-            return false;
+        let is_successor = |entry: &&OutboxEntry| entry.replaced == Some(id);
+        if let Some(successor) = self.outbox.entries().iter().find(is_successor).copied() {
+            let is_given_up = self.has_successor(id, &successor);
+            if is_given_up {
+                self.given_up.push(id);
+            }
+            return !is_given_up;
         }
         let Ok(bytes) = self.folder.read(&name, MAX_FILE_BYTES) else {
             // Whether it can be read again shows when it is sent.
@@ -103,6 +111,32 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
         self.set_aside(id)
     }
 
+    /// Whether the parcel that goes on in an old one's place is whole, or signed for. One that isn't is made again of the old
+    /// one.
+    fn has_successor(&mut self, old: SculptureId, successor: &OutboxEntry) -> bool {
+        let OutboxEntry { id: new, hash, state, .. } = *successor;
+        if state.has_parcel() && !state.is_owed() {
+            return true;
+        }
+        let read = |id| {
+            let bytes = self.folder.read(&parcel_name(id), MAX_FILE_BYTES).ok()?;
+            Parcel::read_file(bytes).ok().filter(|parcel| parcel.facts().id == id)
+        };
+        let is_its = |parcel: &Parcel| parcel.facts().id == new && Some(parcel.hash()) == hash;
+        if read(new).is_some_and(|parcel| is_its(&parcel)) {
+            return true;
+        }
+        let renewed = read(old).and_then(|parcel| parcel.renew(self.outbox.owner().headset).ok());
+        let Some(renewed) = renewed.filter(is_its) else { return false };
+        let is_written = self.folder.write(&parcel_name(new), &renewed.to_file()).is_ok();
+        if is_written {
+            // Where it isn't missed yet, it won't be.
+            self.events.retain(|event| *event != OutboxEvent::Lost(new));
+            let _ = self.outbox.keep(new, renewed.facts().badge, renewed.hash(), renewed.len());
+        }
+        is_written
+    }
+
     /// Gives a damaged parcel a name by which nothing takes it for one. What is signed for is deleted instead. Returns
     /// whether it has its name still.
     pub(super) fn set_aside(&mut self, id: SculptureId) -> bool {
@@ -122,7 +156,7 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
     fn note_missing(&mut self, id: SculptureId) {
         let has_parcel = self.outbox.find(id).is_some_and(|entry| entry.state.has_parcel());
         if has_parcel && self.outbox.note_parcel_missing(id).is_ok() {
-            let is_lost = |entry: &paros_core::outbox::OutboxEntry| entry.state == EntryState::Lost;
+            let is_lost = |entry: &OutboxEntry| entry.state == EntryState::Lost;
             if self.outbox.find(id).is_some_and(is_lost) {
                 self.events.push(OutboxEvent::Lost(id));
             }

@@ -362,6 +362,36 @@ fn an_id_that_is_anothers_is_exchanged_for_the_same_one_each_time() {
     assert!(host.events.contains(&OutboxEvent::KeptAtBooth(new)));
 }
 
+/// Power went before the old file was removed, and the new one isn't what was written.
+#[test]
+fn what_goes_on_under_another_id_is_made_again_where_it_is_damaged() {
+    for damage in [Some(&b"half a parcel"[..]), None] {
+        let (folder, parcel) = (Folder::new("successor"), parcel(1));
+        let mut driver = folder.open();
+        let mut host = Host::default();
+        driver.keep(&parcel).expect("room");
+        answer(&mut driver, &mut host, 409, Vec::new());
+        driver.step(&mut host);
+        drop(driver);
+        let renewed = parcel.renew(OWNER.headset).expect("the same");
+        let [old, new] = [&parcel, &renewed]
+            .map(|parcel| folder.0.join(format!("{}.parcel", parcel.facts().id)));
+        fs::write(&old, parcel.to_file()).expect("room on the disk");
+        match damage {
+            Some(bytes) => fs::write(&new, bytes).expect("room on the disk"),
+            None => fs::remove_file(&new).expect("it was written"),
+        }
+        let mut driver = folder.open();
+        let mut host = Host::default();
+        driver.step(&mut host);
+        assert_eq!(fs::read(&new).expect("it is made again"), renewed.to_file());
+        assert!(!old.exists(), "{damage:?}");
+        assert!(!host.events.contains(&OutboxEvent::Lost(renewed.facts().id)));
+        answer(&mut driver, &mut host, 200, receipt_of(&renewed, &site_key()));
+        assert!(host.events.contains(&OutboxEvent::KeptAtBooth(renewed.facts().id)));
+    }
+}
+
 #[test]
 fn two_processes_never_have_one_outbox() {
     let folder = Folder::new("claim");
