@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
-use std::thread::{self, Thread};
+use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use paros_core::outbox::messages::{DeviceHint, DeviceName};
@@ -59,7 +59,7 @@ pub struct HeadsetNames {
 #[derive(Debug)]
 pub struct Enroller {
     stop: Arc<AtomicBool>,
-    thread: Option<Thread>,
+    thread: Option<JoinHandle<()>>,
     enrolled: mpsc::Receiver<()>,
 }
 
@@ -172,16 +172,29 @@ impl Enroller {
         let told_to_stop = Arc::clone(&stop);
         let thread = thread::Builder::new().name("enrol".into()).spawn(move || {
             let pause = |pause| wait_unless_stopped(pause, &told_to_stop);
-            // What is wrong with one that is none was told at the start.
-            let find = || sources.find(|_| ());
+            let mut told = String::new();
+            let find = || {
+                sources.find(|line| {
+                    let line = line.to_string();
+                    if line != told {
+                        write_log_line(format_args!("{line}"));
+                        told = line;
+                    }
+                })
+            };
             if enrol_with_patience((find, connect), &device, &file, pause) {
                 // Nobody may be there any more.
                 let _ = tell.send(());
             }
         });
         // Where the system refuses a thread, the next start tries again.
-        let thread = thread.ok().map(|handle| handle.thread().clone());
-        Ok(Enroller { stop, thread, enrolled })
+        Ok(Enroller { stop, thread: thread.ok(), enrolled })
+    }
+
+    /// Whether it is at work still.
+    #[must_use]
+    pub fn is_asking(&self) -> bool {
+        self.thread.as_ref().is_some_and(|thread| !thread.is_finished())
     }
 
     /// Whether the headset has been enrolled since this was last asked.
@@ -195,7 +208,7 @@ impl Drop for Enroller {
         // It isn't waited for: a booth that doesn't answer would hold up the end.
         self.stop.store(true, Ordering::Release);
         if let Some(thread) = &self.thread {
-            thread.unpark();
+            thread.thread().unpark();
         }
     }
 }
@@ -203,7 +216,7 @@ impl Drop for Enroller {
 /// Asks the booth of the fleet's file that `find` finds until it takes the headset, and keeps the enrolment; whether it
 /// came to that. `pause` returns whether to go on.
 fn enrol_with_patience<C: BoothCaller>(
-    (find, mut connect): (impl Fn() -> Option<FleetFile>, impl FnMut(&FleetFile) -> C),
+    (mut find, mut connect): (impl FnMut() -> Option<FleetFile>, impl FnMut(&FleetFile) -> C),
     device: &NewDevice,
     file: &Path,
     mut pause: impl FnMut(Duration) -> bool,
@@ -235,7 +248,10 @@ fn enrol_with_patience<C: BoothCaller>(
         match wait_for(find_another, wait, &mut pause) {
             ControlFlow::Break(()) => return false,
             ControlFlow::Continue(None) => {}
-            ControlFlow::Continue(another) => (fleet, next_pause) = (another, FIRST_PAUSE),
+            ControlFlow::Continue(another) => {
+                (fleet, next_pause) = (another, FIRST_PAUSE);
+                told.clear();
+            }
         }
     }
 }
@@ -255,7 +271,7 @@ fn enrol_and_keep(
 
 /// Waits so long, or until a fleet's file is found, which is looked for now and then. `pause` returns whether to go on.
 fn wait_for(
-    find: impl Fn() -> Option<FleetFile>,
+    mut find: impl FnMut() -> Option<FleetFile>,
     mut left: Duration,
     mut pause: impl FnMut(Duration) -> bool,
 ) -> ControlFlow<(), Option<FleetFile>> {

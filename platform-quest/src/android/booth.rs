@@ -51,11 +51,14 @@ impl BoothWay {
 
     /// See [`Platform::enrol_again`](crate::platform::Platform::enrol_again).
     pub(super) fn enrol_again(&mut self, device: &AndroidDevice) {
+        // One that is at work finds a new file by itself.
         if let Some(private) = &self.folder
+            && !self.enroller.as_ref().is_some_and(Enroller::is_asking)
             && self.again.take(Instant::now())
         {
-            write_log_line(format_args!("the booth has forgotten this headset: it enrols anew"));
-            // The one of before has done its work, or is asking.
+            write_log_line(format_args!(
+                "the booth has forgotten this headset: it enrols anew, by a fleet's file"
+            ));
             self.enroller =
                 start_enroller(device, &self.sources, &enrolment_file(private), &self.name);
         }
