@@ -98,6 +98,8 @@ where
     tick_fraction: f32,
     /// A session of the core is to start anew with the next tick.
     start_anew: bool,
+    /// The device has become another headset of a booth's, by which nothing is sent yet.
+    is_enrolled_anew: bool,
     boot: Option<BootId>,
     frames: u64,
     dropped: DroppedTicks,
@@ -184,7 +186,7 @@ where
         None if options.booth.sends_traces => {}
         None => studio.disable_recording(),
     }
-    booth::bring_to_booth(&mut studio, options, platform);
+    booth::bring_to_booth(&mut studio, options, platform, Vec::new());
     let mut shell = HeadsetShell::new(studio, options, commands, start, platform.boot_id());
     shell.resume_session(platform);
     let done = shell.run_sessions(platform);
@@ -255,6 +257,7 @@ where
             charger: ChargerPanel::default(),
             tick_fraction: 0.0,
             start_anew,
+            is_enrolled_anew: false,
             boot,
             frames: 0,
             dropped: DroppedTicks::default(),

@@ -83,7 +83,7 @@ impl std::error::Error for MissingDependency {}
 mod tests {
     use std::{env, fs, process};
 
-    use super::{IfMissing, MissingDependency, add_to_list, require_or_skip_by};
+    use super::{IfMissing, add_to_list, require_or_skip_by};
 
     #[test]
     fn who_skips_is_listed_so_that_it_can_be_run_alone() {

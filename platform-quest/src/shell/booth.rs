@@ -3,8 +3,10 @@
 use paros_core::limits::INTERVALS;
 use paros_core::outbox::messages::HeatLevel;
 use paros_core::session::SessionState;
+use paros_core::visit::VisitPhase;
 use paros_core::volume::{Grid, Size};
 use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
+use paros_shell::outbox::Parcel;
 use paros_shell::outbox::courier::Courier;
 use paros_shell::outbox::enrolment::Enrolment;
 use paros_shell::statics::Resident;
@@ -17,12 +19,13 @@ use crate::boot_clock::read_since_boot;
 use crate::options::ShellOptions;
 use crate::platform::Platform;
 
-/// Has a studio's sculptures brought to the booth at which the device is enrolled, if it is at one. What stands in the way
-/// is logged, and the studio goes on without.
+/// Has a studio's sculptures brought to the booth at which the device is enrolled, if it is at one, and with them parcels
+/// that the one before had no room for. What stands in the way is logged, and the studio goes on without.
 pub(super) fn bring_to_booth<const N: usize>(
     studio: &mut Studio<'_, N>,
     options: &ShellOptions,
     platform: &mut dyn Platform,
+    without_room: Vec<Parcel>,
 ) where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
@@ -30,6 +33,7 @@ pub(super) fn bring_to_booth<const N: usize>(
     match open_courier(options, &folder, platform) {
         Ok(None) => {}
         Ok(Some(courier)) => {
+            courier.keep_parcels(without_room);
             studio.set_courier(courier, send_plan(&options.booth, options.visits.as_ref()));
         }
         Err(why) => platform.log(format_args!("{why}")),
@@ -60,20 +64,22 @@ where
     pub(super) fn follow_booth(&mut self, is_awake: bool, platform: &mut dyn Platform) {
         // What is finished already stays here: nothing was kept for the booth of how it came about.
         let is_finished = self.studio.world().session_state() == SessionState::Finished;
-        if self.studio.courier().is_some_and(Courier::is_forgotten) {
+        self.is_enrolled_anew |= platform.poll_enrolled();
+        let is_forgotten = self.studio.courier().is_some_and(Courier::is_forgotten);
+        if is_forgotten && !self.is_enrolled_anew {
             platform.enrol_again();
-            if !is_finished && platform.poll_enrolled() {
-                // It has the outbox's folder. What waits there goes as the new headset's.
-                self.studio.leave_courier();
-                bring_to_booth(&mut self.studio, self.options, platform);
-            }
         }
-        let Some(courier) = self.studio.courier() else {
-            if !is_finished && platform.poll_enrolled() {
-                bring_to_booth(&mut self.studio, self.options, platform);
-            }
-            return;
-        };
+        // Another courier reads all that is in the outbox: nobody carves meanwhile.
+        let phase = self.studio.world().visit().phase();
+        let is_idle = !is_awake || matches!(phase, VisitPhase::Closed | VisitPhase::Attract);
+        let is_time = !is_finished && (is_idle || self.studio.courier().is_none());
+        if is_time && self.is_enrolled_anew {
+            self.is_enrolled_anew = false;
+            // It has the outbox's folder. What waits there goes as the new headset's.
+            let without_room = self.studio.leave_courier();
+            bring_to_booth(&mut self.studio, self.options, platform, without_room);
+        }
+        let Some(courier) = self.studio.courier() else { return };
         let device = DeviceStatus { is_awake, ..device_status(self.health, self.runtime_thermal) };
         match &mut self.host {
             Some(host) => {

@@ -137,13 +137,18 @@ fn a_headset_that_a_restored_booth_has_forgotten_enrols_anew_and_loses_nothing()
             drop(courier);
             refuse_token(&booth, &fleet);
             push_fleet_file(&booth, &folder);
+            let fleet = sources(&folder).find(|line| panic!("{line}")).expect("it was pushed");
+            enrol_another(&booth, &fleet);
             let mut enroller = start_enroller(&folder);
             wait_until("it enrols anew", || enroller.poll_enrolled());
             let courier = open_courier(&folder);
+            assert_eq!(courier.headset(), 2, "the first one is another device now");
+            // Both come as its own, under other ids.
+            wait_until("both are kept", || count_equal(&booth) == 2);
             for number in [1, 2] {
                 let id = SculptureId([number; 16]);
                 wait_until("a receipt", || courier.keeping(id) == Some(Keeping::KeptAtBooth));
-                wait_until("it is kept", || is_kept(&booth, id));
+                assert!(!is_kept(&booth, id));
             }
         },
     );
@@ -171,6 +176,21 @@ fn refuse_token(booth: &BoothProcess, fleet: &FleetFile) {
     let mut caller = HttpsCaller::new(VM.clone(), booth.address(), &fleet.ca, ENROL_TIMEOUT);
     let refused = enrol_by_fleet(&mut caller, fleet, &device);
     assert!(matches!(refused, Err(EnrolError::Refused { status: 401, .. })), "{refused:?}");
+}
+
+/// Another device is first after the restore, and gets the number that this one had.
+fn enrol_another(booth: &BoothProcess, fleet: &FleetFile) {
+    let hint = Some(hint_of_device("another"));
+    let device = NewDevice::draw(hint, DeviceName::new("").expect("a name")).expect("random bits");
+    let mut caller = HttpsCaller::new(VM.clone(), booth.address(), &fleet.ca, ENROL_TIMEOUT);
+    let enrolled = enrol_by_fleet(&mut caller, fleet, &device).expect("a good token");
+    assert_eq!(enrolled.owner.headset, 1);
+}
+
+/// Sculptures that a booth keeps, whose meshes it has made anew to the same bytes.
+fn count_equal(booth: &BoothProcess) -> usize {
+    let log = booth.read_log();
+    log.lines().filter(|line| line.contains("mesh compared") && line.contains("Equal")).count()
 }
 
 fn push_fleet_file(booth: &BoothProcess, folder: &Path) {

@@ -23,6 +23,7 @@ use super::enrolment::Enrolment;
 use super::events::OutboxError;
 use super::folder::DiskFolder;
 use super::link::BoothLink;
+use super::parcel::Parcel;
 use crate::settings::BoothSettings;
 
 use board::{Board, DeviceRefusal};
@@ -55,7 +56,7 @@ pub type CourierLink = Box<dyn BoothLink + Send>;
 pub struct Courier {
     board: Arc<Mutex<Board>>,
     orders: Option<Sender<CourierOrder>>,
-    thread: Option<JoinHandle<()>>,
+    thread: Option<JoinHandle<Vec<Parcel>>>,
     headset: u32,
     clock: fn() -> u64,
     found: Vec<(SculptureId, Keeping)>,
@@ -155,6 +156,25 @@ impl Courier {
         self.order(CourierOrder::Keep(Box::new(draft)));
     }
 
+    /// Has parcels kept that another courier had no room for. To be called before anything is given up.
+    pub fn keep_parcels(&self, parcels: Vec<Parcel>) {
+        for parcel in parcels {
+            self.order(CourierOrder::KeepParcel(Box::new(parcel)));
+        }
+    }
+
+    /// Ends it once it has done what it was told. Returns the parcels that had no room, which are nowhere else.
+    #[must_use]
+    pub fn close(mut self) -> Vec<Parcel> {
+        self.end()
+    }
+
+    fn end(&mut self) -> Vec<Parcel> {
+        self.orders = None;
+        // If it panicked there is nothing left to wait for.
+        self.thread.take().and_then(|thread| thread.join().ok()).unwrap_or_default()
+    }
+
     /// The parcel of a sculpture won't be made.
     pub fn abandon(&self, id: SculptureId) {
         self.order(CourierOrder::Abandon { id });
@@ -227,11 +247,7 @@ fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
 
 impl Drop for Courier {
     fn drop(&mut self) {
-        self.orders = None;
-        if let Some(thread) = self.thread.take() {
-            // If it panicked there is nothing left to wait for.
-            let _ = thread.join();
-        }
+        self.end();
     }
 }
 

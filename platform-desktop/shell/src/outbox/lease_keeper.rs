@@ -3,11 +3,16 @@
 use std::path::PathBuf;
 
 use paros_core::badge::{AnswerOutcome, BadgeLease, BadgeNumber, LeaseAnswer, LeaseReport};
+use paros_core::outbox::OutboxOwner;
+use paros_core::outbox::messages::SiteId;
 
 use crate::durable;
 
 /// The lease's file, beside the parcels.
 const LEASE: &str = "badges.lease";
+
+/// The site, and its lease.
+const FILE_BYTES: usize = SiteId::BYTES + BadgeLease::BYTES;
 
 /// Milliseconds after a report until the next one that is due: its heartbeat has failed by then.
 const REPORT_RETRY_MS: u64 = 10_000;
@@ -24,6 +29,7 @@ const IDLE_REPORT_MS: u64 = 3_600_000;
 #[derive(Debug)]
 pub(super) struct LeaseKeeper {
     path: PathBuf,
+    site: SiteId,
     lease: BadgeLease,
     /// When the next report is due.
     due_ms: u64,
@@ -39,14 +45,16 @@ fn draw_epoch() -> u64 {
 }
 
 impl LeaseKeeper {
-    /// Opens a headset's lease in a folder. One that can't be read is given up: its numbers are lost to this headset
-    /// alone, and the booth gives others.
-    pub(super) fn open(folder: &std::path::Path, headset: u32) -> Self {
+    /// Opens a headset's lease in a folder. One that can't be read, or is another site's, is given up: its numbers are lost
+    /// to this headset alone, and the booth gives others.
+    pub(super) fn open(folder: &std::path::Path, owner: OutboxOwner) -> Self {
+        let OutboxOwner { site, headset } = owner;
         let path = folder.join(LEASE);
-        let bytes = durable::read_regular_file_up_to(&path, BadgeLease::BYTES as u64);
-        let lease = bytes.ok().and_then(|bytes| BadgeLease::load(&bytes, headset).ok());
+        let bytes = durable::read_regular_file_up_to(&path, FILE_BYTES as u64);
+        let bytes = bytes.ok().filter(|bytes| bytes.starts_with(&site.0));
+        let lease = bytes.and_then(|bytes| BadgeLease::load(&bytes[SiteId::BYTES..], headset).ok());
         let lease = lease.unwrap_or_else(|| BadgeLease::new(headset, draw_epoch()));
-        LeaseKeeper { path, lease, due_ms: 0, unanswered: 0, counted_ms: None }
+        LeaseKeeper { path, site, lease, due_ms: 0, unanswered: 0, counted_ms: None }
     }
 
     /// Leased numbers that could be taken now.
@@ -102,7 +110,7 @@ impl LeaseKeeper {
     fn save(&self) -> bool {
         let mut bytes = [0; BadgeLease::BYTES];
         self.lease.save(&mut bytes);
-        durable::write_file(&self.path, &bytes).is_ok()
+        durable::write_file(&self.path, &[&self.site.0[..], &bytes].concat()).is_ok()
     }
 }
 
@@ -119,7 +127,8 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("paros-lease-{}", std::process::id()));
         fs::create_dir_all(&folder).expect("room on the disk");
         let mut ledger = Box::new(BadgeLedger::new(90));
-        let mut keeper = LeaseKeeper::open(&folder, 17);
+        let owner = OutboxOwner { site: SiteId([7; 16]), headset: 17 };
+        let mut keeper = LeaseKeeper::open(&folder, owner);
         assert!(keeper.take_number(0).is_provisional(), "nothing is leased yet");
         let report = keeper.make_due_report(0).expect("one is due at the start");
         assert_eq!(keeper.make_due_report(REPORT_RETRY_MS - 1), None, "it is on its way");
@@ -130,7 +139,9 @@ mod tests {
         assert!(!first.is_provisional() && keeper.left_now() > 0);
         assert!(keeper.make_due_report(6).is_some(), "after each badge");
         drop(keeper);
-        let mut again = LeaseKeeper::open(&folder, 17);
+        let of_another = OutboxOwner { site: SiteId([8; 16]), ..owner };
+        assert_eq!(LeaseKeeper::open(&folder, of_another).left_now(), 0);
+        let mut again = LeaseKeeper::open(&folder, owner);
         assert_ne!(again.take_number(0), first);
         // Where the disk takes nothing, no leased number is shown.
         fs::remove_dir_all(&folder).expect("it is there");

@@ -17,6 +17,7 @@ use sha2::{Digest as _, Sha256};
 
 use super::Studio;
 use super::sculpture_files::SentSculpture;
+use crate::outbox::Parcel;
 use crate::outbox::courier::{Courier, CourierSummary, Keeping, ParcelDraft};
 use crate::rmap;
 use crate::statics::Resident;
@@ -216,9 +217,11 @@ where
         lost.for_each(|(id, _)| outgoing.courier.abandon(*id));
     }
 
-    /// Ends what brings sculptures to a booth, once it has done what it was told: another one may open the outbox then.
-    pub fn leave_courier(&mut self) {
-        self.outgoing = None;
+    /// Ends what brings sculptures to a booth, once it has done what it was told: another one may open the outbox then, and
+    /// is to keep the parcels that had no room.
+    #[must_use]
+    pub fn leave_courier(&mut self) -> Vec<Parcel> {
+        self.outgoing.take().map(|outgoing| outgoing.courier.close()).unwrap_or_default()
     }
 
     /// What brings sculptures to a booth.

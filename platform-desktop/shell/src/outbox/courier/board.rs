@@ -80,7 +80,8 @@ pub(super) struct Board {
     /// Those whose parcels are being made, or couldn't be kept.
     under_way: Vec<(SculptureId, Keeping)>,
     badges: VecDeque<(SculptureId, BadgeNumber)>,
-    signed: VecDeque<SculptureId>,
+    /// Sculptures that the booth signed for, with the ids that they had before.
+    signed: VecDeque<(SculptureId, Option<SculptureId>)>,
 }
 
 /// A headset of which nothing is known yet.
@@ -135,11 +136,17 @@ impl Board {
 
     /// Notes that the booth signed for a sculpture, which may leave the outbox at once.
     pub(super) fn note_signed(&mut self, id: SculptureId) {
+        self.forget_signed(id);
         let entry = self.entries.iter().find(|entry| entry.id == id);
-        self.signed.extend(entry.and_then(|entry| entry.replaced).into_iter().chain([id]));
-        while self.signed.len() > MAX_SIGNED {
+        self.signed.push_back((id, entry.and_then(|entry| entry.replaced)));
+        if self.signed.len() > MAX_SIGNED {
             self.signed.pop_front();
         }
+    }
+
+    /// Notes that what the booth signed for isn't known there any more, nor here.
+    pub(super) fn forget_signed(&mut self, id: SculptureId) {
+        self.signed.retain(|(other, _)| *other != id);
     }
 
     pub(super) fn add_note(&mut self, note: String) {
@@ -185,7 +192,9 @@ impl Board {
             return Some(*keeping);
         }
         let entry = self.entries.iter().find(|entry| entry.id == id || entry.replaced == Some(id));
-        let signed = || self.signed.contains(&id).then_some(Keeping::KeptAtBooth);
+        let is_it =
+            |(new, old): &(SculptureId, Option<SculptureId>)| *new == id || *old == Some(id);
+        let signed = || self.signed.iter().any(is_it).then_some(Keeping::KeptAtBooth);
         entry.map(|entry| keeping_of(entry.state)).or_else(signed)
     }
 }

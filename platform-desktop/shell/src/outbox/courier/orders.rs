@@ -3,6 +3,8 @@
 use paros_core::badge::BadgeNumber;
 use paros_core::outbox::messages::{CommandOutcome, ContentHash, SculptureId, UploadFacts};
 
+use crate::outbox::parcel::Parcel;
+
 /// A sculpture that was finished: its id, and by what it is found again in a saved session.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct FinishedSculpture {
@@ -36,6 +38,8 @@ pub(super) enum CourierOrder {
     NoteBadge { id: SculptureId, badge: BadgeNumber },
     /// Its parcel is to be kept.
     Keep(Box<ParcelDraft>),
+    /// It is made, and another courier found no room for it.
+    KeepParcel(Box<Parcel>),
     /// It won't be made.
     Abandon { id: SculptureId },
     /// What came of a command.

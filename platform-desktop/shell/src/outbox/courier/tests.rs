@@ -147,6 +147,29 @@ fn a_parcel_without_room_waits_and_is_kept_once_there_is() {
     wait("kept", || (courier.keeping(id) == Some(Keeping::KeptAtBooth)).then_some(()));
 }
 
+/// As where a headset enrols anew while its outbox is full: the parcel is nowhere but in memory.
+#[test]
+fn a_parcel_without_room_goes_on_to_the_next_courier() {
+    let rig = Rig::new("handed-on");
+    let courier = rig.start(None);
+    let id = SculptureId([5; 16]);
+    courier.announce(id, b"a volume".to_vec());
+    let place = rig.folder.join(format!("{id}.parcel"));
+    std::fs::create_dir(&place).expect("a folder");
+    courier.keep(draft(id, None));
+    wait("a refusal", || (courier.keeping(id) == Some(Keeping::Waiting)).then_some(()));
+    let without_room = courier.close();
+    assert_eq!(without_room.len(), 1);
+    let courier = rig.start_as(OWNER.headset + 1, None);
+    assert_eq!(courier.found(), [(id, Keeping::Making)]);
+    courier.keep_parcels(without_room);
+    // As of all that a start before left unmade.
+    courier.abandon(id);
+    wait("a refusal", || (courier.keeping(id) == Some(Keeping::Waiting)).then_some(()));
+    std::fs::remove_dir(&place).expect("it is empty");
+    wait("kept", || (courier.keeping(id) == Some(Keeping::KeptAtBooth)).then_some(()));
+}
+
 #[test]
 fn a_command_is_taken_once_and_not_when_its_life_is_over() {
     let command = BoothCommand {

@@ -87,14 +87,14 @@ impl OutboxHost for CourierHost {
             OutboxEvent::ShutOut => return self.board().note_refused(DeviceRefusal::ShutOut),
             OutboxEvent::KeptHere(_) => return,
             OutboxEvent::KeptAtBooth(id) => return self.board().note_signed(id),
-            OutboxEvent::DeletedAtBooth(id) => {
-                self.board().note_signed(id);
-                format!("sculpture {id} was deleted at the booth")
-            }
+            OutboxEvent::DeletedAtBooth(id) => format!("sculpture {id} was deleted at the booth"),
             OutboxEvent::RefusedByBooth(id) => {
                 format!("the booth can't take sculpture {id}: it stays here")
             }
-            OutboxEvent::Lost(id) => format!("sculpture {id} can't be sent: its parcel is lost"),
+            OutboxEvent::Lost(id) => {
+                self.board().forget_signed(id);
+                format!("sculpture {id} can't be sent: its parcel is lost")
+            }
             OutboxEvent::Renewed { old, new } => format!("sculpture {old} is {new} now"),
             OutboxEvent::JournalUnwritten(why) => format!("the outbox can't be written: {why}"),
             OutboxEvent::JournalDamaged => "the outbox's journal was damaged".into(),
@@ -112,7 +112,7 @@ impl Work {
         let enrolment = plan.enrolment.for_outbox();
         let boot_id = getrandom::u64().unwrap_or_default() | 1;
         let driver = OutboxDriver::open(folder, link, &enrolment, plan.settings, boot_id)?;
-        let lease = LeaseKeeper::open(&plan.folder, enrolment.owner.headset);
+        let lease = LeaseKeeper::open(&plan.folder, enrolment.owner);
         let host =
             CourierHost { board: Arc::new(Mutex::new(Board::new())), clock: plan.clock, lease };
         let mark_path = mark::path_in(&plan.folder);
@@ -137,7 +137,8 @@ impl Work {
     }
 
     /// Steps the outbox and carries orders out, until nobody is left to give any.
-    pub(super) fn run(mut self, orders: &Receiver<CourierOrder>) {
+    /// Returns parcels that wait for room.
+    pub(super) fn run(mut self, orders: &Receiver<CourierOrder>) -> Vec<Parcel> {
         let mut next_step = Instant::now();
         loop {
             let wait = next_step.saturating_duration_since(Instant::now());
@@ -150,7 +151,8 @@ impl Work {
                 }
                 Err(RecvTimeoutError::Disconnected) => {
                     self.tried = Instant::now().checked_sub(KEEP_RETRY).unwrap_or(self.tried);
-                    return self.retry_waiting();
+                    self.retry_waiting();
+                    return self.waiting;
                 }
             }
             self.show();
@@ -169,6 +171,9 @@ impl Work {
                 let _ = self.driver.note_badge(id, badge);
             }
             CourierOrder::Keep(draft) => self.pack_and_keep(*draft),
+            CourierOrder::KeepParcel(parcel) => self.keep(*parcel),
+            // It was made.
+            CourierOrder::Abandon { id } if self.is_waiting(id) => {}
             CourierOrder::Abandon { id } => {
                 // Where it is kept, or isn't known, there is nothing to give up.
                 let _ = self.driver.abandon(id);
@@ -238,6 +243,10 @@ impl Work {
         }
         self.tried = Instant::now();
         mem::take(&mut self.waiting).into_iter().for_each(|parcel| self.keep(parcel));
+    }
+
+    fn is_waiting(&self, id: SculptureId) -> bool {
+        self.waiting.iter().any(|parcel| parcel.facts().id == id)
     }
 
     fn show(&self) {
