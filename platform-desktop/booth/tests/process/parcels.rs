@@ -46,6 +46,8 @@ pub(crate) fn heartbeat(headset: u32) -> Heartbeat {
 pub(crate) struct Figure {
     pub(crate) rmap: Vec<u8>,
     pub(crate) stl: Vec<u8>,
+    /// Taken once, as a headset does: a crowd of them would be waited for.
+    stl_hash: ContentHash,
 }
 
 /// The toy that a creative session starts from.
@@ -59,7 +61,7 @@ pub(crate) fn figure() -> &'static Figure {
             let mut exporter = StlExporter::new(&mut buffers, 120.0).expect("a height");
             exporter.begin_export(volume.rows(), runner.world().mask());
             let stl = exporter.run_export_to_end().expect("a mesh").bytes;
-            Figure { rmap: rmap::encode(volume.maps()), stl }
+            Figure { rmap: rmap::encode(volume.maps()), stl_hash: hash_of(&stl), stl }
         })
     })
 }
@@ -75,7 +77,7 @@ pub(crate) struct Parcel {
 impl Parcel {
     /// The same sculpture, under another id; as a volume, or as the mesh.
     pub(crate) fn new(headset: u32, id: u32, kind: ParcelKind) -> Self {
-        let Figure { rmap, stl } = figure();
+        let Figure { rmap, stl, stl_hash } = figure();
         let first = if kind == ParcelKind::Volume { rmap } else { stl };
         let mut bytes = [7; 16];
         bytes[..4].copy_from_slice(&id.to_le_bytes());
@@ -93,7 +95,7 @@ impl Parcel {
             sculpting_seconds: 300,
             finished_at: 1_790_000_000,
             height_mm_tenths: 1200,
-            stl_hash: hash_of(stl),
+            stl_hash: *stl_hash,
             stl_bytes: stl.len() as u64,
             volume_bytes: 0,
             volume_raw_bytes: first.len() as u32,

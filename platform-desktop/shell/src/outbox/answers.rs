@@ -1,7 +1,9 @@
 //! What the driver makes of the booth's answers.
 
-use paros_core::outbox::messages::{HeartbeatAnswer, Receipt, ReceiptOutcome};
-use paros_core::outbox::{EntryState, UploadAnswer, UploadRequest};
+use paros_core::outbox::messages::{
+    ContentHash, HeartbeatAnswer, Receipt, ReceiptOutcome, SculptureId,
+};
+use paros_core::outbox::{EntryState, UploadAnswer};
 
 use super::driver::{OutboxDriver, parcel_name};
 use super::events::{OutboxEvent, OutboxHost};
@@ -39,7 +41,7 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
             // What is late says nothing of the request under way.
             (_, None) => return,
             (PutAnswer::Conflict, Some(request)) => {
-                self.renew(&request);
+                self.renew(request.id, request.hash);
                 UploadAnswer::Failed
             }
             (PutAnswer::UnknownToken, _) => {
@@ -68,12 +70,12 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
     }
 
     /// The sculpture goes on under another id, as one of this headset. Where that can't be written now, it is tried again.
-    pub(super) fn renew(&mut self, request: &UploadRequest) {
-        let read = self.folder.read(&parcel_name(request.id), MAX_FILE_BYTES);
+    pub(super) fn renew(&mut self, old: SculptureId, hash: ContentHash) {
+        let read = self.folder.read(&parcel_name(old), MAX_FILE_BYTES);
         let parcel = read.ok().and_then(|bytes| Parcel::read_file(bytes).ok());
-        let Some(parcel) = parcel.filter(|parcel| parcel.hash() == request.hash) else { return };
+        let Some(parcel) = parcel.filter(|parcel| parcel.hash() == hash) else { return };
         let Ok(renewed) = parcel.renew(self.outbox.owner().headset) else { return };
-        let (old, new) = (request.id, renewed.facts().id);
+        let new = renewed.facts().id;
         let successor = self.outbox.find(new).or(self.outbox.successor_of(new));
         let is_here = successor.is_some_and(|entry| entry.state.has_parcel());
         if !is_here && self.folder.write(&parcel_name(new), &renewed.to_file()).is_err() {

@@ -53,6 +53,8 @@ pub struct OutboxDriver<F, L> {
     pub(super) given_up: Vec<SculptureId>,
     /// How many parcels couldn't be removed since one could.
     unremoved: usize,
+    /// Whether a parcel was found that is of another number than the headset's.
+    pub(super) has_foreign: bool,
     /// Whether there are parcels that the table has no room for.
     pub(super) has_unlisted: bool,
     /// When the last heartbeat was sent.
@@ -79,6 +81,7 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
             read: None,
             given_up: Vec::new(),
             unremoved: 0,
+            has_foreign: false,
             has_unlisted: false,
             heartbeat_ms: 0,
             journal_failed_ms: None,
@@ -277,7 +280,7 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
             let headset = self.outbox.owner().headset;
             if parcel.as_ref().is_some_and(|parcel| parcel.facts().headset != headset) {
                 // The booth takes what is of this headset alone.
-                self.renew(request);
+                self.renew(request.id, request.hash);
                 return None;
             }
             self.read = parcel;

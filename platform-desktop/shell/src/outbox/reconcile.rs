@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 use std::io;
+use std::mem;
 
 use ed25519_dalek::VerifyingKey;
 use paros_core::outbox::messages::SculptureId;
@@ -46,6 +47,7 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
         });
         let mut driver = OutboxDriver::new(outbox, folder, link, key, events);
         driver.compare_with_folder(&names);
+        driver.renew_foreign();
         // Where it fails, the first step says so.
         let _ = driver.write_journal();
         Ok(driver)
@@ -91,6 +93,8 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
             return true;
         };
         let parcel = Parcel::read_file(bytes).ok().filter(|parcel| parcel.facts().id == id);
+        let own = self.outbox.owner().headset;
+        self.has_foreign |= parcel.as_ref().is_some_and(|parcel| parcel.facts().headset != own);
         if self.outbox.find(id).is_none_or(|entry| !entry.state.has_parcel()) {
             self.outbox.note_not_wiped();
             return match parcel {
@@ -109,6 +113,25 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
             return true;
         }
         self.set_aside(id)
+    }
+
+    /// What the headset owes from when it had another number goes on as one of this headset before the booth hears of it:
+    /// under its old id it would be waited for in vain.
+    fn renew_foreign(&mut self) {
+        if !mem::take(&mut self.has_foreign) {
+            return;
+        }
+        let owed = self.outbox.entries().iter().filter(|entry| entry.state.is_owed());
+        let owed: Vec<_> = owed.filter_map(|entry| Some((entry.id, entry.hash?))).collect();
+        for (id, hash) in owed {
+            let read = self.folder.read(&parcel_name(id), MAX_FILE_BYTES);
+            let parcel = read.ok().and_then(|bytes| Parcel::read_file(bytes).ok());
+            let own = self.outbox.owner().headset;
+            if parcel.is_some_and(|parcel| parcel.facts().headset != own) {
+                // Where that can't be written now, it is done when it is sent.
+                self.renew(id, hash);
+            }
+        }
     }
 
     /// Whether the parcel that goes on in an old one's place is whole, or signed for. One that isn't is made again of the old

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use paros_core::badge::LeaseReport;
 use paros_core::outbox::messages::{ContentHash, SculptureId};
-use paros_core::outbox::{HeadsetStatus, OutboxRefusal};
+use paros_core::outbox::{HeadsetStatus, OutboxEntry, OutboxRefusal};
 use sha2::{Digest as _, Sha256};
 
 use super::board::{Board, DeviceRefusal, Keeping, RemoteCommand, keeping_of};
@@ -129,7 +129,9 @@ impl Work {
 
     pub(super) fn list_found(&self) -> Vec<(SculptureId, Keeping)> {
         let entries = self.driver.outbox().entries().iter();
-        entries.map(|entry| (entry.id, keeping_of(entry.state))).collect()
+        // One that goes on under another id is looked for by its first one, too.
+        let ids = |entry: &OutboxEntry| [Some(entry.id), entry.replaced].into_iter().flatten();
+        entries.flat_map(|entry| ids(entry).map(|id| (id, keeping_of(entry.state)))).collect()
     }
 
     pub(super) const fn last_finished(&self) -> Option<FinishedSculpture> {
