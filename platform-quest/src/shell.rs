@@ -28,6 +28,7 @@ use paros_shell::headset::room_placement::{RoomPlacement, RoomTransform};
 use paros_shell::headset::start_up::StartUp;
 use paros_shell::headset::stick_presses::StickPresses;
 use paros_shell::headset::visit::{BootId, VisitPolicy};
+use paros_shell::outbox::Parcel;
 use paros_shell::start_volume_store::StartVolumeStore;
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
@@ -100,6 +101,8 @@ where
     start_anew: bool,
     /// The device has become another headset of a booth's, by which nothing is sent yet.
     is_enrolled_anew: bool,
+    /// Parcels that the courier of before had no room for.
+    without_room: Vec<Parcel>,
     boot: Option<BootId>,
     frames: u64,
     dropped: DroppedTicks,
@@ -186,7 +189,7 @@ where
         None if options.booth.sends_traces => {}
         None => studio.disable_recording(),
     }
-    booth::bring_to_booth(&mut studio, options, platform, Vec::new());
+    booth::bring_to_booth(&mut studio, options, platform, &mut Vec::new());
     let mut shell = HeadsetShell::new(studio, options, commands, start, platform.boot_id());
     shell.resume_session(platform);
     let done = shell.run_sessions(platform);
@@ -258,6 +261,7 @@ where
             tick_fraction: 0.0,
             start_anew,
             is_enrolled_anew: false,
+            without_room: Vec::new(),
             boot,
             frames: 0,
             dropped: DroppedTicks::default(),

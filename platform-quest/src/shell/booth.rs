@@ -1,5 +1,7 @@
 //! The headset's way to a booth.
 
+use std::mem;
+
 use paros_core::limits::INTERVALS;
 use paros_core::outbox::messages::HeatLevel;
 use paros_core::session::SessionState;
@@ -20,12 +22,13 @@ use crate::options::ShellOptions;
 use crate::platform::Platform;
 
 /// Has a studio's sculptures brought to the booth at which the device is enrolled, if it is at one, and with them parcels
-/// that the one before had no room for. What stands in the way is logged, and the studio goes on without.
+/// that the one before had no room for. What stands in the way is logged, the studio goes on without, and the parcels stay
+/// where they are.
 pub(super) fn bring_to_booth<const N: usize>(
     studio: &mut Studio<'_, N>,
     options: &ShellOptions,
     platform: &mut dyn Platform,
-    without_room: Vec<Parcel>,
+    without_room: &mut Vec<Parcel>,
 ) where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
@@ -33,7 +36,7 @@ pub(super) fn bring_to_booth<const N: usize>(
     match open_courier(options, &folder, platform) {
         Ok(None) => {}
         Ok(Some(courier)) => {
-            courier.keep_parcels(without_room);
+            courier.keep_parcels(mem::take(without_room));
             studio.set_courier(courier, send_plan(&options.booth, options.visits.as_ref()));
         }
         Err(why) => platform.log(format_args!("{why}")),
@@ -71,13 +74,14 @@ where
         }
         // Another courier reads all that is in the outbox: nobody carves meanwhile.
         let phase = self.studio.world().visit().phase();
-        let is_idle = !is_awake || matches!(phase, VisitPhase::Closed | VisitPhase::Attract);
+        let is_between = matches!(phase, VisitPhase::Closed | VisitPhase::Attract);
+        let is_idle = !is_awake || self.host.is_some() && is_between;
         let is_time = !is_finished && (is_idle || self.studio.courier().is_none());
         if is_time && self.is_enrolled_anew {
             self.is_enrolled_anew = false;
             // It has the outbox's folder. What waits there goes as the new headset's.
-            let without_room = self.studio.leave_courier();
-            bring_to_booth(&mut self.studio, self.options, platform, without_room);
+            self.without_room.extend(self.studio.leave_courier());
+            bring_to_booth(&mut self.studio, self.options, platform, &mut self.without_room);
         }
         let Some(courier) = self.studio.courier() else { return };
         let device = DeviceStatus { is_awake, ..device_status(self.health, self.runtime_thermal) };
