@@ -33,7 +33,7 @@ use crate::routes;
 use crate::server::{MakeRouter, serve};
 use crate::settings::{SiteFacts, list_settings};
 use crate::staff::LoginGate;
-use crate::worker::{Worker, go_behind};
+use crate::worker::{LOW_PRIORITY, WHOLE_PRIORITY, Worker, go_behind};
 
 /// How often what is past its time is deleted.
 const SWEEP_EVERY: Duration = Duration::from_secs(300);
@@ -48,7 +48,8 @@ const LOOK_AT_LEAF_EVERY: Duration = Duration::from_secs(86_400);
 pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     start_log(options.json);
     // Pictures are drawn on one thread, behind all that is more urgent. A pool that is there already stays.
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).start_handler(|_| go_behind());
+    let pool =
+        rayon::ThreadPoolBuilder::new().num_threads(1).start_handler(|_| go_behind(LOW_PRIORITY));
     let _ = pool.build_global();
     let public = PublicAddress::new(&options.public)?;
     let of_staff = options.certificate.load()?;
@@ -104,7 +105,9 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
 fn build_runtimes() -> io::Result<(Runtime, Runtime)> {
     let mut serving = Builder::new_multi_thread();
     let serving = serving.enable_all().max_blocking_threads(WORK_THREADS).build()?;
-    let of_wholes = Builder::new_current_thread().max_blocking_threads(WHOLE_THREADS).build()?;
+    let mut of_wholes = Builder::new_current_thread();
+    let of_wholes = of_wholes.on_thread_start(|| go_behind(WHOLE_PRIORITY));
+    let of_wholes = of_wholes.max_blocking_threads(WHOLE_THREADS).build()?;
     Ok((serving, of_wholes))
 }
 

@@ -10,6 +10,9 @@ use std::time::Duration;
 /// As that of slicers.
 pub(crate) const LOW_PRIORITY: i32 = 15;
 
+/// That of work on whole parcels, which headsets wait for: behind heartbeats, which take a moment.
+pub(crate) const WHOLE_PRIORITY: i32 = 5;
+
 /// A thread; it ends when this is dropped, after what it does.
 pub(crate) struct Worker {
     wake: SyncSender<()>,
@@ -43,7 +46,7 @@ impl Worker {
         let mut is_behind = false;
         Worker::start(move || {
             if !mem::replace(&mut is_behind, true) {
-                go_behind();
+                go_behind(LOW_PRIORITY);
             }
             work()
         })
@@ -70,10 +73,10 @@ impl Waker {
     }
 }
 
-/// Has everybody else's threads go before this one, from now on.
-pub(crate) fn go_behind() {
+/// Has threads of a smaller number go before this one, from now on: others have 0.
+pub(crate) fn go_behind(priority: i32) {
     // Where it isn't granted, it is a little slower for who waits. Linux counts it by threads.
-    let _ = rustix::process::setpriority_process(Some(rustix::thread::gettid()), LOW_PRIORITY);
+    let _ = rustix::process::setpriority_process(Some(rustix::thread::gettid()), priority);
 }
 
 impl Drop for Worker {
