@@ -3,6 +3,7 @@
 mod heartbeats;
 mod journal;
 mod model;
+mod room;
 mod rules;
 
 use paros_core::outbox::messages::{
