@@ -11,7 +11,6 @@ use super::folder::OutboxFolder;
 use super::link::{
     BoothLink, HttpAnswer, LinkAnswer, LinkFault, PutAnswer, SentRequest, read_put_answer,
 };
-use super::parcel::{MAX_FILE_BYTES, Parcel};
 
 impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
     pub(super) fn take_answer(&mut self, answer: &LinkAnswer, host: &mut impl OutboxHost) {
@@ -71,8 +70,7 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
 
     /// The sculpture goes on under another id, as one of this headset. Where that can't be written now, it is tried again.
     pub(super) fn renew(&mut self, old: SculptureId, hash: ContentHash) {
-        let read = self.folder.read(&parcel_name(old), MAX_FILE_BYTES);
-        let parcel = read.ok().and_then(|bytes| Parcel::read_file(bytes).ok());
+        let parcel = self.read_parcel(old);
         let Some(parcel) = parcel.filter(|parcel| parcel.hash() == hash) else { return };
         let Ok(renewed) = parcel.renew(self.outbox.owner().headset) else { return };
         let new = renewed.facts().id;

@@ -124,8 +124,7 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
         let owed = self.outbox.entries().iter().filter(|entry| entry.state.is_owed());
         let owed: Vec<_> = owed.filter_map(|entry| Some((entry.id, entry.hash?))).collect();
         for (id, hash) in owed {
-            let read = self.folder.read(&parcel_name(id), MAX_FILE_BYTES);
-            let parcel = read.ok().and_then(|bytes| Parcel::read_file(bytes).ok());
+            let parcel = self.read_parcel(id);
             let own = self.outbox.owner().headset;
             if parcel.is_some_and(|parcel| parcel.facts().headset != own) {
                 // Where that can't be written now, it is done when it is sent.
@@ -141,10 +140,7 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
         if state.has_parcel() && !state.is_owed() {
             return true;
         }
-        let read = |id| {
-            let bytes = self.folder.read(&parcel_name(id), MAX_FILE_BYTES).ok()?;
-            Parcel::read_file(bytes).ok().filter(|parcel| parcel.facts().id == id)
-        };
+        let read = |id| self.read_parcel(id).filter(|parcel| parcel.facts().id == id);
         let is_its = |parcel: &Parcel| parcel.facts().id == new && Some(parcel.hash()) == hash;
         if read(new).is_some_and(|parcel| is_its(&parcel)) {
             return true;
@@ -158,6 +154,12 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
             let _ = self.outbox.keep(new, renewed.facts().badge, renewed.hash(), renewed.len());
         }
         is_written
+    }
+
+    /// A parcel as it is on the disk; `None` where it isn't there, can't be read, or is damaged.
+    pub(super) fn read_parcel(&self, id: SculptureId) -> Option<Parcel> {
+        let read = self.folder.read(&parcel_name(id), MAX_FILE_BYTES);
+        read.ok().and_then(|bytes| Parcel::read_file(bytes).ok())
     }
 
     /// Gives a damaged parcel a name by which nothing takes it for one. What is signed for is deleted instead. Returns
