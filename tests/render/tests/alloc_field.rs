@@ -4,13 +4,10 @@ use std::sync::{Mutex, PoisonError};
 
 use paros_core::session::SessionMode;
 use paros_core::volume::DirtyRects;
-use paros_models::allocations::{CountingAllocator, without_allocating};
+use paros_models::allocations::without_allocating;
 use paros_models::random_visitor::RandomVisitor;
 use paros_models::world_harness::WorldHarness;
 use paros_shaders::field::{Budget, DensityField};
-
-#[global_allocator]
-static ALLOCATOR: CountingAllocator = CountingAllocator;
 
 static STUDIO: Mutex<WorldHarness<128>> = Mutex::new(WorldHarness::new());
 

@@ -1,12 +1,9 @@
 //! Laying a panel out again allocates nothing: a counting allocator looks on.
 
 use paros_core::badge::BadgeNumber;
-use paros_models::allocations::{CountingAllocator, without_allocating};
+use paros_models::allocations::without_allocating;
 use paros_shaders::panel::layout::{self, PanelNotice, palette};
 use paros_shaders::panel::{FillingValue, Icon, Language, Message, Panel};
-
-#[global_allocator]
-static ALLOCATOR: CountingAllocator = CountingAllocator;
 
 /// Screens of which each is laid out in every frame of a while.
 fn lay_out_screens(panel: &mut Panel, seconds: u32) {

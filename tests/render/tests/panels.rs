@@ -1,5 +1,5 @@
 //! The panels' screens, in both languages, as the CPU's twin draws them: beside the pictures that are kept, and the rules
-//! that every screen keeps. `PAROS_GOLDEN=write cargo test -p paros-tests-render --test panels` writes the pictures.
+//! that every screen keeps. `PAROS_GOLDEN=write cargo test -p paros-tests-render --test main panels` writes the pictures.
 
 use std::fs::{self, File};
 use std::path::PathBuf;
@@ -23,7 +23,8 @@ use paros_shaders::{
 };
 use paros_tests_render::screens::{all_screens, pictures_of_cells};
 
-const AGAIN: &str = "write it: PAROS_GOLDEN=write cargo test -p paros-tests-render --test panels";
+const AGAIN: &str =
+    "write it: PAROS_GOLDEN=write cargo test -p paros-tests-render --test main panels";
 
 /// A picture of a panel before a grey wall, at so many pixels a millimetre.
 fn picture_of(panel: &Panel, pixels_per_mm: f32) -> Image {

@@ -1,7 +1,7 @@
 //! Texels that a pixel of the fast path fetches: those of its light as its twin counts them, and a budget in the view
 //! that a sculpture fills, as from where one works on it.
 //!
-//! The counts are the instrumented programs' own; `paros bench render` has them of real sculptures.
+//! The counts are the instrumented programs' own; `paros-bench render` has them of real sculptures.
 
 use glam::{Quat, Vec3};
 use paros_core::volume::{Grid, Size};

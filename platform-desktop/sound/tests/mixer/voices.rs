@@ -1,11 +1,8 @@
 //! What goes on as long as a tool runs.
 
-use paros_models::allocations::{CountingAllocator, without_allocating};
+use paros_models::allocations::without_allocating;
 
 use super::*;
-
-#[global_allocator]
-static ALLOCATOR: CountingAllocator = CountingAllocator;
 
 /// What each voice of [`VOICES`] has in each ear after a tenth of a second, in decibels of full scale.
 const LOUDNESS: [f32; 4] = [-28.5, -22.5, -26.7, -34.1];

@@ -259,7 +259,7 @@ fn alsa_takes_what_is_played() {
 /// Runs the test again in a process of its own, with this configuration of ALSA. Returns what it said.
 fn play_in_process(config: &Path) -> String {
     let mut again = Command::new(env::current_exe().expect("this test"));
-    again.args(["--exact", "alsa_takes_what_is_played", "--nocapture"]);
+    again.args(["--exact", "devices::alsa_takes_what_is_played", "--nocapture"]);
     let output = again.env(INSIDE, "1").env("ALSA_CONFIG_PATH", config).output();
     let output = output.expect("it starts again");
     assert!(output.status.success(), "{output:?}");

@@ -1,0 +1,4 @@
+//! Tests that need the library for Android.
+
+mod activity;
+mod android;

@@ -1,0 +1,18 @@
+//! Tests of what is read and written: one binary, so that the core is instantiated once.
+
+mod bake_meshes;
+mod bared_figures;
+mod demo;
+mod figures;
+mod hidden_starts;
+mod mesh_limits;
+mod mesh_readers;
+mod naive_hand;
+mod placement;
+mod print;
+mod restless;
+mod rmap;
+mod rmap_layers;
+mod trace;
+mod trace_layers;
+mod visitors;

@@ -1,0 +1,4 @@
+//! Tests that need the meshes beside the checkout.
+
+mod bake;
+mod fidelity;
