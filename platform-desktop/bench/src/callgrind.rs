@@ -27,7 +27,7 @@ impl Drop for ScratchFolder {
     }
 }
 
-/// Instructions of each call of a function, in order, while `bench --replay` plays `replayed_path`; or
+/// Instructions of each call of a function, in order, while `paros-bench --replay` plays `replayed_path`; or
 /// why there are none.
 ///
 /// The function is named whole: Callgrind finds no end to names with a `*` in front. It must not end
@@ -50,7 +50,7 @@ pub(super) fn count_instructions_per_call(
         ])
         .arg(format!("--callgrind-out-file={}", dumps.display()))
         .arg(this)
-        .args(["bench", "--replay"])
+        .args(["--replay"])
         .arg(replayed_path)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())

@@ -1,7 +1,7 @@
 //! Benchmarks: this code and its rivals on the same volumes, in alternating runs of one process.
 //!
 //! [`Plan::run`] measures a [`Plan`] and returns a [`Report`] of rows. Of the command line it knows one
-//! option: `bench --replay`, with which it starts its own program again under Callgrind. It knows
+//! option: `--replay`, with which it starts its own program again under Callgrind. It knows
 //! neither window nor headset.
 #![forbid(unsafe_code)]
 

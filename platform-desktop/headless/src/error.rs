@@ -1,8 +1,8 @@
-//! Why a command ended, and the exit code that says whose fault it is.
+//! Errors of a command, the exit codes that say whose fault they are, and the end of a program.
 
 use std::error::Error as StdError;
 use std::fmt;
-use std::io::ErrorKind;
+use std::io::{self, ErrorKind, Write as _};
 use std::process::ExitCode;
 
 use paros_core::convert::HeightOutOfRange;
@@ -72,5 +72,32 @@ impl From<gpu::Error> for Error {
 impl From<HeightOutOfRange> for Error {
     fn from(HeightOutOfRange(height): HeightOutOfRange) -> Self {
         Error::Input(format!("no print can be {height} mm high"))
+    }
+}
+
+/// Ends a program: prints its report to standard output, and storage warnings and the error to standard error.
+/// Returns the exit code.
+#[must_use]
+pub fn end_program(name: &str, outcome: Result<String, Error>) -> ExitCode {
+    let done = outcome.and_then(|report| write_to_stdout(&report));
+    for warning in durable::take_storage_warnings() {
+        let _ = writeln!(io::stderr(), "{name}: {warning}");
+    }
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            // Standard error may be closed; the exit code still reports the failure.
+            let _ = writeln!(io::stderr(), "{name}: {error}");
+            error.exit_code()
+        }
+    }
+}
+
+/// Writes a report to standard output. A closed pipe is no error.
+fn write_to_stdout(report: &str) -> Result<(), Error> {
+    let mut out = io::stdout().lock();
+    match out.write_all(report.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Error::failure(error)),
+        _ => Ok(()),
     }
 }

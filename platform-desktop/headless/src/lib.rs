@@ -5,10 +5,14 @@
 
 mod error;
 mod fetches;
+mod picture_size;
+mod progress;
 mod renderer;
 
-pub use error::Error;
+pub use error::{Error, end_program};
 pub use fetches::FetchCounts;
+pub use picture_size::parse_width_x_height;
+pub use progress::{ProgressDisplay, show_progress};
 pub use renderer::{
     BACKDROP, HeadlessRenderer, PictureFormat, SculptureView, Uploads, open_gpu, view_of_camera,
 };

@@ -6,13 +6,13 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use paros_core::convert::UpAxis;
 use paros_core::volume::{Grid, Size};
-use paros_headless::Error;
+use paros_headless::{Error, show_progress};
 use paros_shell::mesh::{self, Mesh, MeshFormat};
 use paros_shell::rmap;
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::{with_intervals, with_size};
 
-use super::{progress, volume};
+use super::volume;
 
 /// Bake a mesh into a volume.
 #[derive(Debug, clap::Args)]
@@ -46,7 +46,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
         let what = args.mesh.display();
         return Err(Error::Input(format!("{what}: is a volume already; expected a mesh")));
     }
-    let reading = progress::show_progress("reading", None);
+    let reading = show_progress("reading", None);
     let mesh = mesh::read(&args.mesh).map_err(Error::input)?;
     drop(reading);
     with_size!(args.size, N => with_intervals!(args.layers, K => bake_mesh::<N, K>(args, &mesh)))
@@ -57,7 +57,7 @@ where
     Grid<N>: Size + Resident<N, K>,
 {
     let (mut maps, mut bit_grid) = (Grid::<N>::lock_range_maps(), Grid::<N>::lock_bit_grid());
-    let baking = progress::show_progress("baking", None);
+    let baking = show_progress("baking", None);
     let up = match args.up {
         Some(MeshAxis::Y) => UpAxis::Y,
         Some(MeshAxis::Z) => UpAxis::Z,

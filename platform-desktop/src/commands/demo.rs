@@ -9,7 +9,7 @@ use clap::ValueEnum;
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{BitGrid, Grid, Size};
 use paros_core::{World, WorldEvent};
-use paros_headless::Error;
+use paros_headless::{Error, show_progress};
 use paros_shaders::{Camera, Image, RenderOptions, contact_sheet, render_image};
 use paros_shell::demo::{self, Chapter, DemoScript};
 use paros_shell::durable::WriteTarget;
@@ -20,7 +20,7 @@ use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, FinishedStl, StlExporter};
 use paros_shell::tick_runner::TickRunner;
 use paros_shell::{durable, rmap, with_intervals};
 
-use super::{progress, volume};
+use super::volume;
 
 /// The files that it writes.
 const FILES: [&str; 5] =
@@ -205,7 +205,7 @@ fn play_session<const N: usize, const K: usize>(script: DemoScript) -> Result<De
 where
     Grid<N>: Resident<N, K>,
 {
-    let making = progress::show_progress("quarrying", None);
+    let making = show_progress("quarrying", None);
     let mut starts = Grid::<N>::lock_start_volumes();
     starts.generate_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
     drop(making);
@@ -217,7 +217,7 @@ where
     let (mut stl_exporter, mut stl) =
         (StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM)?, None);
 
-    let bar = progress::show_progress("sculpting", Some(script.chapters().len() as u64));
+    let bar = show_progress("sculpting", Some(script.chapters().len() as u64));
     let (mut edits, mut islands) = (EditTotals::default(), IslandCounts::default());
     let mut rasp = RaspWork::<N> { before: None, roughness: None };
     let (mut pictures, mut chapters) = (Vec::new(), Vec::new());

@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use paros_core::convert::HEIGHT_RANGE_MM;
 use paros_core::volume::{Grid, Size};
-use paros_headless::Error;
+use paros_headless::{Error, show_progress};
 use paros_shell::durable::WriteTarget;
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::stl_export::StlExporter;
 use paros_shell::{with_intervals, with_size};
 
-use super::{progress, volume};
+use super::volume;
 
 /// Export a volume as STL, smoothed and watertight, in millimetres.
 #[derive(Debug, clap::Args)]
@@ -58,7 +58,7 @@ where
     // A volume from a file has no mask.
     maps.clear();
     let target = WriteTarget::resolve_and_check_writable(&args.output)?;
-    let exporting = progress::show_progress("exporting", None);
+    let exporting = show_progress("exporting", None);
     let mut stl_buffers = Grid::<N>::lock_stl_buffers();
     let mut stl_exporter = StlExporter::new(&mut stl_buffers, args.height_mm)?;
     stl_exporter.begin_export(&bit_grid, &maps);

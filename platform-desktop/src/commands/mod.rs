@@ -10,7 +10,6 @@ mod exhibit;
 mod export;
 mod info;
 mod play;
-mod progress;
 mod render;
 mod settings;
 mod sound;

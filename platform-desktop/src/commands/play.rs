@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use paros_core::session::SessionState;
 use paros_core::volume::{Grid, Size};
 use paros_core::{RangeMaps, World};
-use paros_headless::Error;
+use paros_headless::{Error, show_progress};
 use paros_shaders::Camera;
 use paros_shell::durable::{self, WriteTarget};
 use paros_shell::edit_totals::EditTotals;
@@ -19,7 +19,7 @@ use paros_shell::{with_intervals, with_size};
 use serde::Serialize;
 
 use super::drawing::{DrawingBackground, DrawingOptions, PictureRenderer};
-use super::{progress, volume};
+use super::volume;
 
 /// Play a trace; stop at the first tick that differs from the recording.
 #[derive(Debug, clap::Args)]
@@ -102,7 +102,7 @@ where
         Some(path) => read_visitor_volume(&args.layers, path, starts.offer_visitor_volume())?,
         None => String::new(),
     };
-    let making = progress::show_progress("quarrying", None);
+    let making = show_progress("quarrying", None);
     starts.generate_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
     drop(making);
     let (hidden, mut world) = (starts.hidden_figures(), Grid::<N>::lock_world());
@@ -230,7 +230,7 @@ fn replay_for_outputs<const N: usize, const K: usize>(
 where
     Grid<N>: Size + Resident<N, K>,
 {
-    let bar = progress::show_progress("playing", Some(trace.records().len() as u64));
+    let bar = show_progress("playing", Some(trace.records().len() as u64));
     let mut played =
         ReplayResult { digests: String::new(), stl: None, frames: 0, edits: EditTotals::default() };
     let mut drawn = Ok(());

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use paros_core::RangeMaps;
 use paros_core::volume::{Grid, Size};
-use paros_headless::Error;
+use paros_headless::{Error, parse_width_x_height, show_progress};
 use paros_shaders::Camera;
 use paros_shaders::image::{Animation, PngWriter};
 use paros_shell::durable::WriteTarget;
@@ -13,10 +13,8 @@ use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::{with_intervals, with_size};
 
 use super::drawing::{DrawingBackground, DrawingOptions, PictureRenderer, assemble_room};
-use super::{progress, volume};
+use super::volume;
 
-/// The longest side of a picture in pixels.
-const LONGEST: usize = 8192;
 /// The most frames of a turntable: one for each degree.
 const MOST_FRAMES: i64 = 360;
 /// The most pixels of all frames together: the file is made in memory.
@@ -81,14 +79,6 @@ const FIGURE_SIDE: usize = 128;
 
 /// Rays along a side of each pixel.
 const SAMPLES: usize = 2;
-
-/// Parses `WxH`, in pixels.
-pub(super) fn parse_width_x_height(text: &str) -> Result<[usize; 2], String> {
-    let side = |text: &str| text.parse().ok().filter(|side| (1..=LONGEST).contains(side));
-    text.split_once('x')
-        .and_then(|(width, height)| Some([side(width)?, side(height)?]))
-        .ok_or_else(|| format!("expected WxH, each 1 to {LONGEST}"))
-}
 
 /// The direction of a view, in degrees.
 #[derive(Clone, Copy, Debug)]
@@ -164,7 +154,7 @@ fn draw_png<const N: usize, const K: usize>(
 ) -> Result<Vec<u8>, Error> {
     let ([width, height], frames) = (args.size, args.turn.unwrap_or(1));
     let ViewDegrees { azimuth, elevation } = args.view;
-    let rendering = progress::show_progress("rendering", Some(height as u64 * u64::from(frames)));
+    let rendering = show_progress("rendering", Some(height as u64 * u64::from(frames)));
     let mut png = Vec::new();
     let animation = args.turn.map(|frames| Animation { frames, seconds: ROUND_SECONDS });
     let mut writer =

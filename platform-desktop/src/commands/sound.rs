@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use hound::{SampleFormat, WavSpec, WavWriter};
 use paros_core::session::TICK_RATE;
 use paros_core::volume::{Grid, Size};
-use paros_headless::Error;
+use paros_headless::{Error, show_progress};
 use paros_shell::durable::WriteTarget;
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::tick_runner::{ReplayedTick, TickRunner};
@@ -14,7 +14,7 @@ use paros_shell::trace::{ReplayDivergence, Trace};
 use paros_shell::{with_intervals, with_size};
 use paros_sound::{Mixer, SAMPLE_RATE, SoundPlanner, frames_in_tick};
 
-use super::{play, progress, volume};
+use super::{play, volume};
 
 /// Render what a trace's session sounds like, as who recorded it heard it.
 #[derive(Debug, clap::Args)]
@@ -83,7 +83,7 @@ where
     starts.generate_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
     let (hidden, mut world) = (starts.hidden_figures(), Grid::<N>::lock_world());
     let mut runner = TickRunner::new(&mut world, starts.start_volumes(&hidden));
-    let bar = progress::show_progress("listening", Some(trace.records().len() as u64));
+    let bar = show_progress("listening", Some(trace.records().len() as u64));
     let (mut planner, mut mixer) = (SoundPlanner::default(), Mixer::new(args.loudness));
     let mut inputs = trace.records().map(|record| record.input);
     let mut samples: Vec<i16> = Vec::new();

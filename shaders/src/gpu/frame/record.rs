@@ -2,7 +2,7 @@
 //!
 //! Order within that pass: tools and hands, which occlude much and cost little; the sculpture, which
 //! costs the most; stool, bench and room, mostly occluded by then; and last particles and panels, blended,
-//! with depth test and without depth writes. `paros bench render` and the test `gpu_order` measure
+//! with depth test and without depth writes. `paros-bench render` and the test `gpu_order` measure
 //! other orders.
 
 use ash::vk;

@@ -9,7 +9,8 @@ const TICK: Duration = Duration::from_millis(100);
 
 /// Shows a progress bar of `steps`, or a spinner where their number is unknown. It is cleared when
 /// dropped.
-pub(super) fn show_progress(what: &'static str, steps: Option<u64>) -> ProgressDisplay {
+#[must_use]
+pub fn show_progress(what: &'static str, steps: Option<u64>) -> ProgressDisplay {
     let (bar, template) = match steps {
         Some(steps) => (ProgressBar::new(steps), "{msg:10} {bar:40} {percent:>3} % {elapsed:>4}"),
         None => (ProgressBar::new_spinner(), "{msg:10} {spinner} {elapsed}"),
@@ -23,10 +24,12 @@ pub(super) fn show_progress(what: &'static str, steps: Option<u64>) -> ProgressD
 }
 
 /// A progress bar or spinner on standard error.
-pub(super) struct ProgressDisplay(ProgressBar);
+#[derive(Debug)]
+pub struct ProgressDisplay(ProgressBar);
 
 impl ProgressDisplay {
-    pub(super) fn set_steps_done(&self, steps: u64) {
+    /// Sets the number of steps done.
+    pub fn set_steps_done(&self, steps: u64) {
         self.0.set_position(steps);
     }
 }

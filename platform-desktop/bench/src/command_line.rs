@@ -1,0 +1,122 @@
+//! The arguments of `paros-bench`, and its report.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use paros_bench::{BenchSubject, Benchmark, Plan, format_table};
+use paros_headless::{Error, parse_width_x_height, show_progress};
+use paros_shell::require::require_or_skip;
+
+/// Measure speed and size against the usual ways, in turns, best of many runs, on one thread.
+#[derive(Debug, clap::Parser)]
+#[command(name = "paros-bench", version)]
+pub(super) struct Args {
+    /// What to measure.
+    #[arg(default_value = "all", value_parser = choice_parser())]
+    what: BenchChoice,
+    /// What to measure on: meshes, volumes (.rmap) or figures (lump, owl, cat, amphora, dolphin, toy);
+    /// for `step`, traces of sessions, each of which takes minutes; for `layers`, traces (.trace) too.
+    #[arg(value_name = "V")]
+    named: Vec<PathBuf>,
+    /// The same, one each time.
+    #[arg(long = "volume", value_name = "V")]
+    volumes: Vec<PathBuf>,
+    /// Rows as JSON.
+    #[arg(long)]
+    json: bool,
+    /// Runs of each side; the best counts [default: 21, and 9 of each frame]. `step` takes 3 always.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    runs: Option<u16>,
+    /// Width and height in pixels of a frame.
+    #[arg(long, value_name = "WxH", default_value = "1440x1584",
+        value_parser = parse_width_x_height, allow_hyphen_values = true)]
+    size: [usize; 2],
+    /// A part of the name of the Vulkan device that draws; else the best one, which for `all` and
+    /// `paper` must be a GPU.
+    #[arg(long, value_name = "NAME")]
+    device: Option<String>,
+    /// The Python that has vtk, trimesh, numpy and scipy.
+    #[arg(long, value_name = "PATH", default_value = "python3")]
+    python: PathBuf,
+    /// For the bench's own use: plays what it left there, to be counted from outside.
+    #[arg(long, hide = true, value_name = "PATH")]
+    replay: Option<PathBuf>,
+}
+
+/// Runs of each side, and of each frame, of which there are many.
+const RUNS: u16 = 21;
+const FRAME_RUNS: u16 = 9;
+
+/// Steps of the bar for each piece.
+const BAR: u64 = 1000;
+
+#[derive(Clone, Copy, Debug)]
+enum BenchChoice {
+    All,
+    One(Benchmark),
+}
+
+fn choice_parser() -> impl TypedValueParser<Value = BenchChoice> {
+    let names = Benchmark::ALL.map(Benchmark::name);
+    PossibleValuesParser::new(["all"].into_iter().chain(names))
+        .map(|name| Benchmark::from_name(&name).map_or(BenchChoice::All, BenchChoice::One))
+}
+
+fn has_trace_extension(path: &Path) -> bool {
+    path.extension().is_some_and(|kind| kind.eq_ignore_ascii_case("trace"))
+}
+
+pub(super) fn run(args: &Args) -> Result<String, Error> {
+    if let Some(what) = &args.replay {
+        return paros_bench::replay_for_callgrind(what).map(|()| String::new());
+    }
+    let mut named: Vec<_> = args.named.iter().chain(&args.volumes).collect();
+    let mut traces = vec![];
+    match args.what {
+        BenchChoice::One(Benchmark::Step) => traces = std::mem::take(&mut named),
+        BenchChoice::One(Benchmark::Layers) => {
+            (traces, named) = named.into_iter().partition(|name| has_trace_extension(name));
+        }
+        _ => {}
+    }
+    let subjects = named.into_iter().map(|v| BenchSubject::from_name_or_path(v));
+    let mut subjects = subjects.collect::<Result<Vec<_>, _>>()?;
+    if subjects.is_empty() {
+        subjects = BenchSubject::default_figures();
+    }
+    let benches = match args.what {
+        BenchChoice::All => Benchmark::ALL.to_vec(),
+        BenchChoice::One(bench) => vec![bench],
+    };
+    let plan = Plan {
+        benches,
+        subjects,
+        traces: traces.into_iter().cloned().collect(),
+        runs: args.runs.unwrap_or(RUNS).into(),
+        frame_runs: args.runs.unwrap_or(FRAME_RUNS).into(),
+        canvas: args.size.map(|side| side as u32),
+        device: args.device.clone(),
+        python: args.python.clone(),
+    };
+    let slow = plan.benches.contains(&Benchmark::Step);
+    let what = if slow { "measuring (step takes minutes)" } else { "measuring" };
+    let bar = show_progress(what, Some(BAR * plan.piece_count() as u64));
+    let report = plan.run(|done| bar.set_steps_done((BAR as f64 * done) as u64))?;
+    drop(bar);
+    for note in &report.notes {
+        // Nobody may be listening there.
+        let _ = writeln!(io::stderr(), "{note}");
+    }
+    let missing = report.skipped.iter().map(|why| require_or_skip::<(), _>(Err(why)));
+    // All are told before the first of them counts.
+    for missing in missing.collect::<Vec<_>>() {
+        missing.map_err(Error::failure)?;
+    }
+    match args.json {
+        true => {
+            serde_json::to_string_pretty(&report.rows).map(|s| s + "\n").map_err(Error::failure)
+        }
+        false => Ok(format_table(&report.rows)),
+    }
+}
