@@ -2,7 +2,7 @@
 //!
 //! `tests/goldens/session.txt` holds digests of a session with one interval a column, and what they hang
 //! on; `session-of-two.txt` those of the same input with two. They are written by
-//! `PAROS_GOLDEN=write cargo test -p paros-tests-core --test golden`, which refuses where only a raised
+//! `PAROS_GOLDEN=write cargo test -p paros-tests-core --test main golden`, which refuses where only a raised
 //! `CORE_VERSION` would be right.
 
 use std::fmt::Write;
@@ -28,7 +28,8 @@ const TICKS: usize = 800;
 /// Ticks between two digests.
 const EVERY: usize = 100;
 
-const AGAIN: &str = "write it: PAROS_GOLDEN=write cargo test -p paros-tests-core --test golden";
+const AGAIN: &str =
+    "write it: PAROS_GOLDEN=write cargo test -p paros-tests-core --test main golden";
 
 /// The contents of a golden file, line by line: `core`, `starts` and `inputs`, then a digest a line.
 #[derive(Clone, PartialEq, Eq, Debug)]

@@ -80,7 +80,7 @@ where
     let path = folder.join(format!("step-{N}-{K}.trace"));
     std::fs::write(&path, trace.to_string()).expect("a folder for temporary files");
     let phases = &plan.phases;
-    let test = "cargo test -p paros-tests-core --test step_model a_failure_can_be_replayed";
+    let test = "cargo test -p paros-tests-core --test main a_failure_can_be_replayed";
     panic!("{message}\n{phases:#?}\nPAROS_STEP_TRACE={} {test}", path.display());
 }
 

@@ -5,7 +5,7 @@ use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL};
 use paros_core::session::ToolBit;
 use paros_models::dense::DenseVolume;
 
-use crate::stone::{STONE_64, lock_stone, table_bit, voxel_micrometres};
+use super::stone::{STONE_64, lock_stone, table_bit, voxel_micrometres};
 
 /// A bit whose centre is in the stone has no way: it stands until its hand is where the bit may be, and then
 /// is there.

@@ -6,7 +6,7 @@ use paros_core::session::ToolBit;
 use paros_models::dense::DenseVolume;
 use proptest::prelude::*;
 
-use crate::stone::{STONE_64, any_rotations, lock_stone, table_bit};
+use super::stone::{STONE_64, any_rotations, lock_stone, table_bit};
 
 /// A plate one voxel thick across the grid: the voxels through whose middle third the plane runs
 /// along the normal's longest axis.

@@ -10,7 +10,7 @@ use paros_core::outbox::messages::{
 };
 use paros_models::random_visitor::RandomSource;
 
-use crate::any_messages::{HEADSET, any_answer, any_facts, any_heartbeat, any_receipt, bytes_of};
+use super::any_messages::{HEADSET, any_answer, any_facts, any_heartbeat, any_receipt, bytes_of};
 
 /// Refused: the byte at `at` of a message set to `value`, where something else is `expected`.
 pub(crate) fn check_refused<T: Debug>(

@@ -11,8 +11,8 @@ use paros_core::{HandInput, TickInput};
 use paros_models::scripted_hand::{RIGHT, input_with_hand, take_item};
 use paros_models::world_harness::WorldHarness;
 
-use crate::figures::{ChangedVoxels, StrokeFigures};
-use crate::stone::{BOX_MM, Stone, grip_of, reach_of};
+use super::figures::{ChangedVoxels, StrokeFigures};
+use super::stone::{BOX_MM, Stone, grip_of, reach_of};
 
 /// Ticks after the hand is down in which a bit may still catch up, and ticks that are measured then.
 const SETTLING_TICKS: u32 = 16;

@@ -3,7 +3,7 @@
 //!
 //! A hand comes down on the stone with its trigger pulled, pressed so many millimetres into it, and goes on at a
 //! constant speed: up to the bit's bite in each tick. `tests/goldens/tool-strokes-*.txt` hold the figures of some
-//! strokes of every bit; `PAROS_GOLDEN=write cargo test -p paros-tests-core --test tool_strokes` writes them.
+//! strokes of every bit; `PAROS_GOLDEN=write cargo test -p paros-tests-core tool_strokes` writes them.
 //! `every_press_and_speed`, which is ignored, draws a grid of them; `.ci/nightly` runs it.
 //!
 //! The greatest lag of that grid behind the hand, in millimetres, pressed 0 to 10 mm at 0.03 m/s and more:
@@ -28,9 +28,9 @@ use paros_core::internals::BitShape;
 use paros_core::session::ToolBit;
 use paros_core::volume::{Grid, Size};
 
-use crate::figures::StrokeFigures;
-use crate::scene::{Scene, Stroke};
-use crate::stone::Stone;
+use self::figures::StrokeFigures;
+use self::scene::{Scene, Stroke};
+use self::stone::Stone;
 
 static AT_128: Mutex<Scene<128>> = Mutex::new(Scene::new());
 static AT_256: Mutex<Scene<256>> = Mutex::new(Scene::new());
@@ -134,7 +134,7 @@ where
     }
     let kept = std::fs::read_to_string(&path).unwrap_or_default();
     let other = kept.lines().zip(now.lines()).find(|(was, is)| was != is);
-    let again = "write it: PAROS_GOLDEN=write cargo test -p paros-tests-core --test tool_strokes";
+    let again = "write it: PAROS_GOLDEN=write cargo test -p paros-tests-core tool_strokes";
     assert!(kept == now, "{other:#?}; if it was meant to, {again}");
 }
 

@@ -21,7 +21,7 @@ use paros_models::dense::{DenseVolume, MaskedVolume, closed_volumes_with_inner_m
 use paros_models::path::path_poses;
 use proptest::prelude::*;
 
-use crate::stone::{
+use self::stone::{
     ContactHarness, STONE_16, STONE_128, STONE_256, any_rotations, lock_stone, table_bit,
     tick_budget, voxel_micrometres,
 };

@@ -13,8 +13,8 @@ use paros_core::outbox::messages::{
 use paros_models::random_visitor::RandomSource;
 use proptest::prelude::*;
 
-use crate::any_messages::{HEADSET, Written, bytes, bytes_of, list_messages, pick};
-use crate::refusals::check_refused;
+use self::any_messages::{HEADSET, Written, bytes, bytes_of, list_messages, pick};
+use self::refusals::check_refused;
 
 /// What is read is written as it was; what is refused is refused within the bytes.
 fn check_read((name, _, again): &Written, bytes: &[u8]) {
