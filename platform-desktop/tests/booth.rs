@@ -1,34 +1,24 @@
 //! `paros booth` becomes the program beside it, or names the command that builds that.
 
-use std::fs::{self, Permissions};
-use std::os::unix::fs::PermissionsExt as _;
-use std::path::{Path, PathBuf};
+use std::fs;
 use std::process::{Command, Output};
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// One test after the other: a program that is being written is busy as long as a child that another test started in the
-/// meantime has it open.
-fn take_turn() -> MutexGuard<'static, ()> {
-    static TURN: Mutex<()> = Mutex::new(());
-    TURN.lock().unwrap_or_else(PoisonError::into_inner)
-}
+use crate::support::{TestFolder, install_program};
 
-/// A folder with a copy of the program.
-fn folder_with_paros(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("room on the disk");
-    fs::copy(env!("CARGO_BIN_EXE_paros"), folder.join("paros")).expect("room on the disk");
+/// A folder with the program.
+fn folder_with_paros(name: &str) -> TestFolder {
+    let folder = TestFolder::new(name);
+    let paros = env!("CARGO_BIN_EXE_paros");
+    fs::hard_link(paros, folder.0.join("paros")).expect("the same file system");
     folder
 }
 
-fn booth(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(folder.join("paros")).arg("booth").args(arguments).output().expect("it runs")
+fn booth(folder: &TestFolder, arguments: &[&str]) -> Output {
+    Command::new(folder.0.join("paros")).arg("booth").args(arguments).output().expect("it runs")
 }
 
 #[test]
 fn it_names_the_command_where_it_isnt_built() {
-    let _turn = take_turn();
     let folder = folder_with_paros("booth-not-built");
     let output = booth(&folder, &["--json"]);
     assert_eq!(output.status.code(), Some(1));
@@ -38,11 +28,9 @@ fn it_names_the_command_where_it_isnt_built() {
 
 #[test]
 fn it_hands_all_arguments_on_and_ends_as_the_booth_does() {
-    let _turn = take_turn();
     let folder = folder_with_paros("booth-built");
-    let stand_in = folder.join("paros-booth");
-    fs::write(&stand_in, "#!/bin/sh\nprintf '[%s]' \"$@\"\nexit 7\n").expect("room on the disk");
-    fs::set_permissions(&stand_in, Permissions::from_mode(0o755)).expect("it is ours");
+    folder.write("stand-in", "#!/bin/sh\nprintf '[%s]' \"$@\"\nexit 7\n");
+    install_program(&folder.0.join("stand-in"), &folder.0.join("paros-booth"));
     let output = booth(&folder, &["--help", "-x", "--folder", "a b", "--", "--json"]);
     assert_eq!(output.status.code(), Some(7));
     let told = String::from_utf8(output.stdout).expect("text");

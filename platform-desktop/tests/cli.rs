@@ -1,32 +1,15 @@
 //! The `paros` command as a user meets it: what good input gives, and that bad input of every kind
 //! ends in exit code 2 and a message that names the file, with nothing written.
 
-mod support;
-
 use std::fs;
 use std::process::{Command, Stdio};
-use std::sync::Mutex;
 
-use paros_core::RangeMaps;
-use paros_core::limits::INTERVALS;
-use paros_core::volume::BitGrid;
-use paros_shell::figures::Figure;
 use paros_shell::mesh::MAX_VERTICES;
-use paros_shell::rmap;
-use support::TestFolder;
+
+use crate::support::{TOY, TestFolder, install_program};
 
 const OCTAHEDRON: &str = "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n\
     f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n";
-
-/// The bytes of the toy at 128.
-fn toy() -> Vec<u8> {
-    static BUFFERS: Mutex<(RangeMaps<128, INTERVALS>, BitGrid<128>)> =
-        Mutex::new((RangeMaps::new(), BitGrid::new()));
-    let mut buffers = BUFFERS.lock().unwrap();
-    let (maps, plane) = &mut *buffers;
-    Figure::Toy.rasterize_into(maps, plane);
-    rmap::encode(maps)
-}
 
 /// A wedge along z lies down if its y is up, and stands if its z is.
 #[test]
@@ -83,7 +66,7 @@ fn a_mesh_becomes_a_volume_a_picture_and_a_print() {
 #[test]
 fn the_same_input_gives_the_same_bytes() {
     let folder = TestFolder::new("same");
-    folder.write("toy.rmap", toy());
+    folder.write("toy.rmap", &*TOY);
     for (a, b, command) in [("a.stl", "b.stl", "export"), ("a.png", "b.png", "render")] {
         let mut args = vec![command, "toy.rmap", "-o", a];
         if command == "render" {
@@ -151,7 +134,7 @@ fn a_mesh_of_too_many_vertices_is_refused() {
 #[test]
 fn bad_volumes_are_refused() {
     let folder = TestFolder::new("volumes");
-    let good = toy();
+    let good = &*TOY;
     let changed = |at: usize, byte: u8| {
         let mut bytes = good.clone();
         bytes[at] = byte;
@@ -200,7 +183,7 @@ fn bad_volumes_are_refused() {
 #[test]
 fn a_file_of_another_kind_is_told_what_it_is() {
     let folder = TestFolder::new("kinds");
-    folder.write("v.rmap", toy());
+    folder.write("v.rmap", &*TOY);
     folder.write("m.obj", OCTAHEDRON);
     folder.write("m.stl", [0; 84]);
     for (name, command, output) in [("m.stl", "render", "p.png"), ("m.obj", "export", "x.stl")] {
@@ -216,7 +199,7 @@ fn a_file_of_another_kind_is_told_what_it_is() {
 #[test]
 fn a_name_of_another_kind_is_refused() {
     let folder = TestFolder::new("endings");
-    folder.write("v.rmap", toy());
+    folder.write("v.rmap", &*TOY);
     folder.write("m.obj", OCTAHEDRON);
     folder.write("t.trace", "");
     folder.refuses(&["export", "v.rmap", "-o", "m.ply"], "m.ply: expected a name in .stl");
@@ -236,13 +219,19 @@ fn a_missing_file_cannot_be_read() {
         &["bake", "none.obj", "-o", "v.rmap"],
         &["export", "none.rmap", "-o", "m.stl"],
         &["play", "none.trace"],
-        &["bench", "islands", "none.ply"],
-        &["bench", "islands", "none.rmap"],
         &["window", "none.stl"],
         &["window", "none.rmap"],
     ] {
         folder.refuses(args, "cannot read: No such file");
     }
+}
+
+#[test]
+fn the_bench_is_named_as_a_program_of_its_own() {
+    let folder = TestFolder::new("bench");
+    folder.refuses(&["bench"], "cargo run --release -p paros-bench\n");
+    let args = ["bench", "islands", "--help", "owl"];
+    folder.refuses(&args, "cargo run --release -p paros-bench -- islands --help owl\n");
 }
 
 /// Before a window is looked for: here there is no display.
@@ -253,7 +242,7 @@ fn a_window_for_what_is_no_stone_is_refused() {
     folder.write("letter.obj", "no mesh\n");
     folder.refuses(&["window", "t.trace"], "t.trace: no mesh or volume; expected a name in .rmap");
     folder.refuses(&["window", "letter.obj"], "letter.obj: holds no triangle");
-    folder.write("v.rmap", toy());
+    folder.write("v.rmap", &*TOY);
     folder.refuses(&["window", "v.rmap", "--size", "256"], "v.rmap: is a volume of 128");
     let output = folder.paros(&["window", "v.rmap"]);
     let errors = String::from_utf8_lossy(&output.stderr);
@@ -288,7 +277,7 @@ fn an_empty_volume_has_no_picture_and_no_print() {
 #[test]
 fn bad_arguments_are_refused() {
     let folder = TestFolder::new("arguments");
-    folder.write("v.rmap", toy());
+    folder.write("v.rmap", &*TOY);
     folder.write("m.obj", OCTAHEDRON);
     for height in ["0", "-1", "nan", "inf", "tall", ""] {
         folder.refuses(&["export", "v.rmap", "-o", "m.stl", "--height-mm", height], "height-mm");
@@ -310,7 +299,7 @@ fn bad_arguments_are_refused() {
 #[test]
 fn places_where_no_file_can_be_are_refused() {
     let folder = TestFolder::new("places");
-    folder.write("v.rmap", toy());
+    folder.write("v.rmap", &*TOY);
     folder.write("m.obj", OCTAHEDRON);
     fs::create_dir(folder.0.join("folder")).unwrap();
     for output in ["none/file", "folder", "m.obj/file", "/"] {
@@ -322,7 +311,7 @@ fn places_where_no_file_can_be_are_refused() {
     folder.refuses(&["render", "v.rmap", "-o", "v.rmap"], "both input and output");
     folder.refuses(&["bake", "m.obj", "-o", "folder/../m.obj"], "both input and output");
     assert_eq!(folder.read("m.obj"), OCTAHEDRON.as_bytes());
-    assert!(folder.read("v.rmap") == toy());
+    assert!(folder.read("v.rmap") == *TOY);
 }
 
 #[cfg(unix)]
@@ -341,7 +330,7 @@ fn links_that_lead_nowhere_and_names_too_long_are_refused() {
 #[test]
 fn a_command_that_is_killed_leaves_nothing() {
     let folder = TestFolder::new("killed");
-    folder.write("v.rmap", toy());
+    folder.write("v.rmap", &*TOY);
     let mut paros = Command::new(env!("CARGO_BIN_EXE_paros"));
     paros.args(["render", "v.rmap", "-o", "p.png", "--size", "8192x8192"]).current_dir(&folder.0);
     let mut paros = paros.stdin(Stdio::null()).spawn().unwrap();
@@ -377,7 +366,7 @@ fn a_folder_that_may_not_be_written_is_a_failure() {
     fs::write(folder.join("m.obj"), OCTAHEDRON).unwrap();
     // Where this is built, nobody may not even look.
     let program = folder.join("paros");
-    fs::copy(env!("CARGO_BIN_EXE_paros"), &program).unwrap();
+    install_program(env!("CARGO_BIN_EXE_paros").as_ref(), &program);
     fs::set_permissions(&folder, fs::Permissions::from_mode(0o555)).unwrap();
     let is_root = fs::metadata(&folder).unwrap().uid() == 0;
     for args in [&["demo", "-o", "."][..], &["demo", "-o", "sub"], &["bake", "m.obj", "-o", "v"]] {

@@ -1,7 +1,5 @@
 //! `paros enrol`: what it refuses, and at a real booth what it brings; `paros exhibit`, which has a booth of its own.
 
-mod support;
-
 use std::fs;
 use std::io::{BufRead as _, BufReader};
 use std::net::TcpStream;
@@ -10,7 +8,8 @@ use std::process::{Command, Stdio};
 
 use paros_booth_process::{BoothProcess, find_booth};
 use paros_shell::outbox::enrolment::Enrolment;
-use support::TestFolder;
+
+use crate::support::TestFolder;
 
 const FLEET: &str = "address = \"https://127.0.0.1:1\"\n\
     site = \"07070707070707070707070707070707\"\n\

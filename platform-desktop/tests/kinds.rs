@@ -1,24 +1,6 @@
 //! What the commands take a name or a file for: a figure, a file to open, or one of no known kind.
 
-mod support;
-
-use paros_core::RangeMaps;
-use paros_core::limits::INTERVALS;
-use paros_core::volume::Grid;
-use paros_shell::figures::Figure;
-use paros_shell::rmap;
-use paros_shell::statics::ResidentBitGrid;
-use support::TestFolder;
-
-const TETRAHEDRON: &str =
-    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
-
-/// The bytes of the toy at 128.
-fn encode_toy() -> Vec<u8> {
-    let mut maps = Box::new(RangeMaps::<128, INTERVALS>::new());
-    Figure::Toy.rasterize_into(&mut maps, &mut Grid::<128>::lock_bit_grid());
-    rmap::encode(&maps)
-}
+use crate::support::{TETRAHEDRON, TOY, TestFolder};
 
 #[test]
 fn a_file_of_no_known_kind_is_told_which_there_are() {
@@ -40,7 +22,7 @@ fn a_file_of_no_known_kind_is_told_which_there_are() {
 #[test]
 fn a_figure_is_drawn_by_its_name() {
     let folder = TestFolder::new("figure");
-    folder.write("toy.rmap", encode_toy());
+    folder.write("toy.rmap", &*TOY);
     folder.succeeds(&["render", "toy", "-o", "a.png", "--size", "48x48"]);
     folder.succeeds(&["render", "toy.rmap", "-o", "b.png", "--size", "48x48"]);
     assert!(folder.read("a.png") == folder.read("b.png"));
@@ -51,7 +33,7 @@ fn a_figure_is_drawn_by_its_name() {
 #[test]
 fn a_file_alone_is_opened_in_the_window() {
     let folder = TestFolder::new("alone");
-    folder.write("v.rmap", encode_toy());
+    folder.write("v.rmap", &*TOY);
     folder.write("letter.obj", "no mesh\n");
     folder.write("solid.obj", TETRAHEDRON);
     folder.succeeds(&["bake", "solid.obj", "-o", "large.rmap", "--size", "256"]);

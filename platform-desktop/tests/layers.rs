@@ -3,8 +3,6 @@
 //! Planted faults (tried by hand): a volume is closed though nobody asked for it; `info` reads a volume of one
 //! interval as one of two; `play` opens a volume with as many intervals as it is told, whatever the trace has.
 
-mod support;
-
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use paros_core::session::SessionMode;
@@ -14,10 +12,8 @@ use paros_shell::rmap;
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::tick_runner::TickRunner;
 use serde_json::Value;
-use support::TestFolder;
 
-const TETRAHEDRON: &str =
-    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+use crate::support::{TETRAHEDRON, TestFolder};
 
 /// Voxels of the cavity.
 const CAVITY: u64 = 20 * 20 * 20;

@@ -1,8 +1,7 @@
 //! `paros play` as a user meets it: a trace replays, and what can't be leaves nothing behind.
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::Output;
 
 use glam::{Quat, Vec3};
 use paros_core::edit::Pose;
@@ -12,12 +11,12 @@ use paros_core::{HandInput, TickInput};
 use paros_shell::require::require_or_skip;
 use paros_shell::tick_runner;
 
+use crate::support::TestFolder;
+
 /// A folder with `t.trace`, forty ticks of a session, `bad.trace`, whose last digest is wrong, and
 /// `empty.trace`, in which no session starts.
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("play-{name}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
+fn folder(name: &str) -> TestFolder {
+    let folder = TestFolder::new(&format!("play-{name}"));
     let recorded = |first: TickInput, more: usize| {
         tick_runner::with_fresh_world::<128, INTERVALS, _>(|mut runner| {
             runner.start_recording();
@@ -26,29 +25,22 @@ fn folder(name: &str) -> PathBuf {
             runner.end_recording_to_bytes().unwrap()
         })
     };
-    fs::write(folder.join("empty.trace"), recorded(TickInput::default(), 0)).unwrap();
+    folder.write("empty.trace", recorded(TickInput::default(), 0));
     let mut bytes =
         recorded(TickInput { start: SessionMode::FreeForm, ..TickInput::default() }, 39);
-    fs::write(folder.join("t.trace"), &bytes).unwrap();
+    folder.write("t.trace", &bytes);
     *bytes.last_mut().unwrap() ^= 1;
-    fs::write(folder.join("bad.trace"), bytes).unwrap();
+    folder.write("bad.trace", bytes);
     folder
 }
 
-fn play(folder: &Path, args: &[&str]) -> Output {
-    let mut paros = Command::new(env!("CARGO_BIN_EXE_paros"));
-    paros.arg("play").args(args).current_dir(folder).stdin(Stdio::null()).output().unwrap()
+fn play(folder: &TestFolder, args: &[&str]) -> Output {
+    folder.paros(&[&["play"], args].concat())
 }
 
 #[track_caller]
-fn refuses(folder: &Path, args: &[&str], word: &str) {
-    let count = || fs::read_dir(folder).unwrap().count();
-    let before = count();
-    let output = play(folder, args);
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{args:?}: {errors}");
-    assert!(errors.contains(word), "{args:?} should say {word:?}: {errors}");
-    assert_eq!(count(), before, "{args:?} left something behind");
+fn refuses(folder: &TestFolder, args: &[&str], word: &str) {
+    folder.refuses(&[&["play"], args].concat(), word);
 }
 
 #[test]
@@ -57,9 +49,9 @@ fn a_trace_replays() {
     let args = ["t.trace", "--digests", "d", "--stl", "s.stl", "--frames", "f"];
     let output = play(&folder, &args);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    assert_eq!(fs::read_to_string(folder.join("d")).unwrap().lines().count(), 40);
-    assert!(fs::metadata(folder.join("s.stl")).unwrap().len() > 84);
-    assert_eq!(fs::read_dir(folder.join("f")).unwrap().count(), 2);
+    assert_eq!(fs::read_to_string(folder.0.join("d")).unwrap().lines().count(), 40);
+    assert!(fs::metadata(folder.0.join("s.stl")).unwrap().len() > 84);
+    assert_eq!(fs::read_dir(folder.0.join("f")).unwrap().count(), 2);
 }
 
 #[test]
@@ -77,15 +69,14 @@ fn what_can_not_be_played_leaves_nothing() {
     refuses(&folder, &["empty.trace", "--digests", "d", "--stl", "s"], word);
     refuses(&folder, &["t.trace", "--digests", "d", "--stl", "none/s"], "none");
     refuses(&folder, &["t.trace", "--volume", "bad.trace", "--digests", "bad.trace"], "bad.trace");
-    let cut = &fs::read(folder.join("t.trace")).unwrap()[..1000];
-    fs::write(folder.join("cut.trace"), cut).unwrap();
+    folder.write("cut.trace", &folder.read("t.trace")[..1000]);
     refuses(&folder, &["cut.trace", "--frames", "f"], "cut.trace");
 }
 
 /// Writes `cut.trace`, in which a ball and its mirror cut aslant into the stone, where a column of one interval
 /// keeps no hole, and then straight down. Returns the sums of its edits' reports: removed, added, and
 /// refused by closure, mask, depth.
-fn record_cuts(folder: &Path) -> [u64; 5] {
+fn record_cuts(folder: &TestFolder) -> [u64; 5] {
     let mut sums = [0; 5];
     let bytes = tick_runner::with_fresh_world::<128, INTERVALS, _>(|mut runner| {
         runner.start_recording();
@@ -115,7 +106,7 @@ fn record_cuts(folder: &Path) -> [u64; 5] {
         }
         runner.end_recording_to_bytes().unwrap()
     });
-    fs::write(folder.join("cut.trace"), bytes).unwrap();
+    folder.write("cut.trace", bytes);
     sums
 }
 
@@ -163,7 +154,7 @@ fn an_unwritable_standard_error_is_no_panic() {
     let Some(full) = require_or_skip(full.map_err(|e| format!("/dev/full: {e}"))).unwrap() else {
         return;
     };
-    let mut paros = Command::new(env!("CARGO_BIN_EXE_paros"));
-    let status = paros.args(["info", "no.rmap"]).stderr(full).status().unwrap();
+    let folder = TestFolder::new("play-unwritable");
+    let status = folder.command(&["info", "no.rmap"]).stderr(full).status().unwrap();
     assert_eq!(status.code(), Some(2));
 }

@@ -1,9 +1,8 @@
 //! The file of settings as `paros settings` and the window's command take it.
 
-mod support;
-
 use serde_json::Value;
-use support::TestFolder;
+
+use crate::support::TestFolder;
 
 const FAIR: &str = "# for the fair\nmode = \"owl\"\nhandover_seconds = 120\n";
 const WRONG: &str = "mode = \"cubes\"\nhandover_seconds = 120\nrate = 90\n";

@@ -1,7 +1,5 @@
 //! `paros sound` as a user meets it: a trace becomes a WAV file, and what can't be leaves nothing behind.
 
-mod support;
-
 use std::io::Cursor;
 
 use glam::{Quat, Vec3};
@@ -11,7 +9,7 @@ use paros_core::session::{BenchItem, PointerCommand, SessionMode, Tool, commands
 use paros_core::{HandInput, TickInput};
 use paros_shell::tick_runner;
 
-use support::TestFolder;
+use crate::support::TestFolder;
 
 /// Two seconds: a motor runs in the second half of the first one, and the session ends with the second one.
 fn record_motor() -> Vec<u8> {

@@ -1,10 +1,8 @@
 //! `paros render --turn`: turntables, and what the rest of `render` says of its pictures.
 
-mod support;
-
 use std::io::Cursor;
 
-use support::TestFolder;
+use crate::support::TestFolder;
 
 /// The frames of an animated PNG, and the length of the first in seconds.
 fn frames(png: &[u8]) -> (Vec<Vec<u8>>, f32) {

@@ -1,9 +1,6 @@
 //! The JNI calls, made on the host's JDK with stubs of Android's classes, which are generated from the
 //! table. The Java VM checks every call (`-Xcheck:jni`).
 
-mod android;
-mod java;
-
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -20,9 +17,9 @@ use paros_shell::headset::runtime::{
 };
 use paros_shell::settings::{LoadedSettings, SettingsLayer};
 
-use android::vm::{device_at_level, set_answer, set_field, stubs_folder, take_calls};
-use android::{compile_stubs, describe_member, is_android, members_by_class, run_javap};
-use java::{has_jdk, run_in_checked_vm};
+use crate::android::vm::{device_at_level, set_answer, set_field, stubs_folder, take_calls};
+use crate::android::{compile_stubs, describe_member, is_android, members_by_class, run_javap};
+use crate::java::{has_jdk, run_in_checked_vm};
 
 #[test]
 fn the_stubs_are_what_the_table_says() {
@@ -64,7 +61,7 @@ fn the_table_names_its_sources() {
 
 #[test]
 fn every_call_is_right() {
-    run_in_checked_vm("every_call_is_right", check_all_calls);
+    run_in_checked_vm("device::every_call_is_right", check_all_calls);
 }
 
 /// Runs all checks, in the child process.

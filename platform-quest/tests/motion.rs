@@ -5,12 +5,10 @@ use glam::{Quat, Vec3};
 use paros_core::internals::{RoomPose, STOOL_TOP};
 use paros_core::limits::INTERVALS;
 use paros_core::session::{PointerCommand, RawPose, SessionMode};
-use paros_core::volume::Grid;
-use paros_core::{HandInput, TickInput, World};
+use paros_core::{HandInput, TickInput};
 use paros_shaders::scene::{LatestInput, MeshId, SceneAssembler};
 use paros_shell::headset::frame_pacer::FramePacer;
-use paros_shell::statics::{Resident, ResidentBitGrid};
-use paros_shell::tick_runner::TickRunner;
+use paros_shell::tick_runner::{TickRunner, with_fresh_world};
 
 /// Display times of three seconds of frames: `rate_hz` a second, each off by at most `jitter_ns`.
 fn display_times_ns(rate_hz: i64, jitter_ns: i64) -> impl Iterator<Item = i64> {
@@ -33,16 +31,11 @@ struct DrawnPositions {
 
 /// Draws frames while the stool turns. `hand_at` gives the hand's pose at a time in seconds.
 fn draw_positions(
-    world: &mut World<128, INTERVALS>,
+    mut stage: TickRunner<'_, 128, INTERVALS>,
     rate_hz: i64,
     jitter_ns: i64,
     hand_at: impl Fn(f32) -> RoomPose,
 ) -> Vec<DrawnPositions> {
-    let mut starts = Grid::<128>::lock_start_volumes();
-    starts.generate_once(&mut Grid::<128>::lock_bit_grid(), |_| {});
-    let hidden = starts.hidden_figures();
-    world.clear();
-    let mut stage = TickRunner::new(world, starts.start_volumes(&hidden));
     let (mut pacer, mut scene) = (FramePacer::default(), SceneAssembler::new());
     stage.run_tick(&TickInput { start: SessionMode::FreeForm, ..TickInput::default() });
     let pointer = PointerCommand::Take { hand: 1, item: 0 };
@@ -81,10 +74,9 @@ const SETTLED: usize = 12;
 
 #[test]
 fn what_moves_uniformly_is_drawn_uniformly() {
-    let mut world = Grid::<128>::lock_world();
     for (rate, jitter) in [(60, 0), (72, 0), (90, 0), (72, 4_000_000)] {
         let along = |t: f32| (Vec3::new(-0.6 + 0.4 * t, 1.5, -0.3), Quat::IDENTITY);
-        let seen = draw_positions(&mut world, rate, jitter, along);
+        let seen = with_fresh_world(|stage| draw_positions(stage, rate, jitter, along));
         let DrawnPositions { seconds: t0, rim_mark: first, .. } = seen[SETTLED];
         let angle = |top: Vec3| (top - STOOL_TOP).x.atan2((top - STOOL_TOP).z);
         let DrawnPositions { seconds: t1, rim_mark: last, .. } = seen[SETTLED + 30];

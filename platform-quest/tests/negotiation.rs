@@ -45,7 +45,11 @@ fn rerun_on_tree(root: &Path, libraries: &Path, library: &Path) -> Command {
     let paths = beside.map(|path| path.display().to_string()).join(":");
     let mut again = Command::new(root.join("usr/lib64/ld-linux-x86-64.so.2"));
     again.arg("--library-path").arg(paths).arg(env::current_exe().expect("this test"));
-    again.args(["--exact", "the_library_that_a_broker_names_is_negotiated_with", "--nocapture"]);
+    again.args([
+        "--exact",
+        "negotiation::the_library_that_a_broker_names_is_negotiated_with",
+        "--nocapture",
+    ]);
     // No service is there to be met.
     let empty = Path::new(env!("CARGO_TARGET_TMPDIR")).join("no-service");
     fs::create_dir_all(&empty).expect("room on the disk");

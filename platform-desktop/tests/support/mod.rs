@@ -3,6 +3,35 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::sync::LazyLock;
+
+use paros_core::RangeMaps;
+use paros_core::limits::INTERVALS;
+use paros_core::volume::BitGrid;
+use paros_shell::figures::Figure;
+use paros_shell::rmap;
+
+/// The smallest mesh that is a solid, as OBJ.
+pub(crate) const TETRAHEDRON: &str =
+    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+/// The volume file of the toy at 128.
+pub(crate) static TOY: LazyLock<Vec<u8>> = LazyLock::new(|| rmap::encode(&rasterize_toy()));
+
+/// The toy at 128, in buffers of its own: a test that holds the shared ones of `statics` would hold up the others.
+pub(crate) fn rasterize_toy() -> Box<RangeMaps<128, INTERVALS>> {
+    let mut maps = Box::new(RangeMaps::new());
+    Figure::Toy.rasterize_into(&mut maps, &mut Box::new(BitGrid::new()));
+    maps
+}
+
+/// Copies an executable file and makes it executable. A process of its own writes the copy: while this process has a file
+/// open for writing, a child that another test starts inherits the descriptor, and running the file fails ("text file
+/// busy").
+pub(crate) fn install_program(from: &Path, to: &Path) {
+    let installed = Command::new("install").arg(from).arg(to).status();
+    assert!(installed.is_ok_and(|status| status.success()), "cannot install {}", to.display());
+}
 
 /// A folder of a test's own.
 pub(crate) struct TestFolder(pub(crate) PathBuf);
@@ -42,7 +71,7 @@ impl TestFolder {
         paros
     }
 
-    /// Runs a command that must do its work; what it printed.
+    /// Runs a command that must succeed and report nothing. Returns its output.
     pub(crate) fn succeeds(&self, args: &[&str]) -> String {
         let output = self.paros(args);
         let errors = String::from_utf8_lossy(&output.stderr);
@@ -51,7 +80,8 @@ impl TestFolder {
         String::from_utf8(output.stdout).unwrap()
     }
 
-    /// Runs a command that must be refused without a trace, saying `word`.
+    /// Runs a command that must be refused with `word` in its message, and leave no file behind.
+    #[track_caller]
     pub(crate) fn refuses(&self, args: &[&str], word: &str) {
         let before = self.names();
         let output = self.paros(args);

@@ -10,8 +10,8 @@ use paros_shell::outbox::Parcel;
 use paros_shell::require::{MissingDependency, require_or_skip};
 use sha2::{Digest as _, Sha256};
 
-use crate::exhibition::{SETTINGS, choose_the_owl, cut_and_see_badge};
-use crate::rig::{ScriptedWindow, XvfbDisplay, empty_folder, paros_command};
+use super::exhibition::{SETTINGS, choose_the_owl, cut_and_see_badge};
+use super::rig::{ScriptedWindow, XvfbDisplay, empty_folder, paros_command};
 
 #[test]
 fn a_visitor_s_sculpture_is_kept_here_and_at_the_booth() -> Result<(), MissingDependency> {

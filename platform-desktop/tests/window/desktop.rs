@@ -14,11 +14,11 @@ use x11rb::protocol::xproto::{ConnectionExt as _, PropMode};
 use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
 
-use crate::rig::{
+use super::rig::{
     STROKE, ScriptedWindow, TETRAHEDRON, XvfbDisplay, check_program, count_differing, empty_folder,
     paros_command,
 };
-use crate::xdnd::{self, drop_files};
+use super::xdnd::{self, drop_files};
 
 /// A window manager, ended when dropped.
 pub(crate) struct WindowManager(Child);

@@ -6,11 +6,11 @@ use std::process::Command;
 
 use paros_shell::require::{MissingDependency, require_or_skip};
 
-use crate::desktop::WindowManager;
-use crate::rig::{
+use super::desktop::WindowManager;
+use super::rig::{
     STROKE, ScriptedWindow, TETRAHEDRON, XvfbDisplay, check_program, empty_folder, paros_command,
 };
-use crate::visit::check_print;
+use super::visit::check_print;
 
 const FINISH: [&str; 5] = ["key enter", "wait 4", "key enter", "wait 4", "settle"];
 

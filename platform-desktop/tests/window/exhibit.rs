@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use paros_booth_process::find_booth;
 use paros_shell::require::{MissingDependency, require_or_skip};
 
-use crate::rig::{XvfbDisplay, empty_folder, paros_command};
+use super::rig::{XvfbDisplay, empty_folder, paros_command};
 
 /// How long anything may take.
 const PATIENCE: Duration = Duration::from_secs(120);

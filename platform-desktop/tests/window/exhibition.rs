@@ -11,7 +11,7 @@ use paros_shell::headset::visit::LastUse;
 use paros_shell::require::{MissingDependency, require_or_skip};
 use paros_visit::{PanelSpot, WindowView};
 
-use crate::rig::{
+use super::rig::{
     HEIGHT, ScriptedWindow, WIDTH, XvfbDisplay, count_differing, empty_folder, paros_command,
 };
 

@@ -4,7 +4,7 @@ use std::fs;
 
 use paros_shell::require::{MissingDependency, require_or_skip};
 
-use crate::rig::{
+use super::rig::{
     DRIVER, STROKE, ScriptedWindow, TETRAHEDRON, XvfbDisplay, empty_folder, paros_command,
 };
 

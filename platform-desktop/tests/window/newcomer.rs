@@ -11,9 +11,9 @@ use std::time::{Duration, Instant};
 use paros_shaders::Image;
 use paros_shell::require::{MissingDependency, require_or_skip};
 
-use crate::desktop::WindowManager;
-use crate::rig::{XvfbDisplay, check_program, count_differing, empty_folder, paros_command};
-use crate::visit::check_print;
+use super::desktop::WindowManager;
+use super::rig::{XvfbDisplay, check_program, count_differing, empty_folder, paros_command};
+use super::visit::check_print;
 
 /// How long something may take until it is seen: the device is a slow one.
 const PATIENCE: Duration = Duration::from_secs(60);

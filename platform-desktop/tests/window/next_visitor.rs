@@ -10,8 +10,8 @@ use paros_shaders::panel::layout;
 use paros_shell::require::{MissingDependency, require_or_skip};
 use paros_visit::PanelSpot;
 
-use crate::exhibition::{SETTINGS, choose_the_owl, click, cut_and_finish};
-use crate::rig::{ScriptedWindow, XvfbDisplay, check_program, empty_folder, paros_command};
+use super::exhibition::{SETTINGS, choose_the_owl, click, cut_and_finish};
+use super::rig::{ScriptedWindow, XvfbDisplay, check_program, empty_folder, paros_command};
 
 /// A window with visits on a display, its stone there.
 fn open_visits(display: &XvfbDisplay) -> ScriptedWindow {

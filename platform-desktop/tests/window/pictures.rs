@@ -12,7 +12,7 @@ use paros_shell::demo::{DemoScript, play_demo};
 use paros_shell::require::{MissingDependency, require_or_skip};
 use paros_shell::tick_runner::with_fresh_world;
 
-use crate::rig::{ScriptedWindow, XvfbDisplay, empty_folder};
+use super::rig::{ScriptedWindow, XvfbDisplay, empty_folder};
 
 /// Pixels of the window; the picture has half as many each way.
 const SIZE: [usize; 2] = [800, 700];

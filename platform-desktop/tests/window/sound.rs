@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use paros_shell::require::{MissingDependency, require_or_skip};
 
-use crate::rig::{STROKE, ScriptedWindow, XvfbDisplay, empty_folder, paros_command};
+use super::rig::{STROKE, ScriptedWindow, XvfbDisplay, empty_folder, paros_command};
 
 /// Compiles what the window loads as `libasound.so.2`, into a folder.
 fn build_library(folder: &Path) {

@@ -3,7 +3,7 @@
 use paros_shaders::Image;
 use paros_shell::require::{MissingDependency, require_or_skip};
 
-use crate::rig::{
+use super::rig::{
     STROKE, ScriptedWindow, XvfbDisplay, check_program, count_differing, empty_folder,
 };
 

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use paros_shell::require::{MissingDependency, require_or_skip};
 
-use crate::rig::{
+use super::rig::{
     HEIGHT, STROKE, ScriptedWindow, WIDTH, XvfbDisplay, check_program, count_differing,
     empty_folder, paros_command,
 };

@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 
 use paros_shell::require::{MissingDependency, require_or_skip};
 
-use crate::rig::{DRIVER, LAYER, STROKE, ScriptedWindow, check_files, empty_folder, paros_command};
-use crate::visit::check_print;
+use super::rig::{DRIVER, LAYER, STROKE, ScriptedWindow, check_files, empty_folder, paros_command};
+use super::visit::check_print;
 
 /// A compositor, ended when dropped.
 struct Weston {

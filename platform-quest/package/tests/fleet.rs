@@ -1,7 +1,5 @@
 //! A package that brings a fleet's file.
 
-mod library;
-
 use std::fs;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -10,7 +8,7 @@ use std::process::{Command, Output};
 use paros_shell::headset::package::FLEET_ASSET;
 use paros_shell::outbox::enrolment::FleetFile;
 
-use library::find_built_library;
+use crate::library::find_built_library;
 
 /// A file that is no library.
 const TEXT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml");

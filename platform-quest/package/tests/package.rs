@@ -1,8 +1,6 @@
 //! The program that makes the package, run as its users run it. What it makes is looked at with the
 //! tools of others.
 
-mod library;
-
 use std::fs;
 use std::io::Read;
 use std::os::unix::fs::PermissionsExt;
@@ -22,7 +20,7 @@ use paros_shell::settings::{FLEET_FILE_KEY, LoadedSettings, SettingsLayer};
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::tick_runner::TickRunner;
 
-use library::find_built_library;
+use crate::library::find_built_library;
 
 const PASSWORD: (&str, &str) = ("PAROS_TEST_KEY", "a secret of tests");
 

@@ -1,7 +1,5 @@
 //! The link to a booth by Java's HTTPS, on the host's JDK, whose VM checks every call.
 
-#[path = "../java/mod.rs"]
-mod java;
 #[path = "../../../platform-desktop/outbox-link/tests/link_suite/mod.rs"]
 mod link_suite;
 mod rig;
@@ -27,7 +25,7 @@ use paros_shell::outbox::{
 };
 use paros_shell::settings::{BoothSettings, LoadedSettings};
 
-use java::run_in_checked_vm;
+use crate::java::run_in_checked_vm;
 use link_suite::{Answer, Server, ask, put};
 use rig::{is_kept, make_draft};
 
@@ -45,30 +43,33 @@ fn open_link(address: &BoothAddress, times: LinkTimes) -> ThreadedLink {
 
 #[test]
 fn requests_and_answers_are_as_the_booth_has_them() {
-    run_in_checked_vm("requests_and_answers_are_as_the_booth_has_them", || {
+    run_in_checked_vm("booth::requests_and_answers_are_as_the_booth_has_them", || {
         link_suite::check_requests_and_answers(open_link);
     });
 }
 
 #[test]
 fn who_has_another_authority_or_address_is_not_the_booth() {
-    run_in_checked_vm("who_has_another_authority_or_address_is_not_the_booth", || {
+    run_in_checked_vm("booth::who_has_another_authority_or_address_is_not_the_booth", || {
         link_suite::check_trust(open_link);
     });
 }
 
 #[test]
 fn nobody_and_silence_are_faults_and_a_part_holds_up_no_heartbeat() {
-    run_in_checked_vm("nobody_and_silence_are_faults_and_a_part_holds_up_no_heartbeat", || {
-        link_suite::check_silence(open_link);
-        link_suite::check_cut_handshakes(open_link);
-        link_suite::check_no_plain_http(open_link);
-    });
+    run_in_checked_vm(
+        "booth::nobody_and_silence_are_faults_and_a_part_holds_up_no_heartbeat",
+        || {
+            link_suite::check_silence(open_link);
+            link_suite::check_cut_handshakes(open_link);
+            link_suite::check_no_plain_http(open_link);
+        },
+    );
 }
 
 #[test]
 fn redirects_are_not_followed_and_long_bodies_not_read() {
-    run_in_checked_vm("redirects_are_not_followed_and_long_bodies_not_read", || {
+    run_in_checked_vm("booth::redirects_are_not_followed_and_long_bodies_not_read", || {
         link_suite::check_redirects_and_long_bodies(open_link);
     });
 }
@@ -76,7 +77,7 @@ fn redirects_are_not_followed_and_long_bodies_not_read() {
 /// From the file that a computer pushed to the booth's receipt, against the booth's own program.
 #[test]
 fn a_headset_enrols_at_the_booth_and_its_sculpture_gets_there() {
-    run_in_checked_vm("a_headset_enrols_at_the_booth_and_its_sculpture_gets_there", || {
+    run_in_checked_vm("booth::a_headset_enrols_at_the_booth_and_its_sculpture_gets_there", || {
         let Some(program) = find_booth() else { return };
         let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join("quest-booth");
         let _ = fs::remove_dir_all(&place);
@@ -104,7 +105,7 @@ fn a_headset_enrols_at_the_booth_and_its_sculpture_gets_there() {
 #[test]
 fn a_headset_that_a_restored_booth_has_forgotten_enrols_anew_and_loses_nothing() {
     run_in_checked_vm(
-        "a_headset_that_a_restored_booth_has_forgotten_enrols_anew_and_loses_nothing",
+        "booth::a_headset_that_a_restored_booth_has_forgotten_enrols_anew_and_loses_nothing",
         || {
             let Some(program) = find_booth() else { return };
             let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join("quest-restored");
@@ -256,7 +257,7 @@ fn wait_until(what: &str, mut is_there: impl FnMut() -> bool) {
 /// What Java threw is in the error: its class, and what it says.
 #[test]
 fn an_exception_is_told() {
-    run_in_checked_vm("an_exception_is_told", || {
+    run_in_checked_vm("booth::an_exception_is_told", || {
         let [server, other] = [Answer::Never; 2].map(Server::start);
         let address = BoothAddress {
             url: format!("https://{}", server.address),
@@ -277,7 +278,7 @@ fn an_exception_is_told() {
 /// would keep its connection.
 #[test]
 fn a_thousand_requests_leave_no_reference_behind() {
-    run_in_checked_vm("a_thousand_requests_leave_no_reference_behind", || {
+    run_in_checked_vm("booth::a_thousand_requests_leave_no_reference_behind", || {
         let fine = b"HTTP/1.1 202 x\r\nContent-Length: 8\r\n\r\n12345678";
         let server = Server::start(Answer::Bytes(fine));
         let url = format!("https://{}", server.address);

@@ -3,7 +3,6 @@
 //! goes wrong around the window loses no sculpture. Validation looks on.
 //!
 //! The screens are left in the test's folder, to be looked at.
-#![cfg(unix)]
 
 mod booth;
 mod desktop;

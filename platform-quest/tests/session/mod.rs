@@ -2,7 +2,6 @@
 //! hand sculpts, a killed shell resumes, and a missing runtime is reported.
 //!
 //! Captured frames stay in the tests' folder, for inspection.
-#![cfg(unix)]
 
 mod asked;
 mod bare_hands;

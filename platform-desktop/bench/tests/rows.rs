@@ -1,9 +1,9 @@
-//! `paros bench` as a script meets it: rows with all their keys, and bad input refused.
+//! Rows of what needs no device.
 
 use std::cell::RefCell;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Output};
 use std::sync::OnceLock;
 
 use paros_bench::{Benchmark, Plan};
@@ -18,9 +18,10 @@ use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::tick_runner;
 use serde_json::Value;
 
+use crate::bench_command;
+
 fn bench(args: &[&str]) -> Output {
-    let mut paros = Command::new(env!("CARGO_BIN_EXE_paros"));
-    paros.arg("bench").args(args).stdin(Stdio::null()).env_remove("PAROS_REQUIRE").output().unwrap()
+    bench_command(args).output().unwrap()
 }
 
 fn rows(args: &[&str]) -> Vec<Value> {
@@ -60,8 +61,7 @@ fn a_missing_rival_leaves_its_half_empty_and_says_so() {
     }
     let errors = String::from_utf8(bench(&args).stderr).unwrap();
     assert!(errors.contains("skipped: ") && errors.contains("no-such-python"), "{errors}");
-    let mut paros = Command::new(env!("CARGO_BIN_EXE_paros"));
-    let required = paros.arg("bench").args(args).env("PAROS_REQUIRE", "all").output().unwrap();
+    let required = bench_command(&args).env("PAROS_REQUIRE", "all").output().unwrap();
     assert_eq!(required.status.code(), Some(1));
     let errors = String::from_utf8(required.stderr).unwrap();
     assert!(
@@ -71,7 +71,7 @@ fn a_missing_rival_leaves_its_half_empty_and_says_so() {
     assert!(required.stdout.is_empty());
 }
 
-/// One run of `bench layers` for all tests.
+/// One run of `paros-bench layers` for all tests.
 fn layer_rows() -> &'static [Value] {
     static ROWS: OnceLock<Vec<Value>> = OnceLock::new();
     ROWS.get_or_init(|| rows(&["layers", "toy", "--runs", "1", "--json"]))
@@ -258,6 +258,8 @@ fn bad_input_is_refused() {
     for (args, word) in [
         (["islands", "--volume", "no-such.rmap"], "no-such.rmap"),
         (["edit", "--volume", "no-such.obj"], "no-such.obj"),
+        (["islands", "--runs=1", "none.ply"], "none.ply: cannot read: No such file"),
+        (["islands", "--runs=1", "none.rmap"], "none.rmap: cannot read: No such file"),
         (["bake", "--volume", "no-such-figure"], "no-such-figure: nothing to measure on"),
         (["islands", "--volume", "x.txt"], "(lump, owl, cat, amphora, dolphin, toy)"),
         (["islands", "--volume", "x.txt"], "or a name in .rmap, .obj, .stl"),

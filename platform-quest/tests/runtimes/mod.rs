@@ -1,6 +1,5 @@
 //! Runtimes that refuse what those of headsets refuse, found as on a headset: each is a library of its own, made
 //! from `mock.c` by the C compiler that Rust links with.
-#![cfg(unix)]
 
 use std::ffi::c_int;
 use std::path::{Path, PathBuf};
