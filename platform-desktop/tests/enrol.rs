@@ -86,7 +86,7 @@ fn without_a_booth_s_program_it_tells_what_builds_it() {
     let output = Command::new(&alone).arg("exhibit").current_dir(&folder.0).output().unwrap();
     let errors = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{errors}");
-    assert!(errors.contains("`cargo build --release -p paros-booth` builds it"), "{errors}");
+    assert!(errors.contains("`cargo build --release -p paros-booth -p paros-desktop"), "{errors}");
     assert_eq!(folder.names(), ["paros"]);
 }
 

@@ -57,6 +57,7 @@ where
     /// let _ = WORLD.save(&mut []);
     /// ```
     #[must_use]
+    #[inline(never)]
     pub fn save(&self, bytes: &mut [u8]) -> usize {
         const { assert!(K <= MAX_INTERVALS, "more than MAX_INTERVALS intervals aren't saved") };
         let mut to = ByteWriter::new(bytes);
@@ -93,6 +94,7 @@ where
     /// # Errors
     /// [`BadSave`] for bytes that [`World::save`] didn't write for this N and K. A wrong checksum leaves the
     /// world unchanged; invalid bytes with a valid checksum leave the empty world.
+    #[inline(never)]
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), BadSave> {
         let mut from = ByteReader::new(bytes);
         check_header::<K>(&mut from, N, bytes)?;
@@ -105,6 +107,7 @@ where
     }
 
     /// Becomes the empty world, which waits for a session.
+    #[inline(never)]
     pub fn clear(&mut self) {
         self.state = WorldState::new();
         self.bared = BaredEnds::NONE;
@@ -171,6 +174,7 @@ where
 
     /// The digest, with every part computed from scratch.
     #[must_use]
+    #[inline(never)]
     pub fn recompute_digest(&self) -> u64 {
         let mut state = self.state;
         state.mask_digest = maps_digest(&self.mask);
@@ -184,6 +188,7 @@ where
 
     /// The digests of the state's parts with their names, to find the part in which two worlds differ.
     #[must_use]
+    #[inline(never)]
     pub fn part_digests(&self) -> [(&'static str, u64); DIGEST_PARTS.len()] {
         let digests =
             [self.state.digest(), self.volume.digest(), self.undo.digest(), self.islands.digest()];

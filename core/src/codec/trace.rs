@@ -141,6 +141,7 @@ impl TickRecord {
 
 /// The digest of all start volumes, in order.
 #[must_use]
+#[inline(never)]
 pub fn digest_start_volumes<const N: usize, const K: usize>(
     starts: &StartVolumes<'_, N, K>,
 ) -> u64 {

@@ -87,6 +87,7 @@ where
 
     /// Advances the world by one tick, 1/72 s. Start volumes are read only where `input` starts a
     /// session.
+    #[inline(never)]
     pub fn step(&mut self, input: &TickInput, starts: &StartVolumes<'_, N, K>) {
         self.events.clear();
         self.dirty.clear();

@@ -90,11 +90,13 @@ where
 
     /// Number of voxels set.
     #[must_use]
+    #[inline(never)]
     pub fn count_voxels(&self) -> u64 {
         self.rows.as_flattened().iter().map(|row| u64::from(row.count_ones())).sum()
     }
 
     /// Becomes the intersection of the three range maps.
+    #[inline(never)]
     pub fn set_from_maps<const K: usize>(&mut self, maps: &RangeMaps<N, K>) {
         self.set_rows_from_maps(maps, [Range::new(0, N - 1); 2]);
     }
@@ -143,6 +145,7 @@ where
     /// Writes the range maps of these voxels' closure, of columns that had no gaps before: their tight
     /// hulls without the longest K - 1 empty runs inside each. The grid itself is unchanged;
     /// [`BitGrid::set_from_maps`] of the maps is the closure.
+    #[inline(never)]
     pub fn write_closure<const K: usize>(&self, maps: &mut RangeMaps<N, K>) {
         if K > 1 {
             maps.clear();
@@ -178,6 +181,7 @@ where
     }
 
     /// Writes the tight hulls of these voxels: columns of one interval. The grid itself is unchanged.
+    #[inline(never)]
     pub fn write_hulls<const K: usize>(&self, maps: &mut RangeMaps<N, K>) {
         for y in 0..N {
             for z in 0..N {

@@ -64,6 +64,7 @@ where
     }
 
     /// Becomes the volume of these range maps, which must be tight and saturated.
+    #[inline(never)]
     pub fn set_maps(&mut self, maps: &RangeMaps<N, K>) {
         self.digest = copy_and_digest_maps(maps, &mut self.maps);
         self.rebuild_rows();
@@ -151,6 +152,7 @@ where
     /// Whether every range is tight: both its end voxels are occupied. Always true after an edit; a
     /// check for range maps of unknown origin.
     #[must_use]
+    #[inline(never)]
     pub fn are_ranges_tight(&self) -> bool {
         self.first_loose_column().is_none()
     }
@@ -163,6 +165,7 @@ where
     /// Whether every column is saturated: with room for another gap it has no empty voxel inside its
     /// intervals. Always true after an edit, and for columns of one interval.
     #[must_use]
+    #[inline(never)]
     pub fn is_saturated(&self) -> bool {
         self.first_unsaturated_column().is_none()
     }
@@ -174,6 +177,7 @@ where
 
     /// Number of occupied voxels.
     #[must_use]
+    #[inline(never)]
     pub fn count_voxels(&self) -> u64 {
         self.rows.count_voxels()
     }

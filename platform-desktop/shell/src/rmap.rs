@@ -107,6 +107,7 @@ pub fn read_sculpture_header(path: &Path) -> Result<RmapHeader, RmapError> {
 ///
 /// # Errors
 /// When the file cannot be read, is no `.rmap`, is damaged, or holds another size or more intervals.
+#[inline(never)]
 pub fn read<const N: usize, const K: usize>(
     path: &Path,
     maps: &mut RangeMaps<N, K>,
@@ -123,6 +124,7 @@ where
 ///
 /// # Errors
 /// When the file cannot be read, is no `.rmap`, is damaged, or holds another size.
+#[inline(never)]
 pub fn read_closed<const N: usize, const K: usize>(
     path: &Path,
     maps: &mut RangeMaps<N, K>,
@@ -166,6 +168,7 @@ where
 
 /// Encodes a volume as the bytes of a file.
 #[must_use]
+#[inline(never)]
 pub fn encode<const N: usize, const K: usize>(maps: &RangeMaps<N, K>) -> Vec<u8>
 where
     Grid<N>: Size,
@@ -192,6 +195,7 @@ where
 /// The CRC-32 at the end of this volume's file: a fingerprint of its maps. With more than one interval a
 /// column they are more than the voxels: those of the same voxels may hold other gaps.
 #[must_use]
+#[inline(never)]
 pub fn volume_checksum<const N: usize, const K: usize>(maps: &RangeMaps<N, K>) -> u32
 where
     Grid<N>: Size,
@@ -204,6 +208,7 @@ where
 ///
 /// # Errors
 /// The first fault found and where it lies.
+#[inline(never)]
 pub fn decode<const N: usize, const K: usize>(
     bytes: &[u8],
     maps: &mut RangeMaps<N, K>,
@@ -218,6 +223,7 @@ where
 ///
 /// # Errors
 /// The first fault found and where it lies.
+#[inline(never)]
 pub fn decode_closed<const N: usize, const K: usize>(
     bytes: &[u8],
     maps: &mut RangeMaps<N, K>,

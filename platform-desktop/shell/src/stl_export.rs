@@ -20,6 +20,7 @@ pub const MAX_BYTES_PER_STEP: usize = 1 << 20;
 /// Millimetres of a print `model_height_mm` high for one of the room: a print is as high as that from its
 /// sculpture's lowest voxel to its highest. `None` without a voxel.
 #[must_use]
+#[inline(never)]
 pub fn print_scale<const N: usize, const K: usize>(
     world: &World<N, K>,
     model_height_mm: f32,
@@ -111,6 +112,7 @@ where
 
     /// Begins an export of these voxels and the mask that supports some of them (empty for none). An
     /// export under way is dropped.
+    #[inline(never)]
     pub fn begin_export(&mut self, bit_grid: &BitGrid<N>, mask: &RangeMaps<N, K>) {
         self.buffers.bit_grid.copy_from(bit_grid);
         self.buffers.mask.copy_from(mask);
@@ -121,6 +123,7 @@ where
     /// Works on the export under way, [`UNITS_PER_STEP`] units or [`MAX_BYTES_PER_STEP`] bytes. Returns
     /// the file once it is finished.
     #[must_use = "a file is handed out once"]
+    #[inline(never)]
     pub fn advance_export_step(&mut self) -> Option<FinishedStl> {
         let stl = self.stl.as_mut()?;
         let StlBuffers { exporter, bit_grid, mask } = &mut *self.buffers;

@@ -8,6 +8,10 @@ use std::process::Command;
 
 use paros_headless::Error;
 
+/// The command that builds the booth, and a `paros` that can send to it.
+pub(crate) const BUILD_COMMAND: &str =
+    "cargo build --release -p paros-booth -p paros-desktop --features paros-desktop/booth";
+
 /// Run the booth, which keeps what headsets send; all arguments are its own (`paros booth --help`).
 #[derive(Debug, clap::Args)]
 #[command(disable_help_flag = true)]
@@ -24,7 +28,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let booth = booth.display();
     Err(Error::failure(match error.kind() {
         ErrorKind::NotFound => {
-            format!("{booth}: it isn't there; `cargo build --release -p paros-booth` builds it")
+            format!("{booth}: there is no such program; `{BUILD_COMMAND}` builds it")
         }
         _ => format!("{booth}: {error}"),
     }))

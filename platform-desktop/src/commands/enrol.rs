@@ -17,7 +17,7 @@ use paros_shell::outbox::enrolment::{
 };
 use paros_shell::studio_paths::StudioPaths;
 
-/// Enrol this machine at a booth, so that finished sculptures are sent there.
+/// The arguments of `paros enrol`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// The booth's address. The staff compares four pictograms, which are printed, with those of its page.

@@ -24,9 +24,10 @@ use paros_shell::outbox::enrolment::{
 use rustix::process::{Pid, Signal, kill_process};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
+use super::booth::BUILD_COMMAND;
 use mail_sink::MailSink;
 
-/// A whole exhibition on this machine: a booth, and a window with visits whose sculptures go there.
+/// The arguments of `paros exhibit`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Where everything is kept: the booth's data, the studio's sessions, the sculptures, and with
@@ -164,7 +165,7 @@ fn find_booth() -> Result<PathBuf, Error> {
     match booth.exists() {
         true => Ok(booth),
         false => Err(Error::Failure(format!(
-            "{}: it isn't there; `cargo build --release -p paros-booth` builds it",
+            "{}: there is no such program; `{BUILD_COMMAND}` builds it",
             booth.display()
         ))),
     }

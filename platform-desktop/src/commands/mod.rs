@@ -5,10 +5,14 @@ mod bench;
 mod booth;
 mod demo;
 mod drawing;
+#[cfg(feature = "booth")]
 mod enrol;
+#[cfg(feature = "booth")]
 mod exhibit;
 mod export;
 mod info;
+#[cfg(not(feature = "booth"))]
+mod needs_https;
 mod play;
 mod render;
 mod settings;
@@ -18,7 +22,12 @@ mod window;
 
 use std::path::PathBuf;
 
+#[cfg(not(feature = "booth"))]
+pub(crate) use booth::BUILD_COMMAND;
+
 use clap::{Parser, Subcommand};
+#[cfg(not(feature = "booth"))]
+use needs_https::{self as enrol, self as exhibit};
 use paros_headless::Error;
 
 /// Sculpts in a block of voxels: bakes meshes, shows and exports sculptures.
@@ -39,7 +48,9 @@ enum CliCommand {
     Bake(bake::Args),
     Bench(bench::Args),
     Booth(booth::Args),
+    /// Enrol this machine at a booth, so that finished sculptures are sent there.
     Enrol(enrol::Args),
+    /// Start a whole exhibition on this machine: a booth, and a window with visits whose sculptures go there.
     Exhibit(exhibit::Args),
     Info(info::Args),
     Play(play::Args),

@@ -4,7 +4,6 @@ use std::io::{self, Write as _};
 
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
-use paros_outbox_link::LinkTimes;
 use paros_shell::outbox::courier::{Courier, CourierLink, read_clock_ms};
 use paros_shell::outbox::enrolment::Enrolment;
 use paros_shell::settings::BoothSettings;
@@ -14,6 +13,8 @@ use paros_sound::Speaker;
 use paros_visit::{DeviceStatus, VisitOptions, answer_without_visits, send_plan};
 
 use super::app::App;
+#[cfg(not(feature = "booth"))]
+use crate::commands::BUILD_COMMAND;
 
 /// Has a studio's sculptures brought to the booth at which the device is enrolled, if it is at one. What stands in the way
 /// is told, and the studio goes on without.
@@ -25,7 +26,7 @@ pub(super) fn bring_to_booth<const N: usize>(
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
     let sessions = studio.paths().sessions.clone();
-    match Courier::open_enrolled(settings, &sessions, read_clock_ms, |found| Ok(open_link(found))) {
+    match Courier::open_enrolled(settings, &sessions, read_clock_ms, open_link) {
         Ok(None) => {}
         Ok(Some(courier)) => studio.set_courier(courier, send_plan(settings, visits)),
         Err(why) => {
@@ -37,9 +38,19 @@ pub(super) fn bring_to_booth<const N: usize>(
     }
 }
 
-/// A link by HTTPS to an enrolment's booth.
-pub(crate) fn open_link(enrolment: &Enrolment) -> CourierLink {
-    Box::new(paros_outbox_link::open_link(&enrolment.booth_address(), LinkTimes::default()))
+/// Connects to the booth of an enrolment by HTTPS.
+#[cfg(feature = "booth")]
+#[expect(clippy::unnecessary_wraps, reason = "a build without HTTPS has an error")]
+fn open_link(enrolment: &Enrolment) -> Result<CourierLink, String> {
+    let (address, times) = (enrolment.booth_address(), paros_outbox_link::LinkTimes::default());
+    Ok(Box::new(paros_outbox_link::open_link(&address, times)))
+}
+
+/// Returns the error that this build has no HTTPS.
+#[cfg(not(feature = "booth"))]
+fn open_link(enrolment: &Enrolment) -> Result<CourierLink, String> {
+    let address = &enrolment.address;
+    Err(format!("nothing is sent to {address}: this build has no HTTPS; `{BUILD_COMMAND}` adds it"))
 }
 
 fn write_line(line: &str) {

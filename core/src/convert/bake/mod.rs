@@ -94,6 +94,7 @@ where
     }
 
     /// Removes every triangle, in place.
+    #[inline(never)]
     pub fn clear(&mut self) {
         self.touched.clear();
         self.ends.as_flattened_mut().as_flattened_mut().fill(ColumnCrossings::NONE);
@@ -108,6 +109,7 @@ where
     ///
     /// # Errors
     /// [`OutsideBox`] when a corner is outside `0..=256 N`; nothing is changed then.
+    #[inline(never)]
     pub fn add_triangle(&mut self, corners_bake_units: [IVec3; 3]) -> Result<(), OutsideBox> {
         let triangle = GridTriangle::new_within_grid::<N>(corners_bake_units).ok_or(OutsideBox)?;
         triangle.mark_touched_voxels(&mut self.touched);
@@ -127,6 +129,7 @@ where
     /// Writes the tight and saturated range maps of all triangles so far, and their voxels to `voxels`,
     /// whatever both held before. More triangles may be added afterwards. Columns of several intervals
     /// need a baker with [`ColumnWindings`]; another doesn't compile.
+    #[inline(never)]
     pub fn write_maps<const K: usize>(
         &self,
         maps: &mut RangeMaps<N, K>,

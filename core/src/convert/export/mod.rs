@@ -130,6 +130,7 @@ where
     ///
     /// # Errors
     /// A height outside [`HEIGHT_RANGE_MM`]; the exporter is unchanged.
+    #[inline(never)]
     pub fn start_export(&mut self, height_mm: f32) -> Result<(), HeightOutOfRange> {
         if !HEIGHT_RANGE_MM.contains(&height_mm) {
             return Err(HeightOutOfRange(height_mm));
@@ -151,6 +152,7 @@ where
     /// when `out` has [`Exporter::MIN_BUFFER`] bytes or room for the whole file; a smaller one may stop it for
     /// good, which shows as no bytes written and no change of phase. The bytes of the file
     /// don't depend on budgets and buffers.
+    #[inline(never)]
     pub fn advance_export<const K: usize>(
         &mut self,
         volume: &BitGrid<N>,

@@ -94,6 +94,7 @@ impl HiddenStart {
 
     /// Rasterizes its stone, as [`Figure::rasterize_into`] does a figure: a subset of the lump, and the figure one
     /// of it.
+    #[inline(never)]
     pub fn rasterize_stone_into<const N: usize, const K: usize>(
         self,
         maps: &mut RangeMaps<N, K>,

@@ -71,6 +71,7 @@ impl Figure {
 
     /// Rasterizes the figure: a voxel belongs to it if its centre does. `maps` become the closure of
     /// its voxels, `bit_grid` the same.
+    #[inline(never)]
     pub fn rasterize_into<const N: usize, const K: usize>(
         self,
         maps: &mut RangeMaps<N, K>,
