@@ -9,6 +9,7 @@ pub mod edit_totals;
 pub mod figures;
 pub mod file_writer;
 pub mod headset;
+#[cfg(not(test))]
 pub mod instances;
 pub mod log_file;
 #[cfg(feature = "meshes")]
