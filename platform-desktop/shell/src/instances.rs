@@ -12,6 +12,7 @@ use crate::figures::Figure;
 use crate::rmap;
 use crate::statics::{Resident, ResidentBitGrid};
 use crate::stl_export::{StlExporter, print_scale};
+use crate::tick_runner::TickRunner;
 
 /// Compiles the functions of all sizes. It does nothing when it is called.
 pub fn compile_instances() {
@@ -37,7 +38,7 @@ where
     Grid<N>: Size + Resident<N, K>,
 {
     let world = [
-        World::<N, K>::step as *const (),
+        TickRunner::<N, K>::run_tick as *const (),
         World::<N, K>::save as *const (),
         World::<N, K>::load as *const (),
         World::<N, K>::clear as *const (),
