@@ -14,6 +14,9 @@ use paros_quest::device::table::{ALL_MEMBERS, JavaMember, MemberKind};
 /// The superclasses of stubs whose members are asked of a subclass's objects.
 const SUPERCLASSES: [(&str, &str); 1] = [("android/os/Bundle", "android/os/BaseBundle")];
 
+/// Arguments by which a tool of the JDK compiles its own code quickly: it doesn't run for long.
+const QUICK_JDK: [&str; 2] = ["-J-XX:TieredStopAtLevel=1", "-J-XX:+UseSerialGC"];
+
 /// The table's members, grouped by class.
 pub(crate) fn members_by_class() -> BTreeMap<&'static str, Vec<JavaMember>> {
     let mut classes: BTreeMap<_, Vec<_>> = BTreeMap::new();
@@ -42,18 +45,25 @@ pub(crate) fn compile_stubs(folder: &Path) -> Result<(), String> {
         files.push(path);
     }
     let mut javac = Command::new("javac");
-    let output = javac.arg("-d").arg(folder.join("classes")).args(files).output();
+    let output = javac.args(QUICK_JDK).arg("-d").arg(folder.join("classes")).args(files).output();
     let output = output.map_err(|e| format!("javac: {e}"))?;
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     if output.status.success() { Ok(()) } else { Err(said) }
 }
 
-/// The public members that `javap` finds in a compiled class, as [`describe_member`] writes them.
-pub(crate) fn run_javap(folder: &Path, class: &str) -> BTreeSet<String> {
+/// The public members that `javap` finds in each of these compiled classes, as [`describe_member`] writes them.
+pub(crate) fn run_javap(folder: &Path, classes: &[&str]) -> Vec<BTreeSet<String>> {
     let mut javap = Command::new("javap");
-    javap.args(["-s", "-public", "-cp"]).arg(folder.join("classes")).arg(class.replace('/', "."));
+    javap.args(QUICK_JDK).args(["-s", "-public", "-cp"]).arg(folder.join("classes"));
+    javap.args(classes.iter().map(|class| class.replace('/', ".")));
     let output = javap.output().expect("a JDK has it");
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let text = String::from_utf8_lossy(&output.stdout);
+    // Only the first line of a class ends so.
+    text.split("{\n").skip(1).map(parse_members).collect()
+}
+
+/// The members in the lines of one class.
+fn parse_members(text: &str) -> BTreeSet<String> {
     let lines: Vec<_> = text.lines().map(str::trim).collect();
     let members = lines.windows(2).filter_map(|pair| {
         let signature = pair[1].strip_prefix("descriptor: ")?;

@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use jni::objects::{Global, JObject, JString};
-use jni::{Env, InitArgsBuilder, JNIVersion, JValue, JavaVM, jni_sig, jni_str};
+use jni::{Env, InitArgsBuilder, JValue, JavaVM, jni_sig, jni_str};
 use paros_quest::device::AndroidDevice;
 
 use super::compile_stubs;
+use crate::java::start_checked_vm;
 
 /// The folder of the stubs; every process has its own.
 pub(crate) fn stubs_folder() -> PathBuf {
@@ -18,9 +19,8 @@ pub(crate) fn stubs_folder() -> PathBuf {
 static VM: LazyLock<JavaVM> = LazyLock::new(|| {
     compile_stubs(&stubs_folder()).expect("the sources are right");
     let classes = format!("-Djava.class.path={}", stubs_folder().join("classes").display());
-    let arguments = InitArgsBuilder::new().version(JNIVersion::V1_8);
-    let arguments = arguments.option("-Xcheck:jni").option(&classes).build().expect("arguments");
-    JavaVM::new(arguments).expect("a JDK's machine")
+    let arguments = InitArgsBuilder::new();
+    start_checked_vm(arguments.option(&classes))
 });
 
 /// A device of an API level, by a context of the stubs.

@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 use std::{fs, thread};
 
-use jni::{InitArgsBuilder, JNIVersion, JavaVM};
+use jni::{InitArgsBuilder, JavaVM};
 use paros_booth_process::{BoothProcess, find_booth};
 use paros_core::outbox::messages::{DeviceName, DeviceToken, SculptureId};
 use paros_quest::device::HttpsCaller;
@@ -25,15 +25,12 @@ use paros_shell::outbox::{
 };
 use paros_shell::settings::{BoothSettings, LoadedSettings};
 
-use crate::java::run_in_checked_vm;
+use crate::java::{run_in_checked_vm, start_checked_vm};
 use link_suite::{Answer, Server, ask, put};
 use rig::{is_kept, make_draft};
 
 /// The Java VM: a process can start only one. Nothing of Android's is in it.
-static VM: LazyLock<JavaVM> = LazyLock::new(|| {
-    let arguments = InitArgsBuilder::new().version(JNIVersion::V1_8).option("-Xcheck:jni");
-    JavaVM::new(arguments.build().expect("arguments")).expect("a JDK's machine")
-});
+static VM: LazyLock<JavaVM> = LazyLock::new(|| start_checked_vm(InitArgsBuilder::new()));
 
 fn open_link(address: &BoothAddress, times: LinkTimes) -> ThreadedLink {
     let [of_puts, of_heartbeats] = [times.put, times.heartbeat]

@@ -3,6 +3,7 @@
 use std::env;
 use std::process::Command;
 
+use jni::{InitArgsBuilder, JNIVersion, JavaVM};
 use paros_shell::require::require_or_skip;
 
 /// The environment variable of the child process whose calls are checked.
@@ -15,6 +16,13 @@ pub(crate) fn has_jdk() -> bool {
     require_or_skip(missing.map_or(Ok(()), |program| Err(format!("no {program}"))))
         .expect("a JDK")
         .is_some()
+}
+
+/// Starts the Java VM of this process, which checks every call. It compiles its own code quickly, as it doesn't run for long.
+pub(crate) fn start_checked_vm(arguments: InitArgsBuilder<'_>) -> JavaVM {
+    let arguments = arguments.version(JNIVersion::V1_8).option("-Xcheck:jni");
+    let arguments = arguments.option("-XX:TieredStopAtLevel=1").option("-XX:+UseSerialGC");
+    JavaVM::new(arguments.build().expect("arguments")).expect("a JDK's machine")
 }
 
 /// Runs what the test of this name does in a process of its own, and demands that the VM there reports no fault. It

@@ -3,29 +3,33 @@
 use paros_shell::mesh::Mesh;
 use std::collections::HashMap;
 
-/// A surface of revolution, closed at the top and open at the bottom.
+/// A surface of revolution of 120 x 90 quads, closed at the top and open at the bottom.
 #[must_use]
 pub fn vase() -> Mesh {
-    const AROUND: u32 = 120;
-    const LEVELS: u32 = 90;
+    vase_of_quads(120, 90)
+}
+
+/// The vase of so many quads around and so many levels.
+#[must_use]
+pub fn vase_of_quads(around: u32, levels: u32) -> Mesh {
     let mut mesh = Mesh::default();
-    for level in 0..LEVELS {
-        let height = level as f32 / LEVELS as f32;
+    for level in 0..levels {
+        let height = level as f32 / levels as f32;
         let radius = 0.3 + 0.15 * (height * 9.0).sin();
-        for i in 0..AROUND {
-            let angle = i as f32 / AROUND as f32 * std::f32::consts::TAU;
+        for i in 0..around {
+            let angle = i as f32 / around as f32 * std::f32::consts::TAU;
             mesh.positions.push([radius * angle.cos(), height, -radius * angle.sin()]);
         }
     }
     let top = mesh.positions.len() as u32;
     mesh.positions.push([0.0, 1.0, 0.0]);
-    for level in 0..LEVELS {
-        for i in 0..AROUND {
-            let [a, b] = [i, (i + 1) % AROUND].map(|i| level * AROUND + i);
-            if level + 1 == LEVELS {
+    for level in 0..levels {
+        for i in 0..around {
+            let [a, b] = [i, (i + 1) % around].map(|i| level * around + i);
+            if level + 1 == levels {
                 mesh.triangles.push([a, b, top]);
             } else {
-                mesh.triangles.extend([[a, b, b + AROUND], [a, b + AROUND, a + AROUND]]);
+                mesh.triangles.extend([[a, b, b + around], [a, b + around, a + around]]);
             }
         }
     }

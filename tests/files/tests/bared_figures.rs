@@ -3,146 +3,118 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use paros_core::TickInput;
 use paros_core::session::SessionMode;
+use paros_core::volume::{BitGrid, BitSet, Grid, Size};
+use paros_core::{RangeMaps, TickInput};
 use paros_models::dense::DenseVolume;
 use paros_models::world_harness::WorldHarness;
 use paros_shell::figures::Figure;
 
 const SIDE: usize = 128;
-/// Of the ball, in voxels: the stone's box is 450 mm wide.
-const RADIUS: f64 = 15.0 / 450.0 * SIDE as f64;
-/// Points of the lattice on which the ball's middle is tried, per voxel.
-const STEPS: usize = 2;
-/// Of the lattice around a figure, in voxels, on all sides but the ground: more than the ball's radius.
-const MARGIN: i32 = 6;
+/// Points of the lattice on which the ball's middle is tried, along a side: two a voxel.
+const POINTS: usize = 2 * SIDE;
+/// The radius of the ball in steps of the lattice: the stone's box is 450 mm wide.
+const RADIUS: f64 = 15.0 / 450.0 * POINTS as f64;
 
 static HARNESS: Mutex<WorldHarness<SIDE, 2>> = Mutex::new(WorldHarness::new());
 
-/// A box of lattice points, z fastest.
-struct Lattice {
-    /// The voxel at its lowest corner.
-    origin: [i32; 3],
-    /// Points along x, y, z.
-    size: [usize; 3],
+type Row = <Grid<POINTS> as Size>::Row;
+
+/// A set of lattice points: rows along x, by y and z.
+type Lattice = Box<BitGrid<POINTS>>;
+
+/// The rows of the lattice, by y and z.
+fn all_rows() -> impl Iterator<Item = (usize, usize)> {
+    (0..POINTS * POINTS).map(|i| (i / POINTS, i % POINTS))
 }
 
-impl Lattice {
-    /// The ball's middles about a figure that stands on the ground.
-    fn around(figure: &DenseVolume) -> Self {
-        let (mut lo, mut hi) = ([i32::MAX; 3], [i32::MIN; 3]);
-        for voxel in figure.occupied() {
-            (0..3).for_each(|i| (lo[i], hi[i]) = (lo[i].min(voxel[i]), hi[i].max(voxel[i])));
+/// The rows beside one, by y and z.
+fn rows_beside(y: usize, z: usize) -> impl Iterator<Item = (usize, usize)> {
+    let beside = [(y + 1, z), (y.wrapping_sub(1), z), (y, z + 1), (y, z.wrapping_sub(1))];
+    beside.into_iter().filter(|&(y, z)| y < POINTS && z < POINTS)
+}
+
+/// The point at the centre of a voxel.
+fn point_of([x, y, z]: [i32; 3]) -> [usize; 3] {
+    [x, y, z].map(|i| 2 * i as usize + 1)
+}
+
+/// The points within the ball's radius of a point of a set: the union of balls, which are unions of rows.
+fn within_radius(points: &Lattice) -> Lattice {
+    // For each half length, the offsets (y, z) from the ball's middle of its rows that are so long.
+    let most = (RADIUS * RADIUS) as usize;
+    let reach = most.isqrt();
+    let mut offsets = vec![Vec::new(); reach + 1];
+    for (y, z) in (0..=2 * reach).flat_map(|y| (0..=2 * reach).map(move |z| (y, z))) {
+        let squared = y.abs_diff(reach).pow(2) + z.abs_diff(reach).pow(2);
+        if let Some(rest) = most.checked_sub(squared) {
+            offsets[rest.isqrt()].push((y, z));
         }
-        let origin = [lo[0] - MARGIN, 0, lo[2] - MARGIN];
-        let size = [0, 1, 2].map(|i| STEPS * (hi[i] + 1 + MARGIN - origin[i]) as usize);
-        Lattice { origin, size }
     }
-
-    fn len(&self) -> usize {
-        self.size.iter().product()
-    }
-
-    fn index(&self, [x, y, z]: [usize; 3]) -> usize {
-        (x * self.size[1] + y) * self.size[2] + z
-    }
-
-    /// The point at a voxel's centre; `None` outside.
-    fn index_of_voxel(&self, voxel: [i32; 3]) -> Option<usize> {
-        let at: [usize; 3] = core::array::from_fn(|i| {
-            STEPS.wrapping_mul((voxel[i] - self.origin[i]) as usize).wrapping_add(STEPS / 2)
-        });
-        (0..3).all(|i| at[i] < self.size[i]).then(|| self.index(at))
-    }
-
-    /// The squared distance of each point to the nearest of some, in steps: by parabolas along one axis after the
-    /// other (Felzenszwalb and Huttenlocher 2012).
-    fn squared_distances(&self, is_seed: &[bool]) -> Vec<f32> {
-        const FAR: f32 = 1e9;
-        let mut distances: Vec<f32> =
-            is_seed.iter().map(|seed| if *seed { 0.0 } else { FAR }).collect();
-        let strides = [self.size[1] * self.size[2], self.size[2], 1];
-        for (n, stride) in core::iter::zip(self.size, strides) {
-            let starts = (0..self.len()).filter(|i| i / stride % n == 0);
-            let mut line = vec![0.0; n];
-            for start in starts {
-                (0..n).for_each(|i| line[i] = distances[start + i * stride]);
-                lower_envelope(&line, |i, value| distances[start + i * stride] = value);
-            }
+    let mut within: Lattice = Box::new(BitGrid::new());
+    for (y, z) in all_rows() {
+        let mut row = points.row(y, z);
+        if row.is_empty() {
+            continue;
         }
-        distances
-    }
-
-    /// The points that are joined with the top layer by steps between allowed ones.
-    fn reach_from_above(&self, is_allowed: &[bool]) -> Vec<bool> {
-        let [nx, ny, nz] = self.size;
-        let mut is_reached = vec![false; self.len()];
-        let mut queue: Vec<[usize; 3]> = Vec::new();
-        for x in 0..nx {
-            queue.extend((0..nz).map(|z| [x, ny - 1, z]));
-        }
-        while let Some(at) = queue.pop() {
-            let i = self.index(at);
-            if is_reached[i] || !is_allowed[i] {
-                continue;
-            }
-            is_reached[i] = true;
-            for axis in 0..3 {
-                for step in [usize::MAX, 1] {
-                    let mut next = at;
-                    next[axis] = at[axis].wrapping_add(step);
-                    if next[axis] < self.size[axis] {
-                        queue.push(next);
-                    }
+        for of_length in &offsets {
+            for (down, aside) in of_length {
+                let at = [y + down, z + aside].map(|i| i.wrapping_sub(reach));
+                if at.iter().all(|&i| i < POINTS) {
+                    *within.row_mut(at[0], at[1]) |= row;
                 }
             }
+            row |= row.shifted_up() | row.shifted_down();
         }
-        is_reached
     }
+    within
 }
 
-/// The least of `line[j] + (i - j)^2` for each i.
-fn lower_envelope(line: &[f32], mut set: impl FnMut(usize, f32)) {
-    let mut parabolas: Vec<(usize, f32)> = Vec::with_capacity(line.len());
-    for (j, value) in line.iter().enumerate() {
-        let square = |j: usize| (j * j) as f32;
-        loop {
-            let Some(&(before, from)) = parabolas.last() else {
-                parabolas.push((j, f32::NEG_INFINITY));
-                break;
-            };
-            let at =
-                (value + square(j) - line[before] - square(before)) / (2 * (j - before)) as f32;
-            if at > from {
-                parabolas.push((j, at));
-                break;
+/// The free points that are joined with free ones of the top layer by steps between free ones.
+fn reach_from_above(is_free: impl Fn(usize, usize) -> Row) -> Lattice {
+    let mut reached: Lattice = Box::new(BitGrid::new());
+    let top = POINTS - 1;
+    (0..POINTS).for_each(|z| *reached.row_mut(top, z) = is_free(top, z));
+    let mut has_grown = true;
+    while has_grown {
+        has_grown = false;
+        for (y, z) in all_rows().map(|(y, z)| (top - y, z)).chain(all_rows()) {
+            let row = reached.row(y, z);
+            let seeds = rows_beside(y, z).fold(row, |all, (y, z)| all | reached.row(y, z));
+            let grown = is_free(y, z).flood_from(seeds);
+            if grown != row {
+                *reached.row_mut(y, z) = grown;
+                has_grown = true;
             }
-            parabolas.pop();
         }
     }
-    let mut k = 0;
-    for i in 0..line.len() {
-        while k + 1 < parabolas.len() && parabolas[k + 1].1 < i as f32 {
-            k += 1;
-        }
-        let j = parabolas[k].0;
-        set(i, line[j] + ((i as f32) - (j as f32)).powi(2));
+    reached
+}
+
+/// The points of a set that have one beside them that is not in it, and those at the ends of rows.
+fn boundary_of(points: &Lattice) -> Lattice {
+    let mut boundary: Lattice = Box::new(BitGrid::new());
+    for (y, z) in all_rows() {
+        let row = points.row(y, z);
+        let along = row.shifted_up() & row.shifted_down();
+        let inner = rows_beside(y, z).fold(along, |all, (y, z)| all & points.row(y, z));
+        *boundary.row_mut(y, z) = row & !inner;
     }
+    boundary
 }
 
 /// What is left of a block when a ball took all that it can reach without a voxel of the figure.
 fn carve_with_ball(figure: &DenseVolume) -> DenseVolume {
-    let lattice = Lattice::around(figure);
-    let reach = (RADIUS * STEPS as f64).powi(2) as f32;
-    let mut seeds = vec![false; lattice.len()];
-    for voxel in figure.occupied() {
-        seeds[lattice.index_of_voxel(voxel).expect("it lies around the figure")] = true;
+    let mut points: Lattice = Box::new(BitGrid::new());
+    for [x, y, z] in figure.occupied().map(point_of) {
+        points.row_mut(y, z).insert(x);
     }
-    let is_free: Vec<bool> =
-        lattice.squared_distances(&seeds).into_iter().map(|d| d > reach).collect();
-    let to_ball = lattice.squared_distances(&lattice.reach_from_above(&is_free));
-    let is_left = |i: usize| to_ball[i] > reach;
-    DenseVolume::from_fn(SIDE, |voxel| lattice.index_of_voxel(voxel).is_some_and(is_left))
+    let taken = within_radius(&points);
+    let reached = reach_from_above(|y, z| !taken.row(y, z));
+    // A point that is not reached is nearest to one of the boundary.
+    let carved = within_radius(&boundary_of(&reached));
+    let is_left = |point| !reached.contains(point) && !carved.contains(point);
+    DenseVolume::from_fn(SIDE, |voxel| is_left(point_of(voxel)))
 }
 
 /// The least bared part, in percent: what is left are hollows that are too narrow for the ball.
@@ -151,10 +123,10 @@ const LEAST_PERCENT: u32 = 97;
 #[test]
 fn a_ball_bares_most_of_each_figure() {
     let mut harness = HARNESS.lock().unwrap_or_else(PoisonError::into_inner);
+    let (mut maps, mut bits) = (Box::new(RangeMaps::<SIDE, 2>::new()), Box::new(BitGrid::new()));
     for figure in Figure::HIDDEN {
-        let shape = DenseVolume::from_fn(SIDE, |voxel| {
-            figure.contains_voxel_centre::<SIDE>(voxel.map(|i| i as usize))
-        });
+        figure.rasterize_into(&mut *maps, &mut *bits);
+        let shape = DenseVolume::from_bits(&bits);
         harness.reset_to_voxels(&carve_with_ball(&shape.closure()), &shape);
         let start = SessionMode::Constrained { figure: 0 };
         harness.step(&TickInput { start, ..TickInput::default() });

@@ -2,6 +2,7 @@
 
 use paros_shell::mesh::{self, Mesh, MeshBounds, MeshFault, MeshFormat};
 use paros_tests_files::mesh_samples::*;
+use paros_tests_files::scaled_cases;
 use proptest::prelude::*;
 use std::path::Path;
 
@@ -258,7 +259,7 @@ fn gltf_strips_and_fans_are_split() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(6000) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(scaled_cases(6000)) })]
 
     /// Whatever the bytes: a mesh that keeps its promises, or an error with something to say.
     #[test]

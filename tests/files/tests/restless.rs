@@ -1,9 +1,9 @@
 //! Sessions of restless visitors, and of those whose work is hard, are recorded and lead to the same digests
-//! when they are played again.
+//! when they are played again. With `PAROS_STEP_CASES=10` they have the lengths that `.ci/run` plays in the other builds
+//! and shells, and on Android's library.
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::path::Path;
 
 use paros_core::TickInput;
 use paros_core::codec::trace::CORE_VERSION;
@@ -15,15 +15,10 @@ use paros_models::random_visitor::RandomVisitor;
 use paros_shell::replay::write_replay_digests;
 use paros_shell::statics::Resident;
 use paros_shell::tick_runner;
+use paros_tests_files::scaled_cases;
 
-/// The one world of the process is recorded and played by one test after the other.
-static TURN: Mutex<()> = Mutex::new(());
-
-/// Ten minutes.
-const TICKS: u32 = 600 * TICK_RATE;
-
-/// A session of so many ticks of a restless visitor.
-fn record_restless<const N: usize, const K: usize>(ticks: u32) -> Vec<u8>
+/// The trace of a session of so many ticks of a restless visitor, and the last tick's digest.
+fn record_restless<const N: usize, const K: usize>(ticks: u32) -> (Vec<u8>, u64)
 where
     Grid<N>: Size + Resident<N, K>,
 {
@@ -35,12 +30,13 @@ where
         });
         let mut visitor = RandomVisitor::new(2024);
         (1..ticks).for_each(|_| runner.run_tick(&visitor.next_input()));
-        runner.end_recording_to_bytes().expect("a recording")
+        let last_digest = runner.world().digest();
+        (runner.end_recording_to_bytes().expect("a recording"), last_digest)
     })
 }
 
-/// Visits of both hands that do what costs a tick most.
-fn record_hard_work<const N: usize>() -> Vec<u8>
+/// The trace of visits of both hands that do what costs a tick most.
+fn record_hard_work<const N: usize>(visits: usize) -> Vec<u8>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
@@ -48,7 +44,7 @@ where
         runner.start_recording();
         let figures = [0, 1, 2].map(|figure| SessionMode::Constrained { figure });
         let modes = [SessionMode::FreeForm].into_iter().chain(figures).cycle();
-        for (seed, mode) in modes.take(48).enumerate() {
+        for (seed, mode) in modes.take(visits).enumerate() {
             let mut visitor = HardVisitor::new(seed as u64);
             visitor.begin_visit(mode).iter().for_each(|input| runner.run_tick(input));
             for tick in 0..45 {
@@ -60,56 +56,82 @@ where
     })
 }
 
-/// Writes a trace, and returns it and where its digests go.
-fn write_trace(name: &str, bytes: &[u8]) -> [PathBuf; 2] {
+/// Writes a trace for `.ci/run` to play. In the plain check, whose traces are short, plays it here and returns the
+/// digests.
+fn write_and_replay(name: &str, trace: &[u8]) -> Option<String> {
+    let is_short = scaled_cases(1) == 1;
+    let name = if is_short { format!("{name}-short") } else { name.into() };
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let [trace, digests] = ["trace", "digests"].map(|end| folder.join(format!("{name}.{end}")));
-    fs::write(&trace, bytes).expect("room on the disk");
+    let [path, digests] = ["trace", "digests"].map(|end| folder.join(format!("{name}.{end}")));
+    fs::write(&path, trace).expect("room on the disk");
     let _ = fs::remove_file(&digests);
-    [trace, digests]
-}
-
-/// `.ci/run` plays what this leaves in the other builds and shells, and on Android's library.
-#[test]
-fn ten_restless_minutes_lead_to_the_same_digests() {
-    leads_to_the_same_digests::<128, INTERVALS>("restless", TICKS);
-}
-
-/// Its ticks are counted there.
-#[test]
-fn a_restless_minute_at_256_leads_to_the_same_digests() {
-    leads_to_the_same_digests::<256, INTERVALS>("restless-256", TICKS / 10);
-}
-
-/// Digests at this `CORE_VERSION`: what raises that changes them.
-#[test]
-fn restless_minutes_of_one_interval_keep_their_digests() {
-    let last = leads_to_the_same_digests::<128, 1>("restless-of-one", TICKS / 10);
-    assert_eq!((last.as_str(), CORE_VERSION), ("1337d1903d374a3b", 13));
-    let last = leads_to_the_same_digests::<256, 1>("restless-of-one-256", TICKS / 10);
-    assert_eq!((last.as_str(), CORE_VERSION), ("8ef3b144e67f41f1", 13));
-}
-
-/// The ticks of these are counted there too: none may take more than a tick may.
-#[test]
-fn hard_work_leads_to_the_same_digests() {
-    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
-    let [of_128, of_256] = [record_hard_work::<128>(), record_hard_work::<256>()];
-    for (name, bytes) in [("ledger-128", of_128), ("ledger-256", of_256)] {
-        let [trace, digests] = write_trace(name, &bytes);
-        write_replay_digests(&trace, &digests).expect("it was just recorded");
-    }
+    is_short.then(|| {
+        write_replay_digests(&path, &digests).expect("it was just recorded");
+        fs::read_to_string(&digests).expect("it was written")
+    })
 }
 
 /// Returns the last tick's digest.
-fn leads_to_the_same_digests<const N: usize, const K: usize>(name: &str, ticks: u32) -> String
+fn check_restless<const N: usize, const K: usize>(name: &str, seconds: u32) -> u64
 where
     Grid<N>: Size + Resident<N, K>,
 {
-    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
-    let [trace, digests] = write_trace(name, &record_restless::<N, K>(ticks));
-    write_replay_digests(&trace, &digests).expect("it was just recorded");
-    let digests = fs::read_to_string(&digests).expect("it was written");
-    assert_eq!(digests.lines().count(), ticks as usize);
-    digests.lines().last().expect("a tick").into()
+    let ticks = scaled_cases(seconds * TICK_RATE);
+    let (trace, last_digest) = record_restless::<N, K>(ticks);
+    if let Some(digests) = write_and_replay(name, &trace) {
+        assert_eq!(digests.lines().count(), ticks as usize);
+        let last_line = format!("{last_digest:016x}");
+        assert_eq!(digests.lines().last(), Some(&*last_line));
+    }
+    last_digest
+}
+
+#[test]
+fn a_restless_minute_leads_to_the_same_digests() {
+    check_restless::<128, INTERVALS>("restless", 60);
+}
+
+#[test]
+#[ignore = "nightly: 15 s"]
+fn restless_seconds_at_256_lead_to_the_same_digests() {
+    check_restless::<256, INTERVALS>("restless-256", 6);
+}
+
+/// Digests at this `CORE_VERSION`, of the check's length and of `.ci/run`'s: what raises that changes them.
+fn assert_keeps_digest(last_digest: u64, of_check: u64, ten_times_as_long: u64) {
+    let expected = match scaled_cases(1) {
+        1 => of_check,
+        10 => ten_times_as_long,
+        _ => return,
+    };
+    assert_eq!((last_digest, CORE_VERSION), (expected, 13), "{last_digest:#018x}");
+}
+
+#[test]
+fn restless_seconds_of_one_interval_keep_their_digest() {
+    let last_digest = check_restless::<128, 1>("restless-of-one", 6);
+    assert_keeps_digest(last_digest, 0x40a3_35c5_8147_db85, 0x1337_d190_3d37_4a3b);
+}
+
+#[test]
+#[ignore = "nightly: 15 s"]
+fn restless_seconds_of_one_interval_at_256_keep_their_digest() {
+    let last_digest = check_restless::<256, 1>("restless-of-one-256", 6);
+    assert_keeps_digest(last_digest, 0xd2de_be22_0717_9135, 0x8ef3_b144_e67f_41f1);
+}
+
+/// Visits of hard work: five in the check, 48 for `.ci/run`, which counts their ticks' instructions.
+fn hard_visits() -> usize {
+    scaled_cases(5).min(48) as usize
+}
+
+#[test]
+fn hard_work_leads_to_the_same_digests() {
+    write_and_replay("ledger-128", &record_hard_work::<128>(hard_visits()));
+}
+
+#[test]
+#[ignore = "nightly: 20 s"]
+fn hard_work_at_256_leads_to_the_same_digests() {
+    write_and_replay("ledger-256", &record_hard_work::<256>(hard_visits()));
 }

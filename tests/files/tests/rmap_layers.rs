@@ -11,6 +11,7 @@ use paros_models::dense::{DenseVolume, any_voxels};
 use paros_models::layers::LayeredVolume;
 use paros_models::random_visitor::RandomSource;
 use paros_shell::rmap::{self, RmapFault, RmapFaultAt};
+use paros_tests_files::scaled_cases;
 use proptest::prelude::*;
 
 const N: usize = 16;
@@ -194,7 +195,7 @@ fn any_history() -> impl Strategy<Value = Vec<DenseVolume>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(250))]
+    #![proptest_config(ProptestConfig::with_cases(scaled_cases(60)))]
 
     #[test]
     fn what_is_written_is_read(history in any_history()) {

@@ -7,12 +7,11 @@ use paros_shaders::fast;
 use paros_shaders::field::DensityField;
 use rayon::prelude::*;
 
+use crate::picture_side;
 use crate::view::{PinholeView, TracedPicture, build_maps_and_field};
 
 /// Voxels a side.
 pub const N: usize = 128;
-/// Pixels along a picture's side.
-const SIDE: usize = 256;
 /// Hits of neighbouring pixels that lie further apart in depth, in voxels, have an outline between.
 const JUMP: f64 = 3.0;
 /// Of the 125 voxels around one, so many at most are occupied at a convex corner, and empty in a
@@ -27,7 +26,7 @@ const OFF: f32 = 1.0;
 /// Hits lie farther apart than allowed.
 pub fn assert_hits_agree(name: &str, dense: &DenseVolume) {
     let (_, field) = build_maps_and_field::<N>(dense);
-    let at = Vec3::new(64.0, 60.0, 64.0);
+    let (at, side) = (Vec3::new(64.0, 60.0, 64.0), picture_side(144, 256));
     for (i, (way, from)) in [
         ([0.4, 0.2, 1.0], [300.0, 150.0]),
         ([-0.7, 0.8, 0.5], [400.0, 150.0]),
@@ -37,7 +36,7 @@ pub fn assert_hits_agree(name: &str, dense: &DenseVolume) {
     .into_iter()
     .enumerate()
     {
-        let picture = TracedPicture::new(dense, &field, PinholeView::new(at, way, from, SIDE));
+        let picture = TracedPicture::new(dense, &field, PinholeView::new(at, way, from, side));
         check_view(&format!("{name}-{i}"), dense, &field, &picture);
     }
 }
@@ -86,7 +85,7 @@ struct ExactHit {
 
 fn check_view(name: &str, dense: &DenseVolume, field: &DensityField<N>, picture: &TracedPicture) {
     let away = flag_pixels_away_from_outlines(picture);
-    let tested: Vec<usize> = (0..SIDE * SIDE).filter(|&pixel| away[pixel]).collect();
+    let tested: Vec<usize> = (0..away.len()).filter(|&pixel| away[pixel]).collect();
     let seen = |&pixel: &usize| {
         let place = classify_hit(dense, picture.exact[pixel].as_ref()?);
         let near = is_exact_hit_near_fast_surface(field, picture, pixel, OFF);
@@ -119,15 +118,16 @@ fn check_view(name: &str, dense: &DenseVolume, field: &DensityField<N>, picture:
 
 /// Which pixels are farther than two voxels' projected width from any outline.
 fn flag_pixels_away_from_outlines(picture: &TracedPicture) -> Vec<bool> {
-    let mut away = vec![true; SIDE * SIDE];
+    let side = picture.view.side;
+    let mut away = vec![true; side * side];
     let distance = |i: usize| picture.exact[i].map(|entry| entry.distance);
-    for i in 0..SIDE * SIDE {
-        let (x, y) = (i % SIDE, i / SIDE);
+    for i in 0..side * side {
+        let (x, y) = (i % side, i / side);
         for (right, down) in [(1, 0), (0, 1)] {
-            if x + right == SIDE || y + down == SIDE {
+            if x + right == side || y + down == side {
                 continue;
             }
-            let near = match (distance(i), distance(i + right + down * SIDE)) {
+            let near = match (distance(i), distance(i + right + down * side)) {
                 (None, None) => continue,
                 (Some(a), Some(b)) if (a - b).abs() <= JUMP => continue,
                 (Some(a), Some(b)) => a.min(b),

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use glam::Vec3;
 use paros_core::RangeMaps;
+use paros_core::volume::Range;
 use paros_shaders::field::DensityField;
 use paros_shaders::surface::SurfacePoint;
 use paros_shaders::{Image, Ray, fast};
@@ -96,14 +97,15 @@ impl TracedPicture {
         view: PinholeView,
     ) -> Self {
         let pixels = (0..view.side * view.side).into_par_iter();
+        // Rays that pass it have no hit: the exact traversal is slow.
+        let bounds = dense.bounding_box().ranges();
         let both = |pixel| {
             let ray = view.ray_through(pixel);
             let [origin, direction] =
                 [ray.origin, ray.direction].map(|v| v.to_array().map(f64::from));
-            (
-                voxel_traversal::find_first_occupied(dense, origin, direction),
-                fast::find_surface(field, &ray),
-            )
+            let exact = meets_box(&bounds, origin, direction)
+                .then(|| voxel_traversal::find_first_occupied(dense, origin, direction));
+            (exact.flatten(), fast::find_surface(field, &ray))
         };
         let (exact, fast) = pixels.map(both).unzip();
         TracedPicture { view, exact, fast }
@@ -135,6 +137,17 @@ impl TracedPicture {
         image.write_png(file).expect("a temporary folder");
         path
     }
+}
+
+/// Returns `true` if a ray meets a box of voxels or passes at less than a thousandth of a voxel.
+fn meets_box(bounds: &[Range; 3], origin: [f64; 3], direction: [f64; 3]) -> bool {
+    let (mut near, mut far) = (0.0_f64, f64::INFINITY);
+    for axis in 0..3 {
+        let ends = [bounds[axis].first() as f64 - 1e-3, bounds[axis].last() as f64 + 1.001];
+        let [a, b] = ends.map(|end| (end - origin[axis]) / direction[axis]);
+        (near, far) = (near.max(a.min(b)), far.min(a.max(b)));
+    }
+    near <= far
 }
 
 /// The maps and the density field of a volume that is its own closure in columns of one interval.

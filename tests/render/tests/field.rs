@@ -5,6 +5,7 @@ use paros_models::dense::{DenseVolume, any_voxels};
 use paros_models::field::{FieldModel, grid_index, grid_points};
 use paros_models::layers::LayeredVolume;
 use paros_shaders::field::{DensityField, LEVELS, cell_side_texels};
+use paros_tests_render::scaled_cases;
 use proptest::prelude::*;
 
 /// Of the closure of a set of voxels in columns of K intervals.
@@ -52,7 +53,7 @@ fn check_rebuild_with<const N: usize>(voxels: &DenseVolume, intervals: usize) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(ProptestConfig::with_cases(scaled_cases(30)))]
 
     #[test]
     fn a_rebuild_follows_the_definition_on_16(
@@ -64,7 +65,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(4))]
+    #![proptest_config(ProptestConfig::with_cases(scaled_cases(1)))]
 
     /// More than one box along each axis.
     #[test]

@@ -64,41 +64,56 @@ impl TextureCopies {
     /// No surface passes through the cells that one tells are free.
     fn check_cells(&self, settled: bool) {
         let (density, cells) = (&self.0[1], &self.0[1 + LEVELS]);
-        let (texels, side) = (density.side[0], cells.side[0]);
-        let size = texels / side;
-        let mut solid = vec![MAX_CELL_DISTANCE; side.pow(3)];
-        for (i, _) in density.bytes.iter().enumerate().filter(|(_, texel)| **texel >= HALF_DENSITY)
-        {
-            let at = [i % texels, i / texels % texels, i / (texels * texels)];
-            let beside = |c: usize| c.saturating_sub(1) / size..=((c + 1) / size).min(side - 1);
-            for z in beside(at[2]) {
-                for y in beside(at[1]) {
-                    beside(at[0]).for_each(|x| solid[(z * side + y) * side + x] = 0);
-                }
-            }
-        }
+        let side = cells.side[0];
+        let mut within = solid_cells(density, side);
+        let mut free = vec![0; side.pow(3)];
         // Step by step, a cell at a time.
-        for distance in 0..MAX_CELL_DISTANCE {
-            let last = solid.clone();
-            for (i, _) in last.iter().enumerate().filter(|(_, d)| **d == distance) {
-                let at = [i % side, i / side % side, i / (side * side)];
-                let beside = |c: usize| c.saturating_sub(1)..=(c + 1).min(side - 1);
-                for z in beside(at[2]) {
-                    for y in beside(at[1]) {
-                        for x in beside(at[0]) {
-                            let near = &mut solid[(z * side + y) * side + x];
-                            *near = (*near).min(distance + 1);
-                        }
-                    }
-                }
+        for _ in 1..MAX_CELL_DISTANCE {
+            within = with_cells_beside(&within, side);
+            for (row, free) in within.iter().zip(free.chunks_exact_mut(side)) {
+                free.iter_mut()
+                    .enumerate()
+                    .for_each(|(x, free)| *free += u8::from(row >> x & 1 == 0));
             }
         }
-        let free: Vec<u8> = solid.iter().map(|distance| distance.saturating_sub(1)).collect();
         for (right, told) in free.iter().zip(&cells.bytes) {
             assert!(told <= right, "{told} told, it is {right}");
         }
         assert!(!settled || free == cells.bytes, "cells are not right for the density");
     }
+}
+
+/// The cells, `side` along an axis, in or beside which a texel of the density is stone: a bit each, x the place in a
+/// row, and y before z among rows.
+fn solid_cells(density: &TextureCopy, side: usize) -> Vec<u128> {
+    let texels = density.side[0];
+    let size = texels / side;
+    let beside = |c: usize| c.saturating_sub(1) / size..=((c + 1) / size).min(side - 1);
+    let bits: Vec<u128> = (0..texels).map(|x| beside(x).map(|x| 1 << x).sum()).collect();
+    let mut solid = vec![0; side * side];
+    for (i, row) in density.bytes.chunks_exact(texels).enumerate() {
+        let stone = row.iter().zip(&bits).filter(|(texel, _)| **texel >= HALF_DENSITY);
+        let of_row = stone.fold(0, |all, (_, bits)| all | bits);
+        for z in beside(i / texels) {
+            beside(i % texels).for_each(|y| solid[z * side + y] |= of_row);
+        }
+    }
+    solid
+}
+
+/// Rows of cells, and all cells that touch one of theirs.
+fn with_cells_beside(rows: &[u128], side: usize) -> Vec<u128> {
+    let along_rows: Vec<u128> = rows.iter().map(|row| row | row << 1 | row >> 1).collect();
+    let across = |rows: &[u128], stride: usize| -> Vec<u128> {
+        let with_beside = |i: usize| {
+            let at = i / stride % side;
+            let before = if at > 0 { rows[i - stride] } else { 0 };
+            let behind = if at + 1 < side { rows[i + stride] } else { 0 };
+            before | rows[i] | behind
+        };
+        (0..rows.len()).map(with_beside).collect()
+    };
+    across(&across(&along_rows, 1), side)
 }
 
 /// A volume that random edits, undos and loads change.

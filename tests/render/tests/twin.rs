@@ -13,6 +13,7 @@ use paros_shaders::field::DensityField;
 use paros_shaders::march::{RaySpan, clip_to_cube, is_point_occupied, march_all_maps, march_maps};
 use paros_shaders::surface::{self, Neighbours, SurfacePoint};
 use paros_shaders::{Ray, TwinScene, TwinSettings, fast, light, shade_ray};
+use paros_tests_render::scaled_cases;
 use proptest::prelude::*;
 
 fn sun_visibility(maps: &RangeMaps<16>, point: Vec3, towards: Vec3, dither: f32) -> f32 {
@@ -85,7 +86,7 @@ fn check_layered_march<const K: usize>(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(1500))]
+    #![proptest_config(ProptestConfig::with_cases(scaled_cases(500)))]
 
     #[test]
     fn march_finds_the_first_occupied_sample(
