@@ -86,7 +86,12 @@ fn a_host_leaves_no_thread() {
         wait_for_pictures(rig);
         assert_eq!(count_threads_of_previews(), 1);
         rig.host = super::VisitHost::new(options(), rig.world().visit());
-        assert_eq!(count_threads_of_previews(), 0);
+        // The system lists a thread for a moment after it was joined.
+        let deadline = Instant::now() + Duration::from_secs(10);
+        while count_threads_of_previews() > 0 {
+            assert!(Instant::now() < deadline, "a thread outlives its host");
+            std::thread::yield_now();
+        }
     });
 }
 
