@@ -12,6 +12,7 @@ use paros_core::{Brush, RangeMaps};
 use paros_models::dense::{DenseVolume, MaskedVolume, any_voxels, closed_volumes_with_inner_mask};
 use paros_models::edit::exact_edit;
 use paros_models::layers::LayeredVolume;
+use paros_models::scaled_cases;
 use paros_models::step::plan::{SessionPlan, session_plans};
 use paros_models::step::session::{SessionTally, StepFailure, StepHarness};
 use paros_models::step::starts::scattered_boxes;
@@ -43,10 +44,8 @@ where
     Grid<N>: Size,
 {
     let harness = &mut *harness.lock().unwrap_or_else(PoisonError::into_inner);
-    let times =
-        std::env::var("PAROS_STEP_CASES").map_or(1, |times| times.parse().expect("a number"));
     let mut config = ProptestConfig { failure_persistence: None, ..ProptestConfig::default() };
-    config.cases = cases * times;
+    config.cases = scaled_cases(cases);
     if std::env::var_os("PROPTEST_MAX_SHRINK_ITERS").is_none() {
         config.max_shrink_iters = if N > 64 { 30 } else { 3000 };
     }

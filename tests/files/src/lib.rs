@@ -4,14 +4,3 @@
 pub mod baked;
 pub mod mesh_samples;
 pub mod shapes;
-
-/// Multiplies the cases of a property test in the check by `PAROS_STEP_CASES`, which is 1 by default.
-///
-/// # Panics
-/// It is no number.
-#[must_use]
-pub fn scaled_cases(in_check: u32) -> u32 {
-    let times =
-        std::env::var("PAROS_STEP_CASES").map_or(1, |times| times.parse().expect("a number"));
-    in_check * times
-}

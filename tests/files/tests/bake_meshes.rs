@@ -8,11 +8,11 @@ use paros_core::volume::BitGrid;
 use paros_core::{Baker, RangeMaps};
 use paros_models::bake::{TouchedVoxels, Triangle};
 use paros_models::bake_harness::{N, check_bake_moved_into_two_word_rows};
+use paros_models::scaled_cases;
 use paros_shell::mesh::{Mesh, MeshBounds};
 use paros_tests_files::baked::{
     assert_bakes_as_model_also_inside_out, assert_open_base_bakes_alike, bake,
 };
-use paros_tests_files::scaled_cases;
 use paros_tests_files::shapes::{vase, vase_of_quads, with_holes_closed};
 
 /// A vase for the dense model, whose time grows with the triangles. Its quads are smaller than a voxel; at night they

@@ -7,10 +7,10 @@ use glam::{Mat3, Quat, Vec3};
 use paros_core::session::{BenchItem, SessionMode, Tool, ToolBit};
 use paros_core::volume::{Axis, Grid, Size};
 use paros_core::{TickInput, WorldEvent};
+use paros_models::scaled_cases;
 use paros_models::scripted_hand::{BOX_MM, RIGHT, input_with_bit_at, take_item};
 use paros_models::world_harness::WorldHarness;
 use paros_shell::figures::{HiddenStart, StoneThickness};
-use paros_tests_files::scaled_cases;
 
 static HARNESS_64: Mutex<WorldHarness<64>> = Mutex::new(WorldHarness::new());
 static HARNESS_128: Mutex<WorldHarness<128, 2>> = Mutex::new(WorldHarness::new());

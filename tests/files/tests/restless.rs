@@ -12,10 +12,10 @@ use paros_core::session::{SessionMode, TICK_RATE};
 use paros_core::volume::{Grid, Size};
 use paros_models::hard_work::HardVisitor;
 use paros_models::random_visitor::RandomVisitor;
+use paros_models::scaled_cases;
 use paros_shell::replay::write_replay_digests;
 use paros_shell::statics::Resident;
 use paros_shell::tick_runner;
-use paros_tests_files::scaled_cases;
 
 /// The trace of a session of so many ticks of a restless visitor, and the last tick's digest.
 fn record_restless<const N: usize, const K: usize>(ticks: u32) -> (Vec<u8>, u64)

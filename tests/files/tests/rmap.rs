@@ -7,10 +7,10 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use paros_core::RangeMaps;
 use paros_core::volume::{Axis, BitGrid, BitSet, Column, Range};
+use paros_models::scaled_cases;
 use paros_shell::durable::{self, WriteTarget};
 use paros_shell::figures::Figure;
 use paros_shell::rmap::{self, RmapError, RmapFault, RmapFaultAt};
-use paros_tests_files::scaled_cases;
 use proptest::prelude::*;
 
 /// Bytes before the columns and after them, and of the columns at 16.

@@ -10,8 +10,8 @@ use paros_core::{Brush, Edit, RangeMaps, Volume, apply_edit};
 use paros_models::dense::{DenseVolume, any_voxels};
 use paros_models::layers::LayeredVolume;
 use paros_models::random_visitor::RandomSource;
+use paros_models::scaled_cases;
 use paros_shell::rmap::{self, RmapFault, RmapFaultAt};
-use paros_tests_files::scaled_cases;
 use proptest::prelude::*;
 
 const N: usize = 16;

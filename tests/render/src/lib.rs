@@ -6,16 +6,7 @@ pub mod outline;
 pub mod screens;
 pub mod view;
 
-/// Multiplies the cases of a property test in the check by `PAROS_STEP_CASES`, which is 1 by default.
-///
-/// # Panics
-/// It is no number.
-#[must_use]
-pub fn scaled_cases(in_check: u32) -> u32 {
-    let times =
-        std::env::var("PAROS_STEP_CASES").map_or(1, |times| times.parse().expect("a number"));
-    in_check * times
-}
+use paros_models::scaled_cases;
 
 /// Chooses the pixels along a picture's side: fewer in the check than at night, where cases are scaled.
 #[must_use]

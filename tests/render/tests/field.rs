@@ -4,8 +4,8 @@ use paros_core::RangeMaps;
 use paros_models::dense::{DenseVolume, any_voxels};
 use paros_models::field::{FieldModel, grid_index, grid_points};
 use paros_models::layers::LayeredVolume;
+use paros_models::scaled_cases;
 use paros_shaders::field::{DensityField, LEVELS, cell_side_texels};
-use paros_tests_render::scaled_cases;
 use proptest::prelude::*;
 
 /// Of the closure of a set of voxels in columns of K intervals.

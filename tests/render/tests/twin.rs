@@ -4,6 +4,7 @@ use glam::Vec3;
 use paros_core::RangeMaps;
 use paros_models::dense::{DenseVolume, any_voxels, closed_volumes};
 use paros_models::layers::LayeredVolume;
+use paros_models::scaled_cases;
 use paros_models::twin::{
     self as model, BALL_CENTRE, BALL_RADIUS, sample_directions, voxel_centre, with_maps_of_16,
     with_maps_of_ball,
@@ -13,7 +14,6 @@ use paros_shaders::field::DensityField;
 use paros_shaders::march::{RaySpan, clip_to_cube, is_point_occupied, march_all_maps, march_maps};
 use paros_shaders::surface::{self, Neighbours, SurfacePoint};
 use paros_shaders::{Ray, TwinScene, TwinSettings, fast, light, shade_ray};
-use paros_tests_render::scaled_cases;
 use proptest::prelude::*;
 
 fn sun_visibility(maps: &RangeMaps<16>, point: Vec3, towards: Vec3, dither: f32) -> f32 {
