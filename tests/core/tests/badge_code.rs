@@ -8,6 +8,7 @@ use paros_core::badge::{
 };
 use paros_core::limits::BLOCK_NUMBERS;
 use paros_models::badge::{count_shared, list_mistakes, multiply, sum_check};
+use paros_models::cases::random_cases;
 use proptest::prelude::*;
 
 fn badge_of(number: u32) -> Badge {
@@ -112,7 +113,7 @@ fn no_single_mistake_keeps_the_sum() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #![proptest_config(random_cases(2000))]
 
     #[test]
     fn a_badge_is_valid_where_the_models_sum_is_zero(badge in any_badge()) {
@@ -135,7 +136,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(random_cases(300))]
 
     #[test]
     fn every_single_mistake_is_caught_and_the_right_badge_is_a_candidate(

@@ -8,6 +8,7 @@ use paros_models::bake::{TouchedVoxels, Triangle};
 use paros_models::bake_harness::{
     BakeHarness, N, SIDE_UNITS, check_bake, check_bake_moved_into_two_word_rows,
 };
+use paros_models::cases::random_cases;
 use proptest::prelude::*;
 use std::sync::Mutex;
 
@@ -138,7 +139,7 @@ fn nested_shells() -> impl Strategy<Value = Vec<Triangle>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(1000) })]
+    #![proptest_config(random_cases(100))]
 
     #[test]
     fn soups(triangles in prop::collection::vec(any_triangle(), 1..8)) {
@@ -193,7 +194,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(60) })]
+    #![proptest_config(random_cases(6))]
 
     #[test]
     fn rows_of_two_words(triangles in nested_shells()) {

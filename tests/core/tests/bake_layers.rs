@@ -5,6 +5,7 @@ use glam::{IVec3, Mat3, Vec3};
 use paros_core::limits::BAKED_CROSSINGS;
 use paros_models::bake::{BakedVoxels, TouchedVoxels, Triangle};
 use paros_models::bake_harness::{BakeHarness, N, SIDE_UNITS, check_bake};
+use paros_models::cases::random_cases;
 use proptest::prelude::*;
 use std::sync::Mutex;
 
@@ -261,7 +262,7 @@ fn shuffled_crowd() -> impl Strategy<Value = [Vec<Triangle>; 2]> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(400) })]
+    #![proptest_config(random_cases(40))]
 
     #[test]
     fn crowds(triangles in crowd()) {

@@ -51,7 +51,7 @@ fn wait(harness: &mut WorldHarness<64, 2>) {
 /// was told, with the bared part then.
 fn carve_ring(harness: &mut WorldHarness<64, 2>, part: f32, press: f32) -> Vec<(WorldEvent, u32)> {
     let mut events = Vec::new();
-    let (away, ticks) = (RADIUS + BALL_RADIUS - press, 360);
+    let (away, ticks) = (RADIUS + BALL_RADIUS - press, 240);
     let place = |tick: u32| {
         let (up, turn) = (part * PI / 2.0, 2.1 * PI * tick as f32 / ticks as f32);
         MIDDLE + away * Vec3::new(up.cos() * turn.cos(), up.sin(), up.cos() * turn.sin())
@@ -73,10 +73,10 @@ fn each_tenth_is_told_once_and_the_find() {
     assert!(bared * 10 < all && all > 2000, "{bared} of {all} at the start");
     // Before each stroke that changed anything.
     let (mut events, mut starts) = (Vec::new(), Vec::new());
-    for (ring, press) in (0..180).map(|ring| (ring, [0.4, 0.0, 0.8][ring / 60])) {
+    for (ring, press) in (0..90).map(|ring| (ring, [0.4, 0.0, 0.8][ring / 30])) {
         wait(harness);
         let (at_first, digest) = (harness.world.bared_ends(), harness.world.volume().digest());
-        events.extend(carve_ring(harness, (ring % 60) as f32 / 59.0, press));
+        events.extend(carve_ring(harness, (ring % 30) as f32 / 29.0, press));
         // What is undone and done again isn't told again, nor after a load.
         let command = |commands| TickInput { commands, ..TickInput::default() };
         let before = harness.world.bared_ends();

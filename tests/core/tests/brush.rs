@@ -8,6 +8,7 @@ use paros_core::volume::{BitSet, Grid, Size};
 use paros_models::brush::{
     box_voxels, capsule_voxels, longest_corner_chord_voxels, swept_box_voxels, swept_disc_voxels,
 };
+use paros_models::cases::random_cases;
 use paros_models::dense::DenseVolume;
 use proptest::prelude::*;
 
@@ -131,7 +132,7 @@ where
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #![proptest_config(random_cases(200))]
 
     #[test]
     fn a_sphere_is_its_points(at in any_point(16), radius in any_length(16)) {
@@ -257,7 +258,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(250))]
+    #![proptest_config(random_cases(25))]
 
     #[test]
     fn spheres_and_capsules_of_32(a in any_point(32), b in any_point(32), radius in any_length(32)) {
@@ -273,7 +274,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(8))]
+    #![proptest_config(random_cases(1))]
 
     #[test]
     fn spheres_and_capsules_of_128(a in any_point(128), b in any_point(128), radius in any_length(128)) {
@@ -385,7 +386,7 @@ fn a_straight_move_is_one_piece() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(20_000))]
+    #![proptest_config(random_cases(2000))]
 
     #[test]
     fn an_integer_root_is_the_greatest_whose_square_is_not_above(root in 0..1i64 << 31, more in -2..3i64) {

@@ -7,6 +7,7 @@ use paros_core::edit::{EditOperation, EditScratch, SUBUNITS_PER_VOXEL};
 use paros_core::limits::MAX_DIRTY_RECTS;
 use paros_core::volume::{Axis, ColumnRect, DirtyRects};
 use paros_core::{Brush, Edit, RangeMaps, Volume, apply_edit};
+use paros_models::cases::random_cases;
 use paros_models::dense::closed_volumes;
 use proptest::prelude::*;
 
@@ -53,7 +54,7 @@ fn any_ticks() -> impl Strategy<Value = Vec<Vec<Ball>>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(1500))]
+    #![proptest_config(random_cases(150))]
 
     #[test]
     fn a_stale_copy_follows(start in closed_volumes(16), ticks in any_ticks()) {
@@ -104,7 +105,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(4000))]
+    #![proptest_config(random_cases(400))]
 
     /// Any edits at all, more than there is room for: nothing is lost, nothing grows beyond four
     /// times the bounds.
@@ -135,7 +136,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(4000))]
+    #![proptest_config(random_cases(400))]
 
     /// Edits that overlap, up to all over one another.
     #[test]

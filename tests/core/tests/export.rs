@@ -7,6 +7,7 @@ use std::sync::Mutex;
 use paros_core::convert::{ExportPhase, ExportProgress, HeightOutOfRange};
 use paros_core::volume::{BitGrid, Grid, Size};
 use paros_core::{Exporter, RangeMaps};
+use paros_models::cases::random_cases;
 use paros_models::dense::{self, DenseVolume};
 use paros_models::export::{SurfaceModel, exported_voxels};
 use proptest::prelude::*;
@@ -38,7 +39,9 @@ where
 
     /// Exports the whole file in one call, whose budget is far more than enough: work without an end isn't done.
     fn export_at_once(&mut self) -> Vec<u8> {
-        let mut file = vec![0; 84 + 50 * 5 * (N + 1).pow(3)];
+        // Each voxel is a corner of eight cells, and a cell has five triangles at most.
+        let cells = (8 * self.rows.count_voxels() as usize).min((N + 1).pow(3));
+        let mut file = vec![0; 84 + 50 * 5 * cells];
         let budget = 100 * (N as u32).pow(3);
         self.exporter.start_export(HEIGHT_MM).unwrap();
         let progress = self.exporter.advance_export(&self.rows, &self.mask, budget, &mut file);
@@ -145,21 +148,24 @@ fn dot(a: [i64; 3], b: [i64; 3]) -> i64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// All fillings of two adjacent cells along each axis, in the middle and in two corners of the grid. The mask
-/// is everything, so that all voxels are exported.
+/// All fillings of two adjacent cells along each axis, 48 in one grid with two empty voxels between them, up to all
+/// its borders. The mask is everything, so that all voxels are exported.
 #[test]
 fn every_pair_of_cells() {
     let all = DenseVolume::from_fn(16, |_| true);
+    let (across, along) = ([0, 4, 9, 14], [0, 6, 13]);
     harness!(16, |harness: &mut ExportHarness<16>| for axis in 0..3 {
-        for solid in 0..4096 {
-            let low = [0, 5, 13][(solid % 3) as usize];
-            let volume = DenseVolume::from_fn(16, |voxel| {
-                let [u, v, w] = [0, 1, 2].map(|i| voxel[(axis + i) % 3] - low);
-                (0..2).contains(&u)
-                    && (0..2).contains(&v)
-                    && (0..3).contains(&w)
-                    && solid >> (u + 2 * v + 4 * w) & 1 == 1
-            });
+        for first in (0..4096).step_by(48) {
+            let mut volume = DenseVolume::empty(16);
+            for (place, solid) in (first..4096).take(48).enumerate() {
+                let low = [across[place % 4], across[place / 4 % 4], along[place / 16]];
+                for corner in (0..12i32).filter(|corner| solid >> corner & 1 == 1) {
+                    let offset = [corner & 1, corner >> 1 & 1, corner >> 2];
+                    let mut voxel = [0; 3];
+                    (0..3).for_each(|i| voxel[(axis + i) % 3] = low[i] + offset[i]);
+                    volume.set(voxel, true);
+                }
+            }
             harness.check_export(&volume, &all);
         }
     });
@@ -179,7 +185,7 @@ fn every_cell_without_ground() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(600))]
+    #![proptest_config(random_cases(60))]
 
     #[test]
     fn anything_at_16(dense::MaskedVolume { volume, mask } in dense::closed_volumes_with_inner_mask(16)) {
@@ -203,7 +209,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(6))]
+    #![proptest_config(random_cases(1))]
 
     /// Rows of one word, whole.
     #[test]
@@ -214,7 +220,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(random_cases(20))]
 
     /// Calls of any budget and buffer write the same file.
     #[test]
@@ -251,11 +257,13 @@ proptest! {
 #[test]
 fn large_grids() {
     fn volume(n: usize) -> DenseVolume {
+        let middle = n as i32 / 2;
+        let is_beam = |along: i32| (2 * along - 2 * middle + 1).abs() < 8;
         DenseVolume::from_fn(n, |[x, y, z]| {
-            let middle = n as i32 / 2;
-            let [i, j, k] = [x, y, z].map(|c| (2 * c - 2 * middle + 1).abs());
-            let axis_beams = [i, j, k].iter().filter(|&&c| c < 8).count() >= 2;
-            axis_beams || (y < 3 && (x + z) % 2 == 0) || (y < 2 && x % 5 < 2)
+            let axis_beams = (is_beam(x) && (is_beam(y) || is_beam(z))) || is_beam(y) && is_beam(z);
+            // A floor in strips, with holes, about the borders of words and of the grid.
+            let is_floor = y < 3 && ((x + 3) % 64 < 6 || z < 6 || z >= n as i32 - 6);
+            axis_beams || is_floor && ((x + z) % 2 == 0 || y < 2 && x % 5 < 2)
         })
     }
     harness!(128, |harness: &mut ExportHarness<128>| harness

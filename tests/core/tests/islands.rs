@@ -21,6 +21,7 @@ use paros_core::codec::ByteReader;
 use paros_core::edit::IslandReport;
 use paros_core::limits::max_island_row_visits_per_tick;
 use paros_core::volume::{BitSet, Grid, Size};
+use paros_models::cases::random_cases;
 use paros_models::dense::{
     DenseVolume, MaskedVolume, closed_volumes, closed_volumes_with_inner_mask,
 };
@@ -64,7 +65,7 @@ static AT_REST_64: Mutex<IslandHarness<64>> = Mutex::new(IslandHarness::new());
 static AT_REST_128: Mutex<IslandHarness<128>> = Mutex::new(IslandHarness::new());
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2500))]
+    #![proptest_config(random_cases(250))]
     #[test]
     fn at_rest(case in closed_volumes_with_inner_mask(16), budget in 1u32..400) {
         check_at_rest(&AT_REST_16, &case, budget)?;
@@ -77,7 +78,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(random_cases(20))]
     #[test]
     fn at_rest_32(case in closed_volumes_with_inner_mask(32), budget in 1u32..2000) {
         check_at_rest(&AT_REST_32, &case, budget)?;
@@ -85,7 +86,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(random_cases(2))]
     #[test]
     fn at_rest_64(case in closed_volumes_with_inner_mask(64), budget in 100u32..8000) {
         check_at_rest(&AT_REST_64, &case, budget)?;
@@ -93,7 +94,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(3))]
+    #![proptest_config(random_cases(1))]
     #[test]
     fn at_rest_128(case in closed_volumes_with_inner_mask(128)) {
         check_at_rest(&AT_REST_128, &case, max_island_row_visits_per_tick(128))?;
@@ -256,7 +257,7 @@ fn nothing_to_stand_on() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(random_cases(30))]
     /// All of the volume masked: all of it stands.
     #[test]
     fn mask_holds(volume in closed_volumes(16)) {

@@ -6,6 +6,7 @@ use std::sync::Mutex;
 use paros_core::codec::ByteReader;
 use paros_core::edit::IslandReport;
 use paros_core::volume::BitSet;
+use paros_models::cases::random_cases;
 use paros_models::dense::{DenseVolume, MaskedVolume};
 use paros_models::island_harness::{
     AddedVoxels, IslandHarness, RandomEdit, barely_joined_volumes, random_edits,
@@ -17,7 +18,7 @@ use proptest::prelude::*;
 static VISITED: Mutex<IslandHarness<16>> = Mutex::new(IslandHarness::new());
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(1500))]
+    #![proptest_config(random_cases(150))]
     #[test]
     fn while_visitors_edit(
         MaskedVolume { volume, mask } in barely_joined_volumes(16),

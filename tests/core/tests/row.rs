@@ -5,6 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use paros_core::internals::{BitRow, maps_digest};
 use paros_core::volume::{Axis, BitGrid, BitSet, Column, Grid, Range, Size};
 use paros_core::{RangeMaps, Volume};
+use paros_models::cases::random_cases;
 use paros_models::dense::{DenseVolume, any_voxels};
 use proptest::prelude::*;
 
@@ -172,7 +173,7 @@ fn assert_line_is_column_by_column<const N: usize, const K: usize>(
 macro_rules! lines {
     ($($name:ident: $n:literal, of $($k:literal)+;)*) => {
         proptest! {
-            #![proptest_config(ProptestConfig::with_cases(1000))]
+            #![proptest_config(random_cases(100))]
             $(#[test]
             fn $name(
                 held in any_bits($n),
@@ -197,7 +198,7 @@ lines! {
 macro_rules! rows {
     ($($name:ident: $n:literal;)*) => {
         proptest! {
-            #![proptest_config(ProptestConfig::with_cases(3000))]
+            #![proptest_config(random_cases(300))]
             $(#[test]
             fn $name(a in any_bits($n), b in any_bits($n), lo in 0..$n as usize, hi in 0..$n as usize) {
                 assert_row_is_bit_by_bit::<$n>(&a, &b, (lo, hi));
@@ -331,7 +332,7 @@ where
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(1500))]
+    #![proptest_config(random_cases(150))]
 
     #[test]
     fn planes_of_16_close_as_the_model(dense in any_voxels(16)) {
@@ -357,7 +358,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(random_cases(20))]
 
     #[test]
     fn planes_of_32_close_as_the_model(dense in any_voxels(32)) {
@@ -367,7 +368,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(20))]
+    #![proptest_config(random_cases(2))]
 
     #[test]
     fn planes_of_64_close_as_the_model(dense in any_voxels(64)) {
@@ -377,7 +378,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(3))]
+    #![proptest_config(random_cases(1))]
 
     #[test]
     fn planes_of_128_close_as_the_model(dense in any_voxels(128)) {

@@ -9,6 +9,7 @@ use paros_core::limits::max_save_bytes;
 use paros_core::session::{SessionMode, SessionState, commands};
 use paros_core::volume::{Grid, Size};
 use paros_core::{TickInput, World};
+use paros_models::cases::random_cases;
 use paros_models::random_visitor::{RandomSource, RandomVisitor};
 use paros_models::world_harness::{WorldHarness, maps_are_equal};
 use proptest::prelude::*;
@@ -265,7 +266,7 @@ fn load_forged<const K: usize>(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(random_cases(40))]
 
     /// No panic, now or later; what is turned away leaves the empty world.
     #[test]

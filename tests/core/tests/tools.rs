@@ -9,6 +9,7 @@ use paros_core::internals::{
 };
 use paros_core::limits::{SHELL_DEPTH, SMOOTH_LINES, SWEEP_PIECES};
 use paros_core::session::{BitSize, Tool, ToolBit};
+use paros_models::cases::random_cases;
 use proptest::prelude::*;
 
 /// Both grid sizes, with their voxels' side in micrometres.
@@ -90,7 +91,7 @@ fn half_a_turn_fits_the_pieces_of_a_sweep() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #![proptest_config(random_cases(2000))]
 
     /// Where it stands a rasp fits the scratch, however it is turned.
     #[test]
@@ -179,7 +180,7 @@ fn pulse_trains_are_the_golden_ones() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(3000))]
+    #![proptest_config(random_cases(3000))]
 
     #[test]
     fn haptics_grow_with_speed_and_are_strongest_on_the_mask(

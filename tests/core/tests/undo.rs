@@ -6,6 +6,7 @@ use glam::IVec3;
 use paros_core::Brush;
 use paros_core::edit::{EditOperation, SUBUNITS_PER_VOXEL, UndoCounts};
 use paros_core::volume::{Grid, Size};
+use paros_models::cases::random_cases;
 use paros_models::undo_harness::{IslandClearing, SphereEdit, UndoHarness, apply_stroke};
 use proptest::prelude::*;
 
@@ -82,7 +83,7 @@ static STEPS_32: Mutex<UndoHarness<32>> = Mutex::new(UndoHarness::new());
 static STEPS_128: Mutex<UndoHarness<128>> = Mutex::new(UndoHarness::new());
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(3000))]
+    #![proptest_config(random_cases(300))]
     #[test]
     fn strokes_16(steps in any_actions(16, 40)) {
         check_actions(&STEPS_16, &steps)?;
@@ -90,7 +91,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(random_cases(30))]
     #[test]
     fn strokes_32(steps in any_actions(32, 60)) {
         check_actions(&STEPS_32, &steps)?;
@@ -98,7 +99,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(4))]
+    #![proptest_config(random_cases(1))]
     #[test]
     fn strokes_128(steps in any_actions(128, 12)) {
         check_actions(&STEPS_128, &steps)?;

@@ -8,7 +8,7 @@ use paros_core::volume::BitGrid;
 use paros_core::{Baker, RangeMaps};
 use paros_models::bake::{TouchedVoxels, Triangle};
 use paros_models::bake_harness::{N, check_bake_moved_into_two_word_rows};
-use paros_models::scaled_cases;
+use paros_models::cases::scaled_cases;
 use paros_shell::mesh::{Mesh, MeshBounds};
 use paros_tests_files::baked::{
     assert_bakes_as_model_also_inside_out, assert_open_base_bakes_alike, bake,

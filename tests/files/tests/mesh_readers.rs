@@ -1,6 +1,6 @@
 //! Mesh files of every kind: read alike, and refused with a reason when they are not whole.
 
-use paros_models::scaled_cases;
+use paros_models::cases::scaled_cases;
 use paros_shell::mesh::{self, Mesh, MeshBounds, MeshFault, MeshFormat};
 use paros_tests_files::mesh_samples::*;
 use proptest::prelude::*;

@@ -7,7 +7,7 @@ use glam::{Mat3, Quat, Vec3};
 use paros_core::session::{BenchItem, SessionMode, Tool, ToolBit};
 use paros_core::volume::{Axis, Grid, Size};
 use paros_core::{TickInput, WorldEvent};
-use paros_models::scaled_cases;
+use paros_models::cases::scaled_cases;
 use paros_models::scripted_hand::{BOX_MM, RIGHT, input_with_bit_at, take_item};
 use paros_models::world_harness::WorldHarness;
 use paros_shell::figures::{HiddenStart, StoneThickness};

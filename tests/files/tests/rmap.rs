@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use paros_core::RangeMaps;
 use paros_core::volume::{Axis, BitGrid, BitSet, Column, Range};
-use paros_models::scaled_cases;
+use paros_models::cases::scaled_cases;
 use paros_shell::durable::{self, WriteTarget};
 use paros_shell::figures::Figure;
 use paros_shell::rmap::{self, RmapError, RmapFault, RmapFaultAt};

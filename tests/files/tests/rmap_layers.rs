@@ -7,10 +7,10 @@ use paros_core::edit::{EditOperation, EditScratch, SUBUNITS_PER_VOXEL};
 use paros_core::limits::MAX_INTERVALS;
 use paros_core::volume::{Axis, BitGrid, Column, Grid, Range, Size};
 use paros_core::{Brush, Edit, RangeMaps, Volume, apply_edit};
+use paros_models::cases::scaled_cases;
 use paros_models::dense::{DenseVolume, any_voxels};
 use paros_models::layers::LayeredVolume;
 use paros_models::random_visitor::RandomSource;
-use paros_models::scaled_cases;
 use paros_shell::rmap::{self, RmapFault, RmapFaultAt};
 use proptest::prelude::*;
 

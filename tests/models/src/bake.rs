@@ -32,6 +32,8 @@ pub struct TouchedVoxels<'a> {
     side: usize,
     triangles: &'a [Triangle],
     touched: Vec<bool>,
+    /// By axis, then by line and place.
+    crossings: [Vec<Vec<RayCrossing>>; 3],
 }
 
 impl<'a> TouchedVoxels<'a> {
@@ -44,7 +46,11 @@ impl<'a> TouchedVoxels<'a> {
                 touched[x + side * (y + side * z)] = true;
             }
         }
-        TouchedVoxels { side, triangles, touched }
+        let crossings = Axis::ALL.map(|axis| {
+            let columns = column_voxels(side, axis);
+            columns.iter().map(|column| crossings_of_ray(triangles, axis, column[0])).collect()
+        });
+        TouchedVoxels { side, triangles, touched, crossings }
     }
 
     /// Bakes into columns of at most `layers` intervals.
@@ -58,11 +64,11 @@ impl<'a> TouchedVoxels<'a> {
         let mut opened = 0;
         let mut columns = Axis::ALL.map(|axis| {
             let columns = column_voxels(side, axis);
-            let intervals = columns.iter().map(|column| {
+            let crossings = &self.crossings[axis as usize];
+            let intervals = columns.iter().zip(crossings).map(|(column, crossings)| {
                 let touched = self.bits_of(column, &self.touched);
-                let crossings = crossings_of_ray(self.triangles, axis, column[0]);
-                let (low, high) = ends_at_holes(&crossings, flipped);
-                let mut intervals = intervals_without_gaps(&touched, &crossings, layers);
+                let (low, high) = ends_at_holes(crossings, flipped);
+                let mut intervals = intervals_without_gaps(&touched, crossings, layers);
                 if low {
                     intervals.first_mut().unwrap().0 = 0;
                 }
@@ -176,9 +182,9 @@ fn touched_voxels(side: usize, triangle: &Triangle) -> Vec<[usize; 3]> {
     let mut voxels = Vec::new();
     for x in 0..side {
         let slab = clip_to_slab(&corners, 0, x);
-        for y in 0..side {
+        for y in (0..side).filter(|_| !slab.is_empty()) {
             let beam = clip_to_slab(&slab, 1, y);
-            for z in 0..side {
+            for z in (0..side).filter(|_| !beam.is_empty()) {
                 let reaches_low = beam.iter().any(|p| p[2] >= 256 * z as i128 * p[3]);
                 let reaches_high = beam.iter().any(|p| p[2] <= 256 * (z as i128 + 1) * p[3]);
                 if reaches_low && reaches_high {
@@ -236,6 +242,14 @@ fn crossings_of_ray(
     let centre = [u, v].map(|k| 256 * column_voxel[k] as i128 + 128);
     let mut found = Vec::new();
     for triangle in triangles {
+        let is_beside = [u, v].into_iter().zip(centre).any(|(k, centre)| {
+            let side_of = |p: &[i32; 3]| i128::from(p[k]).cmp(&centre);
+            let [a, b, c] = triangle.each_ref().map(side_of);
+            a.is_ne() && a == b && b == c
+        });
+        if is_beside {
+            continue;
+        }
         let n = triangle_normal(triangle);
         if n[w] != 0 && projection_contains(triangle, [u, v], centre) {
             let p = triangle[0].map(i128::from);

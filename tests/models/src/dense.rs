@@ -1,8 +1,6 @@
 //! Model of the range maps: a set of voxels as one boolean each. Column hull, closure, support by flood fill
 //! and distance in steps, by their naive definitions; and proptest strategies for volumes.
 
-use std::collections::VecDeque;
-
 use paros_core::RangeMaps;
 use paros_core::internals::ColumnAddress;
 use paros_core::volume::{Axis, BitGrid, BitSet, Column, Grid, Range, Size, VoxelBox};
@@ -27,23 +25,39 @@ impl DenseVolume {
 
     /// The voxels for which `occupied` returns true.
     pub fn from_fn(side: usize, mut occupied: impl FnMut([i32; 3]) -> bool) -> Self {
-        let mut dense = DenseVolume::empty(side);
-        for voxel in dense.all_voxels() {
-            dense.set(voxel, occupied(voxel));
+        let n = side as i32;
+        let mut voxels = Vec::with_capacity(side * side * side);
+        for y in 0..n {
+            for z in 0..n {
+                voxels.extend((0..n).map(|x| occupied([x, y, z])));
+            }
         }
-        dense
+        DenseVolume { n: side, voxels }
     }
 
-    /// The intersection of the three maps, tested voxel by voxel.
+    /// The intersection of the three maps.
     pub fn from_maps<const N: usize, const K: usize>(maps: &RangeMaps<N, K>) -> Self {
-        DenseVolume::from_fn(N, |voxel| {
-            let voxel = voxel.map(|i| i as usize);
-            Axis::ALL.iter().all(|&axis| {
-                let ranges = maps.column(axis, axis.column_address(voxel)).0;
-                let i = voxel[axis as usize];
-                ranges.iter().any(|range| range.first() <= i && i <= range.last())
-            })
+        DenseVolume::from_columns(N, |axis, at| {
+            maps.column(axis, at).0.into_iter().filter(|range| !range.is_empty())
         })
+    }
+
+    /// The voxels that lie in an interval of each of the three columns through them.
+    pub fn from_columns<I: IntoIterator<Item = Range>>(
+        side: usize,
+        intervals_of: impl Fn(Axis, ColumnAddress) -> I,
+    ) -> Self {
+        let mut held = vec![0u8; side * side * side];
+        for axis in Axis::ALL {
+            for at in (0..side * side).map(|at| (at / side, at % side)) {
+                let (start, step) = stride_of_column(side, axis, at);
+                for range in intervals_of(axis, at) {
+                    let ends = start + range.first() * step..=start + range.last() * step;
+                    held[ends].iter_mut().step_by(step).for_each(|axes| *axes |= 1 << axis as u8);
+                }
+            }
+        }
+        DenseVolume { n: side, voxels: held.into_iter().map(|axes| axes == 0b111).collect() }
     }
 
     /// The voxels of a bit grid.
@@ -51,7 +65,11 @@ impl DenseVolume {
     where
         Grid<N>: Size,
     {
-        DenseVolume::from_fn(N, |[x, y, z]| bits.row(y as usize, z as usize).contains(x as usize))
+        let mut dense = DenseVolume::empty(N);
+        for (at, row) in dense.voxels.chunks_exact_mut(N).enumerate() {
+            bits.row(at / N, at % N).iter_ones().for_each(|x| row[x] = true);
+        }
+        dense
     }
 
     /// Sets the occupied voxels in an empty bit grid.
@@ -59,8 +77,9 @@ impl DenseVolume {
     where
         Grid<N>: Size,
     {
-        for [x, y, z] in self.occupied() {
-            empty_bits.row_mut(y as usize, z as usize).insert(x as usize);
+        for (at, row) in self.voxels.chunks_exact(N).enumerate() {
+            let bits = empty_bits.row_mut(at / N, at % N);
+            row.iter().enumerate().filter(|(_, bit)| **bit).for_each(|(x, _)| bits.insert(x));
         }
     }
 
@@ -159,31 +178,31 @@ impl DenseVolume {
 
     /// The mirror image across the grid's middle: x becomes n - 1 - x.
     pub fn mirrored_in_x(&self) -> DenseVolume {
-        let n = self.n as i32;
-        DenseVolume::from_fn(self.n, |[x, y, z]| self.contains([n - 1 - x, y, z]))
+        let mut mirrored = self.clone();
+        mirrored.voxels.chunks_exact_mut(self.n).for_each(<[bool]>::reverse);
+        mirrored
+    }
+
+    /// The voxels of a column, in order.
+    pub fn column(
+        &self,
+        axis: Axis,
+        at: ColumnAddress,
+    ) -> impl DoubleEndedIterator<Item = bool> + ExactSizeIterator {
+        let (start, step) = stride_of_column(self.n, axis, at);
+        self.voxels[start..=start + (self.n - 1) * step].iter().step_by(step).copied()
     }
 
     /// The first and last occupied voxel of a column; none if it is empty.
     pub fn column_hull(&self, axis: Axis, at: ColumnAddress) -> Option<Range> {
-        let occupied = |&i: &usize| self.contains(axis.voxel_at(at, i).map(|i| i as i32));
-        Some(Range::new((0..self.n).find(occupied)?, (0..self.n).rfind(occupied)?))
+        let first = self.column(axis, at).position(|occupied| occupied)?;
+        let last = self.column(axis, at).rposition(|occupied| occupied)?;
+        Some(Range::new(first, last))
     }
 
     /// The closure: the voxels that lie within the hulls of all three columns through them.
     pub fn closure(&self) -> DenseVolume {
-        let n = self.n;
-        let hulls = Axis::ALL.map(|axis| {
-            let column = |i: usize| self.column_hull(axis, (i / n, i % n));
-            (0..n * n).map(column).collect::<Vec<_>>()
-        });
-        DenseVolume::from_fn(n, |voxel| {
-            let voxel = voxel.map(|i| i as usize);
-            Axis::ALL.iter().all(|&axis| {
-                let (line, place) = axis.column_address(voxel);
-                let i = voxel[axis as usize];
-                hulls[axis as usize][line * n + place].is_some_and(|hull| hull.contains(i))
-            })
-        })
+        DenseVolume::from_columns(self.n, |axis, at| self.column_hull(axis, at))
     }
 
     /// The support S(V): the voxels connected by six-neighbour steps inside the volume to its ground layer
@@ -193,14 +212,17 @@ impl DenseVolume {
         self.connected_to(seeds.collect())
     }
 
-    /// Breadth-first flood fill: the occupied voxels connected to the seeds, which are occupied.
+    /// Flood fill: the occupied voxels connected to the seeds, which are occupied.
     pub fn connected_to(&self, seeds: Vec<[i32; 3]>) -> DenseVolume {
         let mut found = DenseVolume::empty(self.n);
-        let mut queue = VecDeque::from(seeds);
-        while let Some(voxel) = queue.pop_front() {
-            if self.contains(voxel) && !found.contains(voxel) {
-                found.set(voxel, true);
-                queue.extend(face_neighbours(voxel));
+        let mut left = seeds;
+        while let Some(voxel) = left.pop() {
+            if let Some(i) = self.index(voxel)
+                && self.voxels[i]
+                && !found.voxels[i]
+            {
+                found.voxels[i] = true;
+                left.extend(face_neighbours(voxel));
             }
         }
         found
@@ -214,32 +236,32 @@ impl DenseVolume {
         is_seed: impl Fn([i32; 3]) -> bool,
     ) -> DenseVolume {
         let n = self.n as i32;
-        let side = self.n + 2;
+        // Around that layer stands another, which is never entered.
+        let side = self.n + 4;
         let index = |[x, y, z]: [i32; 3]| {
-            ((y + 1) as usize * side + (z + 1) as usize) * side + (x + 1) as usize
+            ((y + 2) as usize * side + (z + 2) as usize) * side + (x + 2) as usize
         };
-        let mut near = vec![false; side * side * side];
+        let mut near = vec![true; side * side * side];
         let mut front = Vec::new();
-        for y in -1..=n {
-            for z in -1..=n {
-                for x in -1..=n {
-                    if is_seed([x, y, z]) {
-                        near[index([x, y, z])] = true;
-                        front.push([x, y, z]);
-                    }
+        for (y, z) in (-1..=n).flat_map(|y| (-1..=n).map(move |z| (y, z))) {
+            for x in -1..=n {
+                near[index([x, y, z])] = is_seed([x, y, z]);
+                if near[index([x, y, z])] {
+                    front.push(index([x, y, z]));
                 }
             }
         }
         for _ in 0..max_steps {
-            let mut next = Vec::new();
-            for place in front.into_iter().flat_map(face_neighbours) {
-                let inside = place.iter().all(|i| (-1..=n).contains(i));
-                if inside && !near[index(place)] {
-                    near[index(place)] = true;
-                    next.push(place);
+            for place in std::mem::take(&mut front) {
+                for step in [1, side, side * side] {
+                    for beside in [place - step, place + step] {
+                        if !near[beside] {
+                            near[beside] = true;
+                            front.push(beside);
+                        }
+                    }
                 }
             }
-            front = next;
         }
         DenseVolume::from_fn(self.n, |voxel| near[index(voxel)])
     }
@@ -256,9 +278,13 @@ impl DenseVolume {
     }
 
     fn index(&self, [x, y, z]: [i32; 3]) -> Option<usize> {
-        let n = self.n as i32;
-        let inside = [x, y, z].iter().all(|i| (0..n).contains(i));
-        inside.then(|| ((y * n + z) * n + x) as usize)
+        // A negative coordinate becomes a large number.
+        let [x, y, z] = [x as u32 as usize, y as u32 as usize, z as u32 as usize];
+        if x < self.n && y < self.n && z < self.n {
+            Some((y * self.n + z) * self.n + x)
+        } else {
+            None
+        }
     }
 
     fn zip(&self, other: &DenseVolume, op: impl Fn(bool, bool) -> bool) -> DenseVolume {
@@ -273,6 +299,15 @@ impl std::fmt::Debug for DenseVolume {
         let some: Vec<_> = self.occupied().take(24).collect();
         write!(f, "{} of {}^3 voxels: {some:?}", self.count(), self.n)
     }
+}
+
+/// The index of a column's first voxel, and the distance from each voxel to the next.
+fn stride_of_column(side: usize, axis: Axis, at: ColumnAddress) -> (usize, usize) {
+    let [first, second] = [0, 1].map(|i| {
+        let [x, y, z] = axis.voxel_at(at, i);
+        (y * side + z) * side + x
+    });
+    (first, second - first)
 }
 
 /// The six neighbours of a voxel.

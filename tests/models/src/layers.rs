@@ -60,22 +60,16 @@ impl LayeredVolume {
     /// volume by the closure rule, then the voxels that all three columns hold.
     pub fn become_closure_of(&mut self, exact: &DenseVolume) {
         let n = self.voxels.side();
-        for axis in Axis::ALL {
-            for at in 0..n * n {
-                let voxel = |i: usize| axis.voxel_at((at / n, at % n), i).map(|i| i as i32);
-                if (0..n).any(|i| exact.contains(voxel(i)) != self.voxels.contains(voxel(i))) {
-                    let bits: Vec<_> = (0..n).map(|i| exact.contains(voxel(i))).collect();
-                    let column = &mut self.columns[axis as usize][at];
-                    *column = closed_intervals(&bits, column, self.layers);
-                }
+        for (axis, i) in Axis::ALL.into_iter().flat_map(|axis| (0..n * n).map(move |i| (axis, i))) {
+            let at = (i / n, i % n);
+            if !exact.column(axis, at).eq(self.voxels.column(axis, at)) {
+                let bits: Vec<_> = exact.column(axis, at).collect();
+                let column = &mut self.columns[axis as usize][i];
+                *column = closed_intervals(&bits, column, self.layers);
             }
         }
-        self.voxels = DenseVolume::from_fn(n, |voxel| {
-            let voxel = voxel.map(|i| i as usize);
-            Axis::ALL.iter().all(|&axis| {
-                let column = self.column(axis, axis.column_address(voxel));
-                column.iter().any(|&(lo, hi)| (lo..=hi).contains(&voxel[axis as usize]))
-            })
+        self.voxels = DenseVolume::from_columns(n, |axis, at| {
+            self.column(axis, at).iter().map(|&(lo, hi)| Range::new(lo, hi))
         });
     }
 

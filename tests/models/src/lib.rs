@@ -11,6 +11,7 @@ pub mod bake;
 pub mod bake_harness;
 pub mod bit_voxels;
 pub mod brush;
+pub mod cases;
 pub mod contact;
 pub mod dense;
 pub mod edit;
@@ -50,15 +51,4 @@ pub fn save_to_bytes(save: impl Fn(&mut ByteWriter<'_>)) -> Vec<u8> {
     save(&mut writer);
     assert!(writer.fits());
     bytes
-}
-
-/// Multiplies the cases of a property test in the check by `PAROS_STEP_CASES`, which is 1 by default.
-///
-/// # Panics
-/// `PAROS_STEP_CASES` is no number.
-#[must_use]
-pub fn scaled_cases(in_check: u32) -> u32 {
-    let times =
-        std::env::var("PAROS_STEP_CASES").map_or(1, |times| times.parse().expect("a number"));
-    in_check * times
 }

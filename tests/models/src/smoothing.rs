@@ -38,13 +38,11 @@ impl Smoothing {
         };
         let side = 2 * self.radius + 1;
         let mut occupied = 0;
-        for k in 0..side.pow(3) {
-            let place = [
-                voxel[0] + k % side - self.radius,
-                voxel[1] + k / side % side - self.radius,
-                voxel[2] + k / side.pow(2) - self.radius,
-            ];
-            occupied += i32::from(place[1] < 0 || volume.contains(place));
+        let [xs, ys, zs] = voxel.map(|i| i - self.radius..=i + self.radius);
+        for (y, z) in ys.flat_map(|y| zs.clone().map(move |z| (y, z))) {
+            for x in xs.clone() {
+                occupied += i32::from(y < 0 || volume.contains([x, y, z]));
+            }
         }
         match self.dither {
             Some(dither) if is_in(&dither.piece) => {

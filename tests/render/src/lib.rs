@@ -6,7 +6,7 @@ pub mod outline;
 pub mod screens;
 pub mod view;
 
-use paros_models::scaled_cases;
+use paros_models::cases::scaled_cases;
 
 /// Chooses the pixels along a picture's side: fewer in the check than at night, where cases are scaled.
 #[must_use]

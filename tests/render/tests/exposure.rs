@@ -12,17 +12,17 @@ use paros_shaders::gpu::{RenderPath, RenderStyle};
 use paros_shaders::harmonics::irradiance_over_pi;
 use paros_shaders::render::tone_map_to_srgb;
 use paros_shell::figures::Figure;
+use paros_tests_render::picture_side;
 use paros_tests_render::view::PinholeView;
 
 const N: usize = 128;
-const SIDE: usize = 160;
 
 /// The bytes of the pixels that show a stone, in the room's light, to an eye on one of eight sides.
 fn stone_pixels(field: &DensityField<N>, side: usize) -> Vec<[u8; 3]> {
     let style = RenderStyle::in_studio(RenderPath::Fast);
     let (sin, cos) = (std::f32::consts::FRAC_PI_4 * side as f32).sin_cos();
     let middle = Vec3::new(64.0, 60.0, 64.0);
-    let view = PinholeView::new(middle, [cos, 0.45, sin], [300.0, 170.0], SIDE);
+    let view = PinholeView::new(middle, [cos, 0.45, sin], [300.0, 170.0], picture_side(112, 160));
     let direction = style.sun_direction;
     let halfway = fast::halfway_to_eye(direction, view.eye, N);
     let sun = SunLight { direction, color: style.sun_color, halfway };
@@ -31,7 +31,7 @@ fn stone_pixels(field: &DensityField<N>, side: usize) -> Vec<[u8; 3]> {
         let ambient = irradiance_over_pi(&style.ambient, at.normal);
         Some(tone_map_to_srgb(fast::shade_surface(field, &at, &sun, ambient)))
     };
-    (0..SIDE * SIDE).filter_map(shade).collect()
+    (0..view.side * view.side).filter_map(shade).collect()
 }
 
 #[test]
@@ -48,7 +48,10 @@ fn the_stone_is_neither_blown_out_nor_dim() {
             let bright = pixels.iter().filter(|pixel| pixel.iter().any(|&c| c >= 250)).count();
             let part = bright as f32 / pixels.len() as f32;
             println!("{figure:?}, side {side}: {:.1} % bright", 100.0 * part);
-            assert!(pixels.len() > 2000 && part < 0.02, "{figure:?}, side {side}: {part}");
+            assert!(
+                pixels.len() > picture_side(1000, 2000) && part < 0.02,
+                "{figure:?}, side {side}: {part}"
+            );
             greens.extend(pixels.iter().map(|pixel| pixel[1]));
         }
         greens.sort_unstable();

@@ -1,10 +1,10 @@
 //! The textures of the fast path against their definition.
 
 use paros_core::RangeMaps;
+use paros_models::cases::scaled_cases;
 use paros_models::dense::{DenseVolume, any_voxels};
 use paros_models::field::{FieldModel, grid_index, grid_points};
 use paros_models::layers::LayeredVolume;
-use paros_models::scaled_cases;
 use paros_shaders::field::{DensityField, LEVELS, cell_side_texels};
 use proptest::prelude::*;
 

@@ -7,6 +7,7 @@ use glam::IVec3;
 use paros_core::edit::{EditOperation, EditScratch, SUBUNITS_PER_VOXEL};
 use paros_core::volume::{Axis, DirtyRects, Grid, Size};
 use paros_core::{Brush, Edit, RangeMaps, Volume, apply_edit};
+use paros_models::cases::scaled_cases;
 use paros_models::random_visitor::RandomSource;
 use paros_shaders::field::{Budget, DensityField, HALF_DENSITY, LEVELS, MAX_CELL_DISTANCE};
 use paros_shaders::upload::{Region, Texture};
@@ -290,14 +291,14 @@ fn upkeep_is_a_rebuild_on_16() {
 fn upkeep_is_a_rebuild_on_64() {
     static STUDIO: Mutex<EditedField<64, 1>> = Mutex::new(EditedField::new());
     let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
-    (0..2).for_each(|seed| follow_edits(&mut studio, 40 + seed, 400));
+    (0..2).for_each(|seed| follow_edits(&mut studio, 40 + seed, scaled_cases(200)));
 }
 
 #[test]
 fn upkeep_is_a_rebuild_on_128() {
     static STUDIO: Mutex<EditedField<128, 1>> = Mutex::new(EditedField::new());
     let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
-    follow_edits(&mut studio, 70, 60);
+    follow_edits(&mut studio, 70, scaled_cases(60));
 }
 
 #[test]
@@ -318,7 +319,7 @@ fn upkeep_is_a_rebuild_with_four_intervals_on_16() {
 fn upkeep_is_a_rebuild_with_two_intervals_on_128() {
     static STUDIO: Mutex<EditedField<128, 2>> = Mutex::new(EditedField::new());
     let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
-    follow_edits(&mut studio, 71, 60);
+    follow_edits(&mut studio, 71, scaled_cases(60));
 }
 
 /// What a frame costs and hands out is within its budget, and a load comes to its end.

@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 use paros_core::RangeMaps;
+use paros_models::cases::scaled_cases;
 use paros_models::dense::{DenseVolume, any_voxels, closed_volumes};
 use paros_models::layers::LayeredVolume;
-use paros_models::scaled_cases;
 use paros_models::twin::{
     self as model, BALL_CENTRE, BALL_RADIUS, sample_directions, voxel_centre, with_maps_of_16,
     with_maps_of_ball,

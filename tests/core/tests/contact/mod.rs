@@ -16,6 +16,7 @@ use paros_core::internals::{
 use paros_core::limits::{EXIT_PROBES, max_bit_steps_per_tick};
 use paros_core::session::ToolBit;
 use paros_core::volume::{Axis, BitGrid, Column, Grid, Range, Size};
+use paros_models::cases::random_cases;
 use paros_models::contact::ContactModel;
 use paros_models::dense::{DenseVolume, MaskedVolume, closed_volumes_with_inner_mask};
 use paros_models::path::path_poses;
@@ -168,7 +169,7 @@ fn longest_point_path(bit: &GridBit, a: &Pose, b: &Pose) -> f32 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #![proptest_config(random_cases(200))]
 
     #[test]
     fn contact_is_that_of_the_voxels(MaskedVolume { volume, mask } in closed_volumes_with_inner_mask(16), bit in any_bits(), pose in any_poses(16)) {
@@ -196,7 +197,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(700))]
+    #![proptest_config(random_cases(70))]
 
     /// From any pose, deep inside too, as after an undo, a fill or a load.
     #[test]

@@ -3,6 +3,7 @@
 use glam::{IVec3, Vec3};
 use paros_core::edit::Pose;
 use paros_core::session::ToolBit;
+use paros_models::cases::random_cases;
 use paros_models::dense::DenseVolume;
 use proptest::prelude::*;
 
@@ -51,7 +52,7 @@ fn any_crossings() -> impl Strategy<Value = (Vec3, f32, f32)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(160))]
+    #![proptest_config(random_cases(16))]
 
     /// Every bit of the table, at both grid sizes, at any speed, rotating on the way.
     #[test]

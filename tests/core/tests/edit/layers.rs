@@ -12,6 +12,7 @@ use paros_core::volume::{
     Axis, BitGrid, BitSet, Column, DirtyRects, Grid, Journal, Range, Size, VoxelBox,
 };
 use paros_core::{Brush, Edit, RangeMaps, Volume, apply_edit};
+use paros_models::cases::random_cases;
 use paros_models::dense::{DenseVolume, MaskedVolume, any_voxels, closed_volumes_with_inner_mask};
 use paros_models::edit::{assert_edit_invariants, exact_edit};
 use paros_models::layers::LayeredVolume;
@@ -327,7 +328,7 @@ fn drilled_holes_stay_with_two_intervals() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(random_cases(40))]
 
     #[test]
     fn one_interval_follows_the_rule(start in any_starts(16), strokes in any_strokes(16, 5)) {

@@ -14,6 +14,7 @@ use paros_core::internals::maps_digest;
 use paros_core::limits::{SHELL_DEPTH, SMOOTH_LINES};
 use paros_core::volume::{Axis, BitSet, Grid, Range, Size, VoxelBox};
 use paros_core::{Brush, Edit, RangeMaps, apply_edit};
+use paros_models::cases::random_cases;
 use paros_models::dense::{DenseVolume, MaskedVolume, closed_volumes_with_inner_mask};
 use paros_models::edit::{
     ExpectedEdit, assert_edit_invariants, assert_mirror_is_kept, expected_edit,
@@ -117,7 +118,7 @@ fn assert_columns_are_changes<const N: usize>(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(1500))]
+    #![proptest_config(random_cases(150))]
 
     #[test]
     fn strokes_on_16_follow_the_definition(start in closed_volumes_with_inner_mask(16), strokes in any_strokes(16, 4)) {
@@ -139,7 +140,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(120))]
+    #![proptest_config(random_cases(12))]
 
     #[test]
     fn strokes_on_32_follow_the_definition(start in closed_volumes_with_inner_mask(32), strokes in any_strokes(32, 4)) {
@@ -149,7 +150,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(10))]
+    #![proptest_config(random_cases(1))]
 
     #[test]
     fn strokes_on_64_follow_the_definition(start in closed_volumes_with_inner_mask(64), strokes in any_strokes(64, 3)) {
@@ -159,7 +160,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(4))]
+    #![proptest_config(random_cases(1))]
 
     #[test]
     fn strokes_on_128_follow_the_definition(start in closed_volumes_with_inner_mask(128), strokes in any_strokes(128, 2)) {
@@ -256,7 +257,7 @@ fn any_inner_strokes() -> impl Strategy<Value = Vec<Stroke>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(80))]
+    #![proptest_config(random_cases(10))]
 
     /// An edit reads only the words of a row that its brush touches: any of them, and across their borders.
     #[test]

@@ -10,6 +10,7 @@ use paros_core::outbox::messages::{
     EnrolPollAnswer, EnrolReveal, EnrolState, ReceiptKey, SculptureId, SiteId,
     enrolment_pictograms, enrolment_transcript, nonce_commitment,
 };
+use paros_models::cases::random_cases;
 use paros_models::random_visitor::RandomSource;
 use proptest::prelude::*;
 
@@ -25,7 +26,7 @@ fn check_read((name, _, again): &Written, bytes: &[u8]) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(500))]
+    #![proptest_config(random_cases(500))]
 
     #[test]
     fn messages_come_back_from_their_bytes_and_from_no_others(seed: u64) {

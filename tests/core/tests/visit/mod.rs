@@ -11,6 +11,7 @@ use paros_core::visit::{
     GuideStep, PanelAction, PlanSetting, Presence, StaffCommand, VisitCommand, VisitInput,
     VisitPhase,
 };
+use paros_models::cases::random_cases;
 use paros_models::dense::DenseVolume;
 use paros_models::visit::VisitModel;
 use proptest::prelude::*;
@@ -72,7 +73,7 @@ fn any_stretch() -> impl Strategy<Value = Stretch> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(random_cases(10))]
 
     /// Each tick does what the model's does; afterwards attract is reached whatever came before, and what was sculpted
     /// was finished.
