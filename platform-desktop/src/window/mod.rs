@@ -16,6 +16,7 @@ mod opening;
 mod os_error;
 mod paint;
 mod panels;
+mod picture_scale;
 mod raycast;
 mod screen;
 mod script;

@@ -131,6 +131,7 @@ impl WindowSwapchain {
             keep_depth: false,
             density_map: false,
             is_subsampled: false,
+            scales_up: true,
         }
     }
 
@@ -145,6 +146,14 @@ impl WindowSwapchain {
     #[must_use]
     pub(super) fn render_target(&self) -> Option<&RenderTarget> {
         self.swapchain.as_ref().map(|swapchain| &swapchain.render_target)
+    }
+
+    /// Has so many pixels of the picture drawn, from the next frame on, and scaled up to the window's.
+    pub(super) fn set_drawn_percent(&mut self, percent: u32) {
+        if let Some(swapchain) = &mut self.swapchain {
+            let target = &mut swapchain.render_target;
+            target.set_drawn_extent(target.extent.map(|pixels| (pixels * percent).div_ceil(100)));
+        }
     }
 
     /// Acquires the next image, in a frame that has begun. `None` while the window has no area, or if
@@ -251,7 +260,7 @@ impl WindowSwapchain {
             .image_color_space(self.format.color_space)
             .image_extent(vk::Extent2D { width, height })
             .image_array_layers(1)
-            .image_usage(vk::ImageUsageFlags::COLOR_ATTACHMENT)
+            .image_usage(vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST)
             .pre_transform(can.current_transform)
             .composite_alpha(opaque_composite_alpha(can.supported_composite_alpha))
             .present_mode(vk::PresentModeKHR::FIFO)
@@ -278,7 +287,7 @@ impl WindowSwapchain {
         let (mut views, mut render_finished) = (Vec::new(), Vec::new());
         let made = self
             .create_views_and_semaphores(raw, &mut views, &mut render_finished)
-            .and_then(|()| renderer.create_target_without_density_maps(extent, &views, &[]));
+            .and_then(|images| renderer.create_target_that_scales_up(extent, &images, &views));
         match made {
             Ok(render_target) => {
                 Ok(Swapchain { raw, render_target, views, render_finished, stale: false })
@@ -295,7 +304,7 @@ impl WindowSwapchain {
         raw: vk::SwapchainKHR,
         views: &mut Vec<vk::ImageView>,
         render_finished: &mut Vec<vk::Semaphore>,
-    ) -> Result<(), Error> {
+    ) -> Result<Vec<vk::Image>, Error> {
         // SAFETY: the swapchain is this device's.
         let images = unsafe { self.swapchains.get_swapchain_images(raw) }
             .map_err(could_not("list a window's images"))?;
@@ -303,7 +312,7 @@ impl WindowSwapchain {
             views.push(self.create_view(*image)?);
         }
         *render_finished = create_semaphores(&self.gpu, images.len())?;
-        Ok(())
+        Ok(images)
     }
 
     fn create_view(&self, image: vk::Image) -> Result<vk::ImageView, Error> {

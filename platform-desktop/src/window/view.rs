@@ -15,6 +15,7 @@ use paros_shell::studio_paths::StudioPaths;
 use winit::window::Window;
 
 use super::paint::EguiBuffers;
+use super::picture_scale::PictureScale;
 use super::screen::WindowSwapchain;
 
 /// Samples of a pixel.
@@ -28,6 +29,7 @@ where
     // Dropped before the swapchain.
     show: WorldRenderer<N, INTERVALS>,
     screen: WindowSwapchain,
+    scale: PictureScale,
 }
 
 /// The parameters of a frame.
@@ -63,7 +65,8 @@ where
         // Without the pipeline cache the start takes longer.
         let cache = durable::read_regular_file(&paths.pipeline_cache_file()).unwrap_or_default();
         let show = WorldRenderer::new(screen.gpu(), screen.format(SAMPLES), world, &cache)?;
-        Ok(WindowRenderer { show, screen })
+        let scale = PictureScale::new(screen.gpu().is_software());
+        Ok(WindowRenderer { show, screen, scale })
     }
 
     /// Submits the pipeline cache to be written, for a faster next start.
@@ -136,6 +139,7 @@ where
         let Some(target) = self.screen.acquire_image(renderer, window_size)? else {
             return Ok(false);
         };
+        self.screen.set_drawn_percent(self.scale.after_frame(renderer.gpu_frame_times().total_ns));
         let Some(render_target) = self.screen.render_target() else { return Ok(false) };
         egui_buffers.upload_into_begun_frame(&mut renderer.overlay, render_target.extent);
         let time = (world.tick() as f64 + f64::from(params.between)) / f64::from(TICK_RATE);

@@ -140,6 +140,7 @@ impl EyeTargets {
             keep_depth,
             density_map: gpu.features.density_map,
             is_subsampled: false,
+            scales_up: false,
         })
     }
 

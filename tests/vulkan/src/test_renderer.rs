@@ -6,7 +6,7 @@ use paros_core::volume::{Grid, Size};
 use paros_shaders::field::{Budget, DensityField};
 use paros_shaders::gpu::{
     Eye, Fov, FrameRequest, FrameSemaphores, Gpu, OffscreenTarget, Options, RenderStyle, Renderer,
-    SculpturePlacement, SharedGpu,
+    SculpturePlacement, SharedGpu, TargetFormat,
 };
 use paros_shaders::upload::VolumeFormat;
 use paros_shell::require::require_or_skip;
@@ -55,6 +55,16 @@ impl TestRenderer {
         extent: [u32; 2],
     ) -> Self {
         let format = OffscreenTarget::readback_format(samples, views, samples == 1);
+        Self::with_format(gpu, volume, format, extent)
+    }
+
+    /// The same, of a format that can be read back.
+    pub fn with_format(
+        gpu: &SharedGpu,
+        volume: VolumeFormat,
+        format: TargetFormat,
+        extent: [u32; 2],
+    ) -> Self {
         let renderer = Renderer::new(gpu, format, volume, &[]).expect("a renderer");
         let screen = OffscreenTarget::new(gpu, &renderer, extent).expect("an image");
         TestRenderer { screen, renderer, gpu: gpu.clone() }

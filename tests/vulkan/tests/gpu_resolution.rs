@@ -1,4 +1,5 @@
 //! Dynamic resolution: a part of the images is drawn as a picture of that size would be, and looks like the whole.
+//! A window's is scaled up under its panels.
 
 use std::sync::LazyLock;
 
@@ -6,7 +7,11 @@ use glam::Vec3;
 use paros_core::RangeMaps;
 use paros_core::volume::BitGrid;
 use paros_shaders::field::DensityField;
-use paros_shaders::gpu::{Eye, PaperVariant, RenderPath, SharedGpu};
+use paros_shaders::gpu::overlay::{ClippedRun, PanelVertex};
+use paros_shaders::gpu::{
+    Eye, FrameRequest, FrameSemaphores, OffscreenTarget, PaperVariant, RenderPath, SharedGpu,
+    TargetFormat,
+};
 use paros_shaders::upload::VolumeFormat;
 use paros_shell::figures::Figure;
 use paros_shell::headset::resolution::ResolutionPolicy;
@@ -111,4 +116,57 @@ fn a_picture_of_less_resolution_looks_like_the_full_one() {
         assert!(mean <= 0.5 && far <= 0.005, "{percent}: {mean} {far}");
         assert!(percent == 100 || mean > 0.0, "nothing else was drawn");
     }
+}
+
+/// What is drawn aside is that part, scaled up; the overlay has each of its pixels.
+#[test]
+fn a_picture_is_scaled_up_under_the_overlay() {
+    let Some(gpu) = test_device() else { return };
+    let format = OffscreenTarget::readback_format(4, 1, false);
+    let (volume, scaling) =
+        (VolumeFormat::of::<N, 1>(), TargetFormat { scales_up: true, ..format });
+    let mut window = TestRenderer::with_format(&gpu, volume, scaling, FULL);
+    window.upload_field(&OWL);
+    let mut whole = renderer(&gpu, [4, 1], FULL);
+    for drawn in [[140, 155], [339, 375], FULL] {
+        let part = draw(&mut whole, RenderPath::Fast, drawn).remove(0);
+        window.screen.target.set_drawn_extent(drawn);
+        let mut request = metre_wide_sculpture_at_origin(&[AHEAD]);
+        request.style.path = RenderPath::Fast;
+        let shown = draw_under_a_square(&mut window, &request);
+        let is_in_square = |i: usize| {
+            [i % FULL[0] as usize, i / FULL[0] as usize].map(|k| SQUARE.contains(&k)) == [true; 2]
+        };
+        let expected = resample(&part, drawn, FULL);
+        let mut sum = 0.0;
+        for (i, (pixel, expected)) in shown.iter().zip(&expected).enumerate() {
+            if is_in_square(i) {
+                assert_eq!(pixel[..3], [255; 3], "pixel {i} of {drawn:?}");
+            } else {
+                sum += (f32::from(pixel[1]) - expected[1]).abs();
+            }
+        }
+        // The device mixes linear light, this test its encoding.
+        let mean = sum / shown.len() as f32;
+        assert!(mean < 0.5, "{drawn:?}: {mean} of 255");
+    }
+}
+
+/// Pixels across and down of the overlay's square.
+const SQUARE: std::ops::Range<usize> = 31..64;
+
+/// Draws a picture with a white square over it.
+fn draw_under_a_square(window: &mut TestRenderer, request: &FrameRequest<'_>) -> Vec<[u8; 4]> {
+    let [low, high] = [SQUARE.start as f32, SQUARE.end as f32];
+    let corner = |position| PanelVertex { position, texel: [0.5; 2], color: [255; 4] };
+    let corners = [[low, low], [high, low], [high, high], [low, high]].map(corner);
+    let run = ClippedRun { indices: 0..6, clip: [0, 0, FULL[0], FULL[1]] };
+    window.renderer.wait_and_begin_frame().expect("a frame");
+    let overlay = &mut window.renderer.overlay;
+    assert!(overlay.try_stage_atlas_patch([0, 0], [1, 1], &[[255; 4]]));
+    assert!(overlay.try_set_triangles(&corners, &[0, 1, 2, 0, 2, 3], &[run], FULL));
+    let target = &window.screen.target;
+    window.renderer.draw_frame(request, target, 0, FrameSemaphores::default()).expect("a picture");
+    window.renderer.wait_for_frames().expect("the device");
+    window.screen.read_pixels(0).expect("pixels")
 }

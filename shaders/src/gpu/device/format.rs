@@ -29,6 +29,12 @@ pub struct TargetFormat {
     /// Whether the shell's images are subsampled (`VK_IMAGE_CREATE_SUBSAMPLED_BIT_EXT`), which wants density maps: so
     /// are the renderer's own then.
     pub is_subsampled: bool,
+    /// Whether the picture is drawn aside and scaled up into the shell's image, so that it can have fewer pixels than
+    /// that ([`RenderTarget::set_drawn_extent`]); the overlay and the panels in the room are drawn over it in full. The
+    /// shell's images need `VK_IMAGE_USAGE_TRANSFER_DST_BIT`.
+    ///
+    /// [`RenderTarget::set_drawn_extent`]: crate::gpu::RenderTarget::set_drawn_extent
+    pub scales_up: bool,
 }
 
 impl TargetFormat {
@@ -59,6 +65,16 @@ impl TargetFormat {
         let limits = properties.limits;
         let both = limits.framebuffer_color_sample_counts & limits.framebuffer_depth_sample_counts;
         both.contains(sample_count(samples))
+    }
+
+    /// The format of the frame's pass, and of the pass that draws the overlay.
+    pub(crate) const fn pass_formats(&self) -> [Self; 2] {
+        if self.scales_up {
+            let aside = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
+            [TargetFormat { final_layout: aside, ..*self }, TargetFormat { samples: 1, ..*self }]
+        } else {
+            [*self; 2]
+        }
     }
 
     pub(crate) const fn sample_count(&self) -> vk::SampleCountFlags {

@@ -42,6 +42,7 @@ impl OffscreenTarget {
             keep_depth,
             density_map: false,
             is_subsampled: false,
+            scales_up: false,
         }
     }
 
@@ -57,9 +58,12 @@ impl OffscreenTarget {
     ) -> Result<Self, Error> {
         let format = readback_renderer.format();
         let back = vk::ImageUsageFlags::TRANSFER_SRC;
+        let mut usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | back;
+        if format.scales_up {
+            usage |= vk::ImageUsageFlags::TRANSFER_DST;
+        }
         let shape = ImageSpec::new_2d(format.color, extent, format.views);
-        let color =
-            GpuImage::new(gpu, shape.with_usage(vk::ImageUsageFlags::COLOR_ATTACHMENT | back))?;
+        let color = GpuImage::new(gpu, shape.with_usage(usage))?;
         let depth = match format.keep_depth {
             true => {
                 let shape = ImageSpec {
@@ -72,8 +76,13 @@ impl OffscreenTarget {
             false => None,
         };
         let depths: Vec<_> = depth.iter().map(|depth| depth.view).collect();
-        let target =
-            readback_renderer.create_target_without_density_maps(extent, &[color.view], &depths)?;
+        let views = [color.view];
+        let target = match format.scales_up {
+            true => readback_renderer.create_target_that_scales_up(extent, &[color.raw], &views)?,
+            false => {
+                readback_renderer.create_target_without_density_maps(extent, &views, &depths)?
+            }
+        };
         Ok(OffscreenTarget { target, gpu: gpu.clone(), color, depth })
     }
 

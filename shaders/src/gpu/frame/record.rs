@@ -118,7 +118,10 @@ impl Renderer {
         ];
         let drawn = PassFramebuffer {
             pass: self.frame.raw,
-            framebuffer: target.framebuffers[image_index].raw,
+            framebuffer: match target.scaled {
+                Some(_) => target.framebuffers[0].raw,
+                None => target.framebuffers[image_index].raw,
+            },
             extent: target.drawn_extent(),
         };
         self.record_pass(commands, drawn, &clears, |_| {
@@ -147,19 +150,38 @@ impl Renderer {
                 self.record_group_of_bound_meshes(commands, scene, DrawGroup::Hidden);
                 self.record_group_of_bound_meshes(commands, scene, DrawGroup::Particles);
             }
-            self.overlay.record_draws(commands, target.drawn_extent());
-            self.record_panels(commands, target);
+            if target.scaled.is_none() {
+                self.record_overlay(commands, target, target.drawn_extent());
+            }
         });
+        if let (Some(scaled), Some(pass)) = (&target.scaled, &self.over) {
+            scaled.record(commands, image_index, target.drawn_extent());
+            let (pass, extent) = (pass.raw, target.extent);
+            let framebuffer = scaled.overlay_framebuffers[image_index].raw;
+            self.record_pass(commands, PassFramebuffer { pass, framebuffer, extent }, &[], |_| {
+                self.record_overlay(commands, target, extent);
+            });
+        }
+    }
+
+    /// Records the overlay, and the panels in the room.
+    fn record_overlay(&self, commands: vk::CommandBuffer, target: &RenderTarget, pixels: [u32; 2]) {
+        self.overlay.record_draws(commands, pixels);
+        self.record_panels(commands, target, pixels);
     }
 
     /// Records the panels, whose state the overlay has left another's.
-    fn record_panels(&self, commands: vk::CommandBuffer, target: &RenderTarget) {
+    fn record_panels(
+        &self,
+        commands: vk::CommandBuffer,
+        target: &RenderTarget,
+        [width, height]: [u32; 2],
+    ) {
         let slot = &self.ring[self.slot_index];
         if slot.panel_quad_count == 0 {
             return;
         }
         self.bind_graphics_set(commands, target.sets[self.slot_index]);
-        let [width, height] = target.drawn_extent();
         let area = vk::Rect2D { extent: vk::Extent2D { width, height }, ..vk::Rect2D::default() };
         let device = &self.gpu.device;
         // SAFETY: the pass is the pipeline's; a strip's four vertices are made from their numbers, and the slot's

@@ -62,6 +62,8 @@ pub struct Renderer {
     pub(crate) march_starts: [RenderPass; 2],
     pub(crate) shadow: ShadowMap,
     pub(crate) frame: RenderPass,
+    /// Of the overlay, where the picture is scaled up.
+    pub(crate) over: Option<RenderPass>,
     pub(crate) pipelines: Pipelines,
     pub(crate) textures: SculptureTextures,
     panel_atlas: GpuImage,
@@ -120,6 +122,7 @@ impl Renderer {
             march_starts: compiled.march_starts,
             shadow: compiled.shadow,
             frame: compiled.frame,
+            over: compiled.over,
             pipelines: compiled.pipelines,
             textures: compiled.textures,
             panel_atlas,
@@ -203,19 +206,41 @@ impl Renderer {
         depths: &[vk::ImageView],
         density_maps: &[vk::ImageView],
     ) -> Result<RenderTarget, Error> {
+        self.create_target(extent, &TargetViews { colors, depths, density_maps, images: &[] })
+    }
+
+    /// Creates a render target for a renderer whose format [`scales_up`](TargetFormat::scales_up): the shell's images,
+    /// and a view of each.
+    ///
+    /// # Errors
+    /// A call that failed.
+    pub fn create_target_that_scales_up(
+        &self,
+        extent: [u32; 2],
+        images: &[vk::Image],
+        colors: &[vk::ImageView],
+    ) -> Result<RenderTarget, Error> {
+        self.create_target(extent, &TargetViews { colors, depths: &[], density_maps: &[], images })
+    }
+
+    fn create_target(
+        &self,
+        extent: [u32; 2],
+        views: &TargetViews<'_>,
+    ) -> Result<RenderTarget, Error> {
         let resources = TargetResources {
             gpu: &self.gpu,
             format: &self.format,
             march_starts: &self.march_starts,
             frame: &self.frame,
+            over: self.over.as_ref(),
             pipelines: &self.pipelines,
             textures: &self.textures,
             panel_atlas: &self.panel_atlas,
             panel_pictures: &self.panel_pictures.image,
             shadow: &self.shadow,
         };
-        let views = TargetViews { colors, depths, density_maps };
-        RenderTarget::new(&resources, extent, &views, self.ring.iter().map(|slot| &slot.uniform))
+        RenderTarget::new(&resources, extent, views, self.ring.iter().map(|slot| &slot.uniform))
     }
 
     /// Begins a frame: waits for the fence of the frame before the last.

@@ -5,6 +5,7 @@
 pub(crate) mod fragments;
 pub mod overlay;
 pub(crate) mod render_pass;
+pub(crate) mod scale_up;
 pub(crate) mod shadow_map;
 pub(crate) mod target;
 pub(crate) mod timers;

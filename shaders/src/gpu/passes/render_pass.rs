@@ -23,6 +23,26 @@ impl RenderPass {
         with_frame_pass_info(format, depth, |info| Self::new(gpu, info))
     }
 
+    /// The pass that draws the overlay over a picture that was scaled up: one colour attachment, loaded.
+    pub(crate) fn for_overlay(gpu: &Arc<Gpu>, format: &TargetFormat) -> Result<Self, Error> {
+        let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
+        let attachments = [vk::AttachmentDescription::default()
+            .format(format.color)
+            .samples(vk::SampleCountFlags::TYPE_1)
+            .load_op(vk::AttachmentLoadOp::LOAD)
+            .store_op(vk::AttachmentStoreOp::STORE)
+            .initial_layout(layout)
+            .final_layout(format.final_layout)];
+        let colors = [vk::AttachmentReference { attachment: 0, layout }];
+        let subpass = vk::SubpassDescription::default()
+            .pipeline_bind_point(vk::PipelineBindPoint::GRAPHICS)
+            .color_attachments(&colors);
+        let readers = vk::PipelineStageFlags::TRANSFER;
+        with_pass_info(&attachments, subpass, format.multiview_mask(), (None, readers), |info| {
+            Self::new(gpu, info)
+        })
+    }
+
     /// The passes that write the depths at which marches start: of tiles, to be read by vertices of the next passes too,
     /// and of beams, to be read by fragments alone, so that a tiler's binning doesn't wait for them.
     pub(crate) fn for_march_starts(
@@ -285,6 +305,7 @@ mod tests {
                 keep_depth: false,
                 density_map: false,
                 is_subsampled: false,
+                scales_up: false,
             };
             let (all, density) = requested_attachments(&format);
             assert_eq!((all.len(), density.is_none()), (count, true));
@@ -316,6 +337,7 @@ mod tests {
             keep_depth: false,
             density_map: false,
             is_subsampled: false,
+            scales_up: false,
         };
         with_frame_pass_info(&format, vk::Format::D32_SFLOAT, |info| {
             let count = info.dependency_count as usize;

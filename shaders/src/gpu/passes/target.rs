@@ -6,6 +6,7 @@ use std::sync::Arc;
 use ash::vk;
 
 use super::render_pass::{MARCH_START_FORMAT, RenderPass, create_framebuffer};
+use super::scale_up::ScaledPicture;
 use super::shadow_map::ShadowMap;
 use crate::constants::{
     BEAM_PIXELS, BINDING_BEAM_STARTS, BINDING_CELLS, BINDING_CLAMPED, BINDING_DENSITY,
@@ -30,6 +31,8 @@ pub struct RenderTarget {
     /// The pixels that are drawn, from the upper left corner.
     drawn: [u32; 2],
     pub(crate) framebuffers: Vec<OwnedHandle<vk::Framebuffer>>,
+    /// Where the picture is drawn aside: then it has the one framebuffer.
+    pub(crate) scaled: Option<ScaledPicture>,
     /// March starts of the tiles, then of the beams within them.
     pub(crate) march_starts: [MarchStarts; 2],
     /// Descriptor sets, one for each frame of the ring.
@@ -57,6 +60,8 @@ pub(crate) struct TargetViews<'a> {
     pub(crate) depths: &'a [vk::ImageView],
     /// As many, where there are density maps.
     pub(crate) density_maps: &'a [vk::ImageView],
+    /// The images of `colors`, where pictures are scaled up; else none.
+    pub(crate) images: &'a [vk::Image],
 }
 
 /// The renderer's objects that a render target refers to.
@@ -65,6 +70,8 @@ pub(crate) struct TargetResources<'a> {
     pub(crate) format: &'a TargetFormat,
     pub(crate) march_starts: &'a [RenderPass; 2],
     pub(crate) frame: &'a RenderPass,
+    /// Of the overlay, where the picture is scaled up.
+    pub(crate) over: Option<&'a RenderPass>,
     pub(crate) pipelines: &'a Pipelines,
     pub(crate) textures: &'a SculptureTextures,
     pub(crate) panel_atlas: &'a GpuImage,
@@ -100,14 +107,24 @@ impl RenderTarget {
             extent,
             drawn: extent,
             framebuffers: Vec::new(),
+            scaled: None,
             march_starts: [march_starts(tiles, TILE_PIXELS)?, march_starts(beams, BEAM_PIXELS)?],
             sets: Vec::new(),
             pool: vk::DescriptorPool::null(),
             transient: Vec::new(),
         };
         target.create_transient_images(format, views.depths.is_empty())?;
-        for i in 0..images {
-            let attachments = target.framebuffer_attachments(format, views, i);
+        if let Some(pass) = resources.over {
+            let shells = (views.images, views.colors);
+            target.scaled = Some(ScaledPicture::new(gpu, format, pass, extent, shells)?);
+        }
+        let aside = target.scaled.as_ref().map(|scaled| [scaled.drawn.view]);
+        let colors = aside.as_ref().map_or(views.colors, |view| &view[..]);
+        for (i, color) in colors.iter().enumerate() {
+            let depth = views.depths.get(i).copied();
+            let density = format.density_map.then(|| views.density_maps[i]);
+            let attachments =
+                target.framebuffer_attachments(format, [Some(*color), depth, density]);
             target.framebuffers.push(create_framebuffer(
                 gpu,
                 resources.frame,
@@ -120,7 +137,8 @@ impl RenderTarget {
     }
 
     /// Has only so many pixels across and down drawn from the next frame on, from the upper left corner of the images:
-    /// a picture of less resolution, the rest is left as it is. At most [`Self::extent`], at least one.
+    /// a picture of less resolution. It is scaled up where the format says so; else the rest is left as it is. At most
+    /// [`Self::extent`], at least one.
     pub fn set_drawn_extent(&mut self, pixels: [u32; 2]) {
         self.drawn = core::array::from_fn(|k| pixels[k].clamp(1, self.extent[k]));
         for starts in &mut self.march_starts {
@@ -160,19 +178,16 @@ impl RenderTarget {
     }
 
     /// The image views of a framebuffer, in the order of the pass's attachments: colour, depth,
-    /// resolved colour, density map.
+    /// resolved colour, density map. Takes those that the shell or the scaled picture has: colour, depth, density map.
     fn framebuffer_attachments(
         &self,
         format: &TargetFormat,
-        views: &TargetViews<'_>,
-        image_index: usize,
+        [color, depth, density]: [Option<vk::ImageView>; 3],
     ) -> Vec<vk::ImageView> {
-        let (color, depth) = (views.colors[image_index], views.depths.get(image_index).copied());
         let mut transient = self.transient.iter().map(|image| image.view);
-        let drawn = if format.samples > 1 { transient.next() } else { Some(color) };
+        let drawn = if format.samples > 1 { transient.next() } else { color };
         let depth = depth.or_else(|| transient.next());
-        let resolved = (format.samples > 1).then_some(color);
-        let density = format.density_map.then(|| views.density_maps[image_index]);
+        let resolved = color.filter(|_| format.samples > 1);
         [drawn, depth, resolved, density].into_iter().flatten().collect()
     }
 

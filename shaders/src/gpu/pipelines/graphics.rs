@@ -60,6 +60,8 @@ pub(crate) struct PassHandles {
     pub(crate) march_starts: [vk::RenderPass; 2],
     pub(crate) shadow: vk::RenderPass,
     pub(crate) frame: vk::RenderPass,
+    /// Of the overlay and the panels in the room: the frame's, unless the picture is scaled up.
+    pub(crate) overlay: vk::RenderPass,
 }
 
 /// Depth test of the frame's pass: reversed, 1 on the near plane.
@@ -100,7 +102,7 @@ impl Pipelines {
         all.create_layouts()?;
         all.create_march_start_pipelines(passes.march_starts)?;
         all.ensure_sculpture_pipeline(RenderPath::Fast, Drawn::Picture)?;
-        all.create_scene_pipelines(format, passes.frame)?;
+        all.create_scene_pipelines(format, passes)?;
         all.create_shadow_pipelines(passes.shadow)?;
         Ok(all)
     }
@@ -164,7 +166,7 @@ impl Pipelines {
     fn create_scene_pipelines(
         &mut self,
         format: &TargetFormat,
-        pass: vk::RenderPass,
+        passes: &PassHandles,
     ) -> Result<(), Error> {
         let meshes = PipelineSpec {
             vertex: programs::SCENE_VERTEX,
@@ -173,7 +175,7 @@ impl Pipelines {
             samples: format.sample_count(),
             cull: vk::CullModeFlags::BACK,
             depth: Some(NEARER),
-            ..PipelineSpec::for_pass(pass)
+            ..PipelineSpec::for_pass(passes.frame)
         };
         let particles = PipelineSpec {
             fragment: Some(programs::PARTICLES),
@@ -184,11 +186,16 @@ impl Pipelines {
         self.particles = self.create_pipeline(&particles)?;
         let hidden = PipelineSpec { depth: Some(FARTHER), ..particles };
         self.hidden = self.create_pipeline(&hidden)?;
+        let [_, overlay_format] = format.pass_formats();
         let panels = PipelineSpec {
             vertex: programs::PANEL_VERTEX,
             input: VertexInput::PanelQuads,
             fragment: Some(programs::PANEL),
             strip: true,
+            pass: passes.overlay,
+            samples: overlay_format.sample_count(),
+            // A picture that is scaled up has left its depth behind: nothing hides a panel there.
+            depth: Some(NEARER).filter(|_| !format.scales_up),
             ..particles
         };
         self.panels = self.create_pipeline(&panels)?;

@@ -1,0 +1,118 @@
+//! How many pixels of a window's picture are drawn: fewer where the whole takes too long, as without a GPU. The panels
+//! keep theirs.
+
+/// The least and the greatest scale of a picture's sides, in hundredths.
+const LEAST_PERCENT: u32 = 35;
+const WHOLE_PERCENT: u32 = 100;
+
+/// A frame that takes longer is drawn with fewer pixels.
+const SLOW_NS: f64 = 50e6;
+
+/// What a frame is expected to take after a change. Less than half of `SLOW_NS`, so that a steady load never has the
+/// scale go up and down: a part of a frame takes the same in any scale.
+const AIM_NS: f64 = 22e6;
+
+/// Frames in flight when a scale changes, whose times come later.
+const FRAMES_IN_FLIGHT: u32 = 2;
+
+/// Chooses the scale, frame by frame.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct PictureScale {
+    percent: u32,
+    /// Frames whose times tell nothing yet.
+    in_flight: u32,
+    /// The least time since the last change, of which a raise takes several: a frame that uploads is longer.
+    least_ns: f64,
+    frames: u32,
+}
+
+impl PictureScale {
+    /// Begins with the whole picture, or with the least one on a device that computes in software.
+    pub(super) const fn new(is_software: bool) -> Self {
+        let percent = if is_software { LEAST_PERCENT } else { WHOLE_PERCENT };
+        PictureScale { percent, in_flight: FRAMES_IN_FLIGHT, least_ns: f64::MAX, frames: 0 }
+    }
+
+    /// Takes what the device took for a frame, in nanoseconds, and returns the scale of the next one. A device without
+    /// timestamps gives 0, which changes nothing.
+    pub(super) fn after_frame(&mut self, gpu_time_ns: u64) -> u32 {
+        if gpu_time_ns == 0 || self.in_flight > 0 {
+            self.in_flight = self.in_flight.saturating_sub(1);
+            return self.percent;
+        }
+        let time_ns = gpu_time_ns as f64;
+        self.least_ns = self.least_ns.min(time_ns);
+        self.frames += 1;
+        // The time grows with the pixels at most.
+        let aim = |time_ns: f64| {
+            let percent = f64::from(self.percent) * (AIM_NS / time_ns).sqrt();
+            (percent as u32).clamp(LEAST_PERCENT, WHOLE_PERCENT)
+        };
+        let chosen = match (self.least_ns > SLOW_NS, aim(self.least_ns)) {
+            (true, lower) if self.frames >= 2 => lower.min(self.percent),
+            (false, higher) if self.frames >= 8 && higher >= self.percent + 5 => higher,
+            _ if self.frames >= 8 => self.percent,
+            _ => return self.percent,
+        };
+        let in_flight = if chosen == self.percent { 0 } else { FRAMES_IN_FLIGHT };
+        *self = PictureScale { percent: chosen, in_flight, ..PictureScale::new(false) };
+        chosen
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LEAST_PERCENT, PictureScale, WHOLE_PERCENT};
+
+    /// Runs frames that take a fixed part and one by their pixels, in milliseconds; returns the scales, and the frames
+    /// after which they came.
+    fn run(mut scale: PictureScale, [fixed, whole]: [f64; 2]) -> Vec<(u32, u32)> {
+        let (mut seen, mut in_flight) = (vec![(0, scale.percent)], [scale.percent; 2]);
+        for frame in 1..400 {
+            let percent = in_flight[frame as usize % 2];
+            let ms = fixed + whole * f64::from(percent).powi(2) / 1e4;
+            let next = scale.after_frame((ms * 1e6) as u64);
+            in_flight[frame as usize % 2] = next;
+            if Some(next) != seen.last().map(|(_, percent)| *percent) {
+                seen.push((frame, next));
+            }
+        }
+        seen
+    }
+
+    #[test]
+    fn a_device_that_keeps_up_draws_the_whole_and_one_in_software_little_at_first() {
+        assert_eq!(run(PictureScale::new(false), [1.0, 8.0]), [(0, WHOLE_PERCENT)]);
+        let from_software = run(PictureScale::new(true), [1.0, 8.0]);
+        assert_eq!((from_software[0], from_software.last().unwrap().1), ((0, 35), WHOLE_PERCENT));
+        assert_eq!(run(PictureScale::new(true), [60.0, 900.0]), [(0, LEAST_PERCENT)]);
+    }
+
+    #[test]
+    fn a_slow_device_draws_less_from_the_fourth_frame_on() {
+        let seen = run(PictureScale::new(false), [10.0, 310.0]);
+        assert_eq!(seen[1].0, 4);
+        assert_eq!(seen.last().unwrap().1, LEAST_PERCENT);
+    }
+
+    #[test]
+    fn a_steady_load_has_the_scale_settle() {
+        for fixed in [0.0, 2.0, 5.0, 10.0, 20.0, 40.0, 60.0] {
+            for whole in (0..100).map(|tens| f64::from(tens) * 10.0) {
+                for is_software in [false, true] {
+                    let seen = run(PictureScale::new(is_software), [fixed, whole]);
+                    assert!(
+                        seen.len() <= 6 && seen.last().unwrap().0 < 100,
+                        "{fixed} {whole}: {seen:?}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn without_timestamps_nothing_changes() {
+        let mut scale = PictureScale::new(false);
+        assert!((0..100).all(|_| scale.after_frame(0) == WHOLE_PERCENT));
+    }
+}
