@@ -24,8 +24,8 @@ pub use twin::image::{self, Image, contact_sheet};
 pub use twin::march::{self, Ray};
 pub use twin::panels::{render_panels, render_panels_with_pictures};
 pub use twin::render::{
-    self, RenderOptions, lit_studio, render_image, render_image_in_room, render_image_with_panels,
-    render_portrait_png,
+    self, PORTRAIT_SIZE, RenderOptions, lit_studio, portrait_camera, render_image,
+    render_image_in_room, render_image_with_panels, render_portrait_png,
 };
 pub use twin::room::{self, LitRoom};
 pub use twin::{carrara, fast, harmonics, light, marble, noise, studio, surface};

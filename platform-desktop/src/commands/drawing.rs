@@ -2,6 +2,7 @@
 
 use clap::ValueEnum;
 use paros_core::RangeMaps;
+use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 use paros_headless::{BACKDROP, Error, HeadlessRenderer, PictureFormat, SculptureView};
 use paros_shaders::field::DensityField;
@@ -9,7 +10,8 @@ use paros_shaders::gpu::{FrameRequest, PaperVariant, RenderPath, RenderStyle};
 use paros_shaders::scene::{LatestInput, SKY, SceneAssembler};
 use paros_shaders::upload::VolumeFormat;
 use paros_shaders::{
-    Camera, Image, LitRoom, RenderOptions, lit_studio, render_image, render_image_in_room,
+    Camera, Image, LitRoom, PORTRAIT_SIZE, RenderOptions, lit_studio, portrait_camera,
+    render_image, render_image_in_room, render_portrait_png,
 };
 use paros_shell::statics::Resident;
 
@@ -67,6 +69,26 @@ where
     let mut room = Box::new(SceneAssembler::new());
     room.assemble_frame(&Grid::<N>::lock_world(), &LatestInput::default());
     room
+}
+
+/// The bytes of a PNG file with a sculpture's picture in the studio, 720 pixels a side: by the best Vulkan device, and
+/// where that fails by the processors, which take ten times as long as a driver in software.
+pub(super) fn draw_portrait_png<const N: usize>(
+    maps: &RangeMaps<N, INTERVALS>,
+) -> Result<Vec<u8>, String> {
+    draw_portrait(maps).or_else(|_| render_portrait_png(maps))
+}
+
+fn draw_portrait<const N: usize>(maps: &RangeMaps<N, INTERVALS>) -> Result<Vec<u8>, String> {
+    let options = DrawingOptions { renderer: RendererChoice::Vulkan, path: PathChoice::Fast };
+    // The world of this size is the session's. Tools lie in their places in any other.
+    let room = DrawingBackground::Room(assemble_room::<128, 1>());
+    let mut renderer = options.make_renderer(PORTRAIT_SIZE, 1, room).map_err(|e| e.to_string())?;
+    let image =
+        renderer.draw_volume(maps, &portrait_camera(), &|_| {}).map_err(|e| e.to_string())?;
+    let mut png = Vec::new();
+    image.write_png(&mut png).map_err(|error| error.to_string())?;
+    Ok(png)
 }
 
 impl DrawingOptions {

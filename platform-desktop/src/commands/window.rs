@@ -10,7 +10,7 @@ use paros_shell::sizes::GRID_SIDES;
 use paros_shell::{rmap, with_size};
 use paros_visit::VisitOptions;
 
-use super::{demo, settings, volume};
+use super::{demo, drawing, settings, volume};
 use crate::window::{self, SizeChoice, WindowError, WindowOptions};
 
 /// Sculpt in a window, with mouse and keyboard.
@@ -116,7 +116,9 @@ fn open_window(args: &Args) -> Result<String, WindowError> {
         settings_faults: faults,
         validation: args.validation,
     };
-    with_size!(size.unwrap_or(GRID_SIDES[0]), N => window::run_window::<N>(&options))
+    with_size!(size.unwrap_or(GRID_SIDES[0]), N => {
+        window::run_window::<N>(&options, drawing::draw_portrait_png)
+    })
 }
 
 /// Reads the settings, and says on standard error what they are and what is wrong with them. A script's are no user's.

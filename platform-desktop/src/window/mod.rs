@@ -31,11 +31,10 @@ use std::time::Duration;
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
-use paros_shaders::render_portrait_png;
 use paros_shell::settings::BoothSettings;
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
-use paros_shell::studio::Studio;
+use paros_shell::studio::{DrawPicture, Studio};
 use paros_shell::studio_paths::StudioPaths;
 use paros_visit::VisitOptions;
 use winit::error::EventLoopError;
@@ -84,11 +83,14 @@ pub enum WindowError {
 }
 
 /// Opens the window and runs its event loop. Blocks until the window is closed. Returns the last
-/// print's path as a line, or nothing without a print.
+/// print's path as a line, or nothing without a print. `draw_picture` draws finished sculptures, in a thread.
 ///
 /// # Errors
 /// See [`WindowError`]. The session has been saved in any case.
-pub fn run_window<const N: usize>(options: &WindowOptions) -> Result<String, WindowError>
+pub fn run_window<const N: usize>(
+    options: &WindowOptions,
+    draw_picture: DrawPicture<N>,
+) -> Result<String, WindowError>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
@@ -110,8 +112,7 @@ where
     let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM);
     let stl_exporter = stl_exporter.map_err(|error| WindowError::Failed(error.into()))?;
     let paths = StudioPaths::for_user(options.folder.as_deref());
-    let mut studio =
-        Studio::new(&mut world, &mut volumes, stl_exporter, paths, render_portrait_png);
+    let mut studio = Studio::new(&mut world, &mut volumes, stl_exporter, paths, draw_picture);
     studio.set_trace_path_at_exit(options.record.clone());
     if let Some(settings) = &options.booth {
         booth::bring_to_booth(&mut studio, settings, options.visits.as_ref());

@@ -136,16 +136,25 @@ fn render_scene<const N: usize, const K: usize>(
     image
 }
 
-/// The bytes of a PNG file with a sculpture's picture in the lit room, 720 pixels a side.
+/// Pixels across and down of a finished sculpture's picture.
+pub const PORTRAIT_SIZE: [usize; 2] = [720; 2];
+
+/// The camera of a finished sculpture's picture.
+#[must_use]
+pub fn portrait_camera() -> Camera {
+    Camera::orbiting(0.4, 0.25)
+}
+
+/// The bytes of a PNG file with a sculpture's picture in the lit room, of [`PORTRAIT_SIZE`].
 ///
 /// # Errors
 /// What keeps a picture from being encoded.
 pub fn render_portrait_png<const N: usize, const K: usize>(
     maps: &RangeMaps<N, K>,
 ) -> Result<Vec<u8>, String> {
-    let options = RenderOptions { width: 720, height: 720, ..RenderOptions::default() };
-    let camera = Camera::orbiting(0.4, 0.25);
-    let image = render_image_in_room(maps, &camera, &options, &lit_studio(), &|_| {});
+    let [width, height] = PORTRAIT_SIZE;
+    let options = RenderOptions { width, height, ..RenderOptions::default() };
+    let image = render_image_in_room(maps, &portrait_camera(), &options, &lit_studio(), &|_| {});
     let mut png = Vec::new();
     image.write_png(&mut png).map_err(|error| error.to_string())?;
     Ok(png)
