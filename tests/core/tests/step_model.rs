@@ -110,34 +110,34 @@ fn replay(trace: &StepTrace) -> Result<SessionTally, Box<StepFailure>> {
 #[test]
 fn sessions_at_16_follow_the_model() {
     let starts = || closed_volumes_with_inner_mask(16);
-    let tally = check_sessions(&AT_16, starts(), 20, 1..=24)
-        .sum_with(check_sessions(&AT_16_OF_2, starts(), 15, 1..=24))
-        .sum_with(check_sessions(&AT_16_OF_3, starts(), 10, 1..=24));
-    assert!(tally.edits > 75 && tally.fills > 7 && tally.refusals > 7, "{tally:?}");
-    assert!(tally.removals > 7 && tally.rewinds > 7 && tally.loads > 7, "{tally:?}");
-    assert!(tally.swaps > 7 && tally.rim_turns > 7, "{tally:?}");
+    let tally = check_sessions(&AT_16, starts(), 80, 1..=24)
+        .sum_with(check_sessions(&AT_16_OF_2, starts(), 60, 1..=24))
+        .sum_with(check_sessions(&AT_16_OF_3, starts(), 40, 1..=24));
+    assert!(tally.edits > 300 && tally.fills > 30 && tally.refusals > 30, "{tally:?}");
+    assert!(tally.removals > 30 && tally.rewinds > 30 && tally.loads > 30, "{tally:?}");
+    assert!(tally.swaps > 30 && tally.rim_turns > 30, "{tally:?}");
 }
 
 #[test]
 fn sessions_at_32_follow_the_model() {
     let starts = || closed_volumes_with_inner_mask(32);
-    let tally = check_sessions(&AT_32, starts(), 6, 1..=24).sum_with(check_sessions(
+    let tally = check_sessions(&AT_32, starts(), 24, 1..=24).sum_with(check_sessions(
         &AT_32_OF_2,
         starts(),
-        6,
+        24,
         1..=24,
     ));
-    assert!(tally.edits > 75 && tally.both > 2 && tally.removals > 2, "{tally:?}");
+    assert!(tally.edits > 300 && tally.both > 10 && tally.removals > 10, "{tally:?}");
 }
 
 #[test]
 fn long_sessions_follow_the_model() {
     let starts = closed_volumes_with_inner_mask;
-    let tally = check_sessions(&AT_16_OF_2, starts(16), 1, 200..=200)
+    let tally = check_sessions(&AT_16_OF_2, starts(16), 4, 200..=200)
         .sum_with(check_sessions(&AT_32, starts(32), 1, 150..=150))
-        .sum_with(check_sessions(&AT_64, starts(64), 1, 30..=30))
-        .sum_with(check_sessions(&AT_64_OF_2, starts(64), 1, 30..=30));
-    assert!(tally.ticks > 2000 && tally.edits > 200 && tally.loads > 6, "{tally:?}");
+        .sum_with(check_sessions(&AT_64, starts(64), 1, 60..=60))
+        .sum_with(check_sessions(&AT_64_OF_2, starts(64), 1, 60..=60));
+    assert!(tally.ticks > 3000 && tally.edits > 300 && tally.loads > 10, "{tally:?}");
 }
 
 /// Some 100 ticks at 128; at night 300 there and at 256.
