@@ -6,7 +6,7 @@ use glam::{Quat, Vec3};
 use paros_core::session::{BenchItem, Tool, commands};
 use paros_core::volume::{Grid, Size};
 use paros_core::{TickInput, WorldEvent};
-use paros_models::cases::sampled;
+use paros_models::cases::sample_cases;
 use paros_models::dense::DenseVolume;
 use paros_models::scripted_hand::{BOX_MM, RIGHT, input_with_bit_at, take_item, volume_of};
 use paros_models::world_harness::WorldHarness;
@@ -151,8 +151,8 @@ fn a_bead_is_even_at_every_speed_at_128() {
 /// One way at a slow and a quick speed, at night all ways at every speed.
 #[test]
 fn a_bead_is_even_at_every_speed_at_256() {
-    let speeds: Vec<f32> = sampled(SPEEDS.into_iter().rev(), 2).collect();
-    check_beads(&LARGE, sampled(ways(), 5), &speeds);
+    let speeds: Vec<f32> = sample_cases(SPEEDS.into_iter().rev(), 2).collect();
+    check_beads(&LARGE, sample_cases(ways(), 5), &speeds);
 }
 
 /// A nozzle that runs in the air, a finger above the stone, lays nothing; and none beside a mirror image that does.

@@ -11,7 +11,7 @@ use paros_core::session::{
 };
 use paros_core::volume::{BitGrid, BitSet, Grid, Size};
 use paros_core::{HandInput, HiddenFigure, RangeMaps, StartVolumes, TickInput, World};
-use paros_models::cases::sampled;
+use paros_models::cases::sample_cases;
 use paros_models::hard_work::HardWork;
 use paros_models::scripted_hand::{LEFT, RIGHT, step_with_bit_at, take_item};
 use paros_models::world_harness::WorldHarness;
@@ -165,7 +165,7 @@ where
         [(ToolBit::FlatChisel, HardWork::Rough), (ToolBit::DiscSaw, HardWork::Rough)],
         [(ToolBit::File, HardWork::Storm), (ToolBit::DiscSaw, HardWork::Turns)],
     ];
-    for works in sampled(all_works, if N > 128 { 3 } else { 1 }) {
+    for works in sample_cases(all_works, if N > 128 { 3 } else { 1 }) {
         for (is_masked, most) in [(false, 12), (true, 24)] {
             for cut_at in [0, 3] {
                 let ticks = count_ticks_until_fall(scene, is_masked, works, cut_at);

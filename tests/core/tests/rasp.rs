@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use glam::{EulerRot, Quat, Vec2, Vec3};
 use paros_core::session::{BenchItem, Tool};
 use paros_core::volume::{Grid, Size};
-use paros_models::cases::sampled;
+use paros_models::cases::sample_cases;
 use paros_models::scripted_hand::{BOX_MM, RIGHT, input_with_bit_at, start_from_stone, take_item};
 use paros_models::world_harness::WorldHarness;
 
@@ -114,7 +114,7 @@ where
     Grid<N>: Size,
 {
     let harness = &mut *harness.lock().unwrap_or_else(PoisonError::into_inner);
-    for strokes in sampled([(500.0, 15.0), (150.0, 5.0)], if N > 128 { 2 } else { 1 }) {
+    for strokes in sample_cases([(500.0, 15.0), (150.0, 5.0)], if N > 128 { 2 } else { 1 }) {
         let left = ripple_after(harness, strokes);
         println!("{N}, mm/s and mm deep {strokes:?}: {left:.2} mm of 10");
         assert!(left < 1.0, "{N}, {strokes:?}: {left} mm of 10");

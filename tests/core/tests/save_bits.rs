@@ -8,7 +8,7 @@ use paros_core::edit::UndoCounts;
 use paros_core::internals::{IslandSearch, checksum};
 use paros_core::limits::STATE_BYTES;
 use paros_core::volume::{Grid, Size};
-use paros_models::cases::sampled;
+use paros_models::cases::sample_cases;
 use paros_models::random_visitor::RandomVisitor;
 use paros_models::world_harness::WorldHarness;
 
@@ -85,10 +85,10 @@ fn every_bit_of_a_save_at_16_counts_in_the_digest() {
     let harness = &mut *HARNESS.lock().unwrap_or_else(PoisonError::into_inner);
     let maps = STATE_BYTES..STATE_BYTES + 2 * 3 * 16 * 16 * 2;
     for (save, step) in play_two_saves(harness).iter().zip([1, 4]) {
-        let in_maps = sampled(8 * maps.start..8 * maps.end, 16);
+        let in_maps = sample_cases(8 * maps.start..8 * maps.end, 16);
         flip_bits(&mut harness.world, save, in_maps);
         let body = 8 * (save.len() - BODY);
-        let beside = sampled((0..8 * maps.start).chain(8 * maps.end..body), step);
+        let beside = sample_cases((0..8 * maps.start).chain(8 * maps.end..body), step);
         let loaded = flip_bits(&mut harness.world, save, beside);
         assert!(loaded > 4000 / step as usize, "{loaded} of {} bytes", save.len());
     }
@@ -102,9 +102,9 @@ fn every_bit_of_a_save_at_32_counts_in_the_digest() {
     let harness = &mut *HARNESS.lock().unwrap_or_else(PoisonError::into_inner);
     let [save, _] = play_two_saves(harness);
     let maps = 2 * 3 * 32 * 32 * 2 * 2;
-    let state = flip_bits(&mut harness.world, &save, sampled(0..8 * STATE_BYTES, 64));
+    let state = flip_bits(&mut harness.world, &save, sample_cases(0..8 * STATE_BYTES, 64));
     let rest = 8 * (STATE_BYTES + maps)..8 * (save.len() - BODY);
-    let rest = flip_bits(&mut harness.world, &save, sampled(rest, 16));
+    let rest = flip_bits(&mut harness.world, &save, sample_cases(rest, 16));
     assert!(state > 60 && rest > 60, "{state} and {rest} of {} bytes", save.len());
 }
 

@@ -7,7 +7,7 @@ use glam::{IVec3, Mat3, Quat, Vec3};
 use paros_core::session::{BenchItem, SessionMode, Tool, ToolBit};
 use paros_core::volume::{BitSet, Grid, Size};
 use paros_core::{TickInput, WorldEvent};
-use paros_models::cases::sampled;
+use paros_models::cases::sample_cases;
 use paros_models::dense::DenseVolume;
 use paros_models::scripted_hand::{
     BOX_MM, RIGHT, input_with_bit_at, start_from_stone, take_item, volume_of,
@@ -160,7 +160,7 @@ where
 {
     let harness = &mut *harness.lock().unwrap_or_else(PoisonError::into_inner);
     let ten_degrees = 10f32.to_radians();
-    for i in sampled(0..turns, 4) {
+    for i in sample_cases(0..turns, 4) {
         let turn = TAU * (i as f32 + 0.13) / turns as f32;
         let tilt = [ten_degrees, -ten_degrees, 0.0][i as usize % 3];
         let speed = [300.0, 600.0][i as usize / 3 % 2];

@@ -8,7 +8,7 @@ use paros_core::internals::{GridBit, Obstacle, maps_digest};
 use paros_core::session::{BenchItem, SessionMode, Tool, ToolBit, commands};
 use paros_core::volume::{Grid, Size};
 use paros_core::{HandInput, TickInput, WorldEvent};
-use paros_models::cases::sampled;
+use paros_models::cases::sample_cases;
 use paros_models::dense::DenseVolume;
 use paros_models::scripted_hand::{
     LEFT, RIGHT, input_with_hand, start_from_floor, step_with_bit_at, take_item, volume_of,
@@ -207,7 +207,7 @@ fn a_fill_gun_does_not_stick_in_its_paste() {
         assert!(stood == 0 && lag < 0.1, "128, {pressed_mm} mm: {stood} ticks, {lag} voxels");
     }
     // The others at night.
-    for pressed_mm in sampled(presses_mm, 3) {
+    for pressed_mm in sample_cases(presses_mm, 3) {
         let (stood, lag) = draw_along_floor(&HARNESS_256, pressed_mm * 256.0 / 450.0);
         assert!(stood == 0 && lag < 0.1, "256, {pressed_mm} mm: {stood} ticks, {lag} voxels");
     }

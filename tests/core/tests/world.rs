@@ -10,7 +10,7 @@ use paros_core::session::{
 };
 use paros_core::volume::Axis;
 use paros_core::{HandInput, TickInput, WorldEvent};
-use paros_models::cases::scaled_cases;
+use paros_models::cases::scaled_step;
 use paros_models::random_visitor::{RandomSource, RandomVisitor};
 use paros_models::scripted_hand::{
     LEFT, RIGHT, hand_input_at, input_with_hand, run_stroke, start_from_floor, step_with_bit_at,
@@ -249,7 +249,7 @@ fn the_end_takes_no_more_edits<const K: usize>(harness: &mut WorldHarness<64, K>
 /// and each tick removes voxels of the bit's swept volume only.
 fn the_hidden_figure_outlasts_any_carving<const K: usize>(harness: &mut WorldHarness<64, K>) {
     let (mut on_mask, mut carved, mut felt_alone) = (0, 0, 0);
-    let checked_every = (16 / scaled_cases(1)).max(1);
+    let checked_every = scaled_step(16);
     for seed in 0..6 {
         harness.start_session(SessionMode::Constrained { figure: 0 });
         let mut dice = RandomSource::new(seed);

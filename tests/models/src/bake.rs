@@ -182,9 +182,15 @@ fn touched_voxels(side: usize, triangle: &Triangle) -> Vec<[usize; 3]> {
     let mut voxels = Vec::new();
     for x in 0..side {
         let slab = clip_to_slab(&corners, 0, x);
-        for y in (0..side).filter(|_| !slab.is_empty()) {
+        if slab.is_empty() {
+            continue;
+        }
+        for y in 0..side {
             let beam = clip_to_slab(&slab, 1, y);
-            for z in (0..side).filter(|_| !beam.is_empty()) {
+            if beam.is_empty() {
+                continue;
+            }
+            for z in 0..side {
                 let reaches_low = beam.iter().any(|p| p[2] >= 256 * z as i128 * p[3]);
                 let reaches_high = beam.iter().any(|p| p[2] <= 256 * (z as i128 + 1) * p[3]);
                 if reaches_low && reaches_high {

@@ -20,7 +20,15 @@ pub fn random_cases(in_check: u32) -> ProptestConfig {
     }
 }
 
+/// Returns `in_check` divided by `PAROS_STEP_CASES`, at least 1: one case of so many runs.
+///
+/// # Panics
+/// As [`scaled_cases`].
+pub fn scaled_step(in_check: u32) -> u32 {
+    (in_check / scaled_cases(1)).max(1)
+}
+
 /// Returns every `step`th of `all` in the check; with `PAROS_STEP_CASES` as great as `step` all of them.
-pub fn sampled<T>(all: impl IntoIterator<Item = T>, step: u32) -> impl Iterator<Item = T> {
-    all.into_iter().step_by((step / scaled_cases(1)).max(1) as usize)
+pub fn sample_cases<T>(all: impl IntoIterator<Item = T>, step: u32) -> impl Iterator<Item = T> {
+    all.into_iter().step_by(scaled_step(step) as usize)
 }

@@ -27,7 +27,7 @@ use std::sync::{Mutex, PoisonError};
 use paros_core::internals::BitShape;
 use paros_core::session::ToolBit;
 use paros_core::volume::{Grid, Size};
-use paros_models::cases::scaled_cases;
+use paros_models::cases::scaled_step;
 
 use self::figures::StrokeFigures;
 use self::scene::{Scene, Stroke};
@@ -127,15 +127,15 @@ fn presses_and_speeds(stone: Stone, bit: ToolBit) -> Vec<[f32; 2]> {
     }
 }
 
-/// Draws the first of all strokes, a part of them that is one of `parts`, at night all, and compares their figures with
-/// the golden file's; or writes that file. What a stroke does depends on the ticks before it.
+/// Draws the first one in `parts` of the strokes, at night all of them, and compares their figures with the golden
+/// file's; or writes that file. A stroke's figures depend on the ticks before it, so that none can be left out between.
 fn check_or_write_golden<const N: usize>(scene: &Mutex<Scene<N>>, parts: u32)
 where
     Grid<N>: Size,
 {
     let writes = std::env::var("PAROS_GOLDEN").as_deref() == Ok("write");
     let strokes = list_strokes(presses_and_speeds);
-    let parts = if writes { 1 } else { (parts / scaled_cases(1)).max(1) };
+    let parts = if writes { 1 } else { scaled_step(parts) };
     let (count, all) = (strokes.len().div_ceil(parts as usize), strokes.len());
     let drawn = draw_strokes(scene, strokes.into_iter().take(count));
     let now = drawn.iter().map(|(stroke, figures)| format!("{stroke}: {figures}"));
