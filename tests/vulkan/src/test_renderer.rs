@@ -80,6 +80,11 @@ impl TestRenderer {
     /// Draws a frame and reads back the pixels of each view.
     pub fn draw_picture(&mut self, picture: &FrameRequest<'_>) -> Layers {
         self.renderer.wait_and_begin_frame().expect("a frame");
+        self.draw_begun_picture(picture)
+    }
+
+    /// Draws the frame that has begun and reads back the pixels of each view.
+    pub fn draw_begun_picture(&mut self, picture: &FrameRequest<'_>) -> Layers {
         let target = &self.screen.target;
         self.renderer
             .draw_frame(picture, target, 0, FrameSemaphores::default())

@@ -9,8 +9,7 @@ use paros_core::volume::BitGrid;
 use paros_shaders::field::DensityField;
 use paros_shaders::gpu::overlay::{ClippedRun, PanelVertex};
 use paros_shaders::gpu::{
-    Eye, FrameRequest, FrameSemaphores, OffscreenTarget, PaperVariant, RenderPath, SharedGpu,
-    TargetFormat,
+    Eye, FrameRequest, OffscreenTarget, PaperVariant, RenderPath, SharedGpu, TargetFormat,
 };
 use paros_shaders::upload::VolumeFormat;
 use paros_shell::figures::Figure;
@@ -165,8 +164,5 @@ fn draw_under_a_square(window: &mut TestRenderer, request: &FrameRequest<'_>) ->
     let overlay = &mut window.renderer.overlay;
     assert!(overlay.try_stage_atlas_patch([0, 0], [1, 1], &[[255; 4]]));
     assert!(overlay.try_set_triangles(&corners, &[0, 1, 2, 0, 2, 3], &[run], FULL));
-    let target = &window.screen.target;
-    window.renderer.draw_frame(request, target, 0, FrameSemaphores::default()).expect("a picture");
-    window.renderer.wait_for_frames().expect("the device");
-    window.screen.read_pixels(0).expect("pixels")
+    window.draw_begun_picture(request).remove(0)
 }
