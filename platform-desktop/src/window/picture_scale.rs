@@ -1,28 +1,35 @@
-//! How many pixels of a window's picture are drawn: fewer where the whole takes too long, as without a GPU. The panels
-//! keep theirs.
+//! Resolution of a window's picture: it is lowered where frames take too long, as without a GPU. The panels keep the
+//! window's resolution.
+
+use super::screen::FRAMES_IN_FLIGHT;
 
 /// The least and the greatest scale of a picture's sides, in hundredths.
 const LEAST_PERCENT: u32 = 35;
 const WHOLE_PERCENT: u32 = 100;
 
-/// A frame that takes longer is drawn with fewer pixels.
+/// A longer frame has the scale lowered.
 const SLOW_NS: f64 = 50e6;
 
-/// What a frame is expected to take after a change. Less than half of `SLOW_NS`, so that a steady load never has the
-/// scale go up and down: a part of a frame takes the same in any scale.
+/// The aim for a frame's time after a change of the scale. It is below half of `SLOW_NS`, so that the scale does not
+/// oscillate under a steady load: a part of a frame's time does not depend on the scale.
 const AIM_NS: f64 = 22e6;
 
-/// Frames in flight when a scale changes, whose times come later.
-const FRAMES_IN_FLIGHT: u32 = 2;
+/// Frames that a change of the scale waits for, down and up.
+const FRAMES_BEFORE_LOWERING: u32 = 2;
+const FRAMES_BEFORE_RAISING: u32 = 8;
+
+/// The scale is raised by so many hundredths at least.
+const LEAST_RAISE: u32 = 5;
 
 /// Chooses the scale, frame by frame.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct PictureScale {
     percent: u32,
-    /// Frames whose times tell nothing yet.
-    in_flight: u32,
-    /// The least time since the last change, of which a raise takes several: a frame that uploads is longer.
+    /// Frames that were submitted in the scale before, and whose times are still to come.
+    in_flight: usize,
+    /// The shortest of the frames since the last change: one that uploads textures takes longer.
     least_ns: f64,
+    /// Frames since the last change.
     frames: u32,
 }
 
@@ -40,20 +47,19 @@ impl PictureScale {
             self.in_flight = self.in_flight.saturating_sub(1);
             return self.percent;
         }
-        let time_ns = gpu_time_ns as f64;
-        self.least_ns = self.least_ns.min(time_ns);
+        self.least_ns = self.least_ns.min(gpu_time_ns as f64);
         self.frames += 1;
-        // The time grows with the pixels at most.
-        let aim = |time_ns: f64| {
-            let percent = f64::from(self.percent) * (AIM_NS / time_ns).sqrt();
-            (percent as u32).clamp(LEAST_PERCENT, WHOLE_PERCENT)
+        // At most in proportion to the pixels.
+        let aim = f64::from(self.percent) * (AIM_NS / self.least_ns).sqrt();
+        let aim = (aim as u32).clamp(LEAST_PERCENT, WHOLE_PERCENT);
+        let (frames, chosen) = match self.least_ns > SLOW_NS {
+            true => (FRAMES_BEFORE_LOWERING, aim.min(self.percent)),
+            false if aim >= self.percent + LEAST_RAISE => (FRAMES_BEFORE_RAISING, aim),
+            false => (FRAMES_BEFORE_RAISING, self.percent),
         };
-        let chosen = match (self.least_ns > SLOW_NS, aim(self.least_ns)) {
-            (true, lower) if self.frames >= 2 => lower.min(self.percent),
-            (false, higher) if self.frames >= 8 && higher >= self.percent + 5 => higher,
-            _ if self.frames >= 8 => self.percent,
-            _ => return self.percent,
-        };
+        if self.frames < frames {
+            return self.percent;
+        }
         let in_flight = if chosen == self.percent { 0 } else { FRAMES_IN_FLIGHT };
         *self = PictureScale { percent: chosen, in_flight, ..PictureScale::new(false) };
         chosen

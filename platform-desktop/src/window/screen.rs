@@ -11,7 +11,7 @@ use winit::raw_window_handle::{HasDisplayHandle, HasWindowHandle};
 use winit::window::Window;
 
 /// Frames in flight, each with a semaphore.
-const FRAMES_IN_FLIGHT: usize = 2;
+pub(super) const FRAMES_IN_FLIGHT: usize = 2;
 
 /// Timeout of acquiring an image, in nanoseconds; the frame is skipped then.
 const ACQUIRE_TIMEOUT_NS: u64 = 1_000_000_000;
@@ -148,7 +148,7 @@ impl WindowSwapchain {
         self.swapchain.as_ref().map(|swapchain| &swapchain.render_target)
     }
 
-    /// Has so many pixels of the picture drawn, from the next frame on, and scaled up to the window's.
+    /// Sets the scale of the picture's sides, in hundredths, from the next frame on.
     pub(super) fn set_drawn_percent(&mut self, percent: u32) {
         if let Some(swapchain) = &mut self.swapchain {
             let target = &mut swapchain.render_target;
