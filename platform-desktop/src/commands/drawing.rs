@@ -76,19 +76,17 @@ where
 pub(super) fn draw_portrait_png<const N: usize>(
     maps: &RangeMaps<N, INTERVALS>,
 ) -> Result<Vec<u8>, String> {
-    draw_portrait(maps).or_else(|_| render_portrait_png(maps))
-}
-
-fn draw_portrait<const N: usize>(maps: &RangeMaps<N, INTERVALS>) -> Result<Vec<u8>, String> {
-    let options = DrawingOptions { renderer: RendererChoice::Vulkan, path: PathChoice::Fast };
-    // The world of this size is the session's. Tools lie in their places in any other.
-    let room = DrawingBackground::Room(assemble_room::<128, 1>());
-    let mut renderer = options.make_renderer(PORTRAIT_SIZE, 1, room).map_err(|e| e.to_string())?;
-    let image =
-        renderer.draw_volume(maps, &portrait_camera(), &|_| {}).map_err(|e| e.to_string())?;
+    let Ok(image) = draw_portrait(maps) else { return render_portrait_png(maps) };
     let mut png = Vec::new();
     image.write_png(&mut png).map_err(|error| error.to_string())?;
     Ok(png)
+}
+
+fn draw_portrait<const N: usize>(maps: &RangeMaps<N, INTERVALS>) -> Result<Image, Error> {
+    let options = DrawingOptions { renderer: RendererChoice::Vulkan, path: PathChoice::Fast };
+    // The session holds the lock of its own world. All tools are in their places in this one too.
+    let room = DrawingBackground::Room(assemble_room::<128, 1>());
+    options.make_renderer(PORTRAIT_SIZE, 1, room)?.draw_volume(maps, &portrait_camera(), &|_| {})
 }
 
 impl DrawingOptions {
