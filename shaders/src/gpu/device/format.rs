@@ -29,9 +29,10 @@ pub struct TargetFormat {
     /// Whether the shell's images are subsampled (`VK_IMAGE_CREATE_SUBSAMPLED_BIT_EXT`), which wants density maps: so
     /// are the renderer's own then.
     pub is_subsampled: bool,
-    /// Whether the picture is drawn aside and scaled up into the shell's image, so that it can have fewer pixels than
-    /// that ([`RenderTarget::set_drawn_extent`]); the overlay and the panels in the room are drawn over it in full. The
-    /// shell's images need `VK_IMAGE_USAGE_TRANSFER_DST_BIT`.
+    /// Whether the picture is drawn into an image of the renderer's own and then scaled up into the shell's. The picture
+    /// can have fewer pixels ([`RenderTarget::set_drawn_extent`]). The overlay and the panels in the room are drawn
+    /// after that, in full resolution and without depth test. The shell's images need
+    /// `VK_IMAGE_USAGE_TRANSFER_DST_BIT`.
     ///
     /// [`RenderTarget::set_drawn_extent`]: crate::gpu::RenderTarget::set_drawn_extent
     pub scales_up: bool,

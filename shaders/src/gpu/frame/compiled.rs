@@ -29,7 +29,7 @@ pub struct CompiledRenderer {
     pub(super) march_starts: [RenderPass; 2],
     pub(super) shadow: ShadowMap,
     pub(super) frame: RenderPass,
-    pub(super) over: Option<RenderPass>,
+    pub(super) overlay_pass: Option<RenderPass>,
     pub(super) pipelines: Pipelines,
     pub(super) textures: SculptureTextures,
     pub(super) writer: Option<TexelWriter>,
@@ -63,22 +63,22 @@ impl CompiledRenderer {
         let march_starts = RenderPass::for_march_starts(gpu, &format)?;
         let [frame_format, overlay_format] = format.pass_formats();
         let frame = RenderPass::for_frame(gpu, &frame_format)?;
-        let over = match format.scales_up {
+        let overlay_pass = match format.scales_up {
             true => Some(RenderPass::for_overlay(gpu, &overlay_format)?),
             false => None,
         };
-        let over_pass = over.as_ref().unwrap_or(&frame).raw;
+        let draws_overlay = overlay_pass.as_ref().unwrap_or(&frame).raw;
         let shadow = ShadowMap::new(gpu)?;
         let passes = PassHandles {
             march_starts: march_starts.each_ref().map(|pass| pass.raw),
             shadow: shadow.pass.raw,
             frame: frame.raw,
-            overlay: over_pass,
+            overlay: draws_overlay,
         };
         let pipelines = Pipelines::new(gpu, &format, volume, &passes, cache_data)?;
         let textures = SculptureTextures::new(gpu, volume, carrara::TEXTURE_SIDE as u32)?;
         let pool = create_command_pool(gpu)?;
-        let overlay = Overlay::new(gpu, &overlay_format, over_pass, RING, pipelines.cache)?;
+        let overlay = Overlay::new(gpu, &overlay_format, draws_overlay, RING, pipelines.cache)?;
         let ring = (0..RING)
             .map(|_| FrameSlot::new(gpu, pool.raw, format.views))
             .collect::<Result<Vec<_>, _>>()?;
@@ -98,7 +98,7 @@ impl CompiledRenderer {
             march_starts,
             shadow,
             frame,
-            over,
+            overlay_pass,
             pipelines,
             textures,
             writer,

@@ -118,10 +118,8 @@ impl Renderer {
         ];
         let drawn = PassFramebuffer {
             pass: self.frame.raw,
-            framebuffer: match target.scaled {
-                Some(_) => target.framebuffers[0].raw,
-                None => target.framebuffers[image_index].raw,
-            },
+            framebuffer: target.framebuffers[if target.scaled.is_some() { 0 } else { image_index }]
+                .raw,
             extent: target.drawn_extent(),
         };
         self.record_pass(commands, drawn, &clears, |_| {
@@ -154,12 +152,15 @@ impl Renderer {
                 self.record_overlay(commands, target, target.drawn_extent());
             }
         });
-        if let (Some(scaled), Some(pass)) = (&target.scaled, &self.over) {
-            scaled.record(commands, image_index, target.drawn_extent());
-            let (pass, extent) = (pass.raw, target.extent);
-            let framebuffer = scaled.overlay_framebuffers[image_index].raw;
-            self.record_pass(commands, PassFramebuffer { pass, framebuffer, extent }, &[], |_| {
-                self.record_overlay(commands, target, extent);
+        if let Some(scaled) = &target.scaled {
+            scaled.record_scaling(commands, image_index, target.drawn_extent());
+            let drawn = PassFramebuffer {
+                pass: scaled.overlay_pass,
+                framebuffer: scaled.overlay_framebuffers[image_index].raw,
+                extent: target.extent,
+            };
+            self.record_pass(commands, drawn, &[], |_| {
+                self.record_overlay(commands, target, target.extent);
             });
         }
     }

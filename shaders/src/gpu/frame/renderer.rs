@@ -62,8 +62,8 @@ pub struct Renderer {
     pub(crate) march_starts: [RenderPass; 2],
     pub(crate) shadow: ShadowMap,
     pub(crate) frame: RenderPass,
-    /// Of the overlay, where the picture is scaled up.
-    pub(crate) over: Option<RenderPass>,
+    /// Draws the overlay after the frame's pass, where the picture is scaled up.
+    pub(crate) overlay_pass: Option<RenderPass>,
     pub(crate) pipelines: Pipelines,
     pub(crate) textures: SculptureTextures,
     panel_atlas: GpuImage,
@@ -122,7 +122,7 @@ impl Renderer {
             march_starts: compiled.march_starts,
             shadow: compiled.shadow,
             frame: compiled.frame,
-            over: compiled.over,
+            overlay_pass: compiled.overlay_pass,
             pipelines: compiled.pipelines,
             textures: compiled.textures,
             panel_atlas,
@@ -233,7 +233,7 @@ impl Renderer {
             format: &self.format,
             march_starts: &self.march_starts,
             frame: &self.frame,
-            over: self.over.as_ref(),
+            overlay_pass: self.overlay_pass.as_ref(),
             pipelines: &self.pipelines,
             textures: &self.textures,
             panel_atlas: &self.panel_atlas,

@@ -25,22 +25,14 @@ impl RenderPass {
 
     /// The pass that draws the overlay over a picture that was scaled up: one colour attachment, loaded.
     pub(crate) fn for_overlay(gpu: &Arc<Gpu>, format: &TargetFormat) -> Result<Self, Error> {
-        let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
-        let attachments = [vk::AttachmentDescription::default()
+        let attachment = vk::AttachmentDescription::default()
             .format(format.color)
             .samples(vk::SampleCountFlags::TYPE_1)
             .load_op(vk::AttachmentLoadOp::LOAD)
             .store_op(vk::AttachmentStoreOp::STORE)
-            .initial_layout(layout)
-            .final_layout(format.final_layout)];
-        let colors = [vk::AttachmentReference { attachment: 0, layout }];
-        let subpass = vk::SubpassDescription::default()
-            .pipeline_bind_point(vk::PipelineBindPoint::GRAPHICS)
-            .color_attachments(&colors);
-        let readers = vk::PipelineStageFlags::TRANSFER;
-        with_pass_info(&attachments, subpass, format.multiview_mask(), (None, readers), |info| {
-            Self::new(gpu, info)
-        })
+            .initial_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
+            .final_layout(format.final_layout);
+        Self::for_color_alone(gpu, format, attachment, vk::PipelineStageFlags::TRANSFER)
     }
 
     /// The passes that write the depths at which marches start: of tiles, to be read by vertices of the next passes too,
@@ -65,20 +57,28 @@ impl RenderPass {
         format: &TargetFormat,
         readers: vk::PipelineStageFlags,
     ) -> Result<Self, Error> {
-        let attachments = [vk::AttachmentDescription::default()
+        let attachment = vk::AttachmentDescription::default()
             .format(MARCH_START_FORMAT)
             .samples(vk::SampleCountFlags::TYPE_1)
             .load_op(vk::AttachmentLoadOp::CLEAR)
             .store_op(vk::AttachmentStoreOp::STORE)
-            .final_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)];
-        let colors = [vk::AttachmentReference {
-            attachment: 0,
-            layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
-        }];
+            .final_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
+        Self::for_color_alone(gpu, format, attachment, readers)
+    }
+
+    /// A pass of one colour attachment, with the views of the format.
+    fn for_color_alone(
+        gpu: &Arc<Gpu>,
+        format: &TargetFormat,
+        attachment: vk::AttachmentDescription,
+        readers: vk::PipelineStageFlags,
+    ) -> Result<Self, Error> {
+        let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
+        let colors = [vk::AttachmentReference { attachment: 0, layout }];
         let subpass = vk::SubpassDescription::default()
             .pipeline_bind_point(vk::PipelineBindPoint::GRAPHICS)
             .color_attachments(&colors);
-        with_pass_info(&attachments, subpass, format.multiview_mask(), (None, readers), |info| {
+        with_pass_info(&[attachment], subpass, format.multiview_mask(), (None, readers), |info| {
             Self::new(gpu, info)
         })
     }

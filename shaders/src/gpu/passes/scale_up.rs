@@ -1,4 +1,4 @@
-//! A picture that is drawn aside, in fewer pixels, and scaled up into the shell's image.
+//! A picture that is drawn into an image of its own, in fewer pixels, and scaled up into the shell's image.
 
 use std::sync::Arc;
 
@@ -11,17 +11,18 @@ use crate::gpu::device::format::TargetFormat;
 use crate::gpu::device::owned::OwnedHandle;
 use crate::gpu::memory::image::{GpuImage, ImageSpec};
 
-/// The shell's images, of one layer each, and the image in which pictures for them are drawn.
+/// The image that a picture is drawn into, and the shell's images that it is scaled up to. Each has one layer.
 pub(crate) struct ScaledPicture {
     gpu: Arc<Gpu>,
     pub(crate) drawn: GpuImage,
     images: Vec<vk::Image>,
-    /// For the overlay's pass, as many as there are images.
+    /// The pass that draws the overlay, and its framebuffers, one for each image.
+    pub(crate) overlay_pass: vk::RenderPass,
     pub(crate) overlay_framebuffers: Vec<OwnedHandle<vk::Framebuffer>>,
 }
 
 impl ScaledPicture {
-    /// Makes the image aside, of `extent` pixels as the shell's.
+    /// Creates the picture's image, of `extent` pixels as the shell's.
     pub(crate) fn new(
         gpu: &Arc<Gpu>,
         format: &TargetFormat,
@@ -36,13 +37,23 @@ impl ScaledPicture {
             .iter()
             .map(|view| create_framebuffer(gpu, overlay_pass, extent, &[*view]))
             .collect::<Result<_, _>>()?;
-        let (gpu, images) = (gpu.clone(), images.to_vec());
-        Ok(ScaledPicture { gpu, drawn, images, overlay_framebuffers: framebuffers })
+        Ok(ScaledPicture {
+            gpu: gpu.clone(),
+            drawn,
+            images: images.to_vec(),
+            overlay_pass: overlay_pass.raw,
+            overlay_framebuffers: framebuffers,
+        })
     }
 
-    /// Records the scaling of the picture's first `drawn` pixels to an image of the shell's, which the overlay's pass
-    /// draws on then. The frame's pass has left the picture to be copied.
-    pub(crate) fn record(&self, commands: vk::CommandBuffer, image_index: usize, drawn: [u32; 2]) {
+    /// Records the scaling of the upper left `drawn` pixels to one of the shell's images. The frame's pass comes before
+    /// it, the overlay's after it.
+    pub(crate) fn record_scaling(
+        &self,
+        commands: vk::CommandBuffer,
+        image_index: usize,
+        drawn: [u32; 2],
+    ) {
         let [width, height, _] = self.drawn.spec.extent;
         let corner = |[x, y]: [u32; 2]| vk::Offset3D { x: x as i32, y: y as i32, z: 1 };
         let layer = vk::ImageSubresourceLayers {
@@ -66,7 +77,7 @@ impl ScaledPicture {
             .subresource_range(self.drawn.full_range())
             .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
             .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED);
-        // The image is waited for where colour is put out.
+        // A frame waits for its image in the stage of colour output.
         let before = barrier.new_layout(written).dst_access_mask(vk::AccessFlags::TRANSFER_WRITE);
         let after = barrier
             .old_layout(written)

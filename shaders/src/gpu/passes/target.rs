@@ -31,7 +31,7 @@ pub struct RenderTarget {
     /// The pixels that are drawn, from the upper left corner.
     drawn: [u32; 2],
     pub(crate) framebuffers: Vec<OwnedHandle<vk::Framebuffer>>,
-    /// Where the picture is drawn aside: then it has the one framebuffer.
+    /// The picture that is scaled up, if it is. `framebuffers` has one then, for that picture.
     pub(crate) scaled: Option<ScaledPicture>,
     /// March starts of the tiles, then of the beams within them.
     pub(crate) march_starts: [MarchStarts; 2],
@@ -70,8 +70,8 @@ pub(crate) struct TargetResources<'a> {
     pub(crate) format: &'a TargetFormat,
     pub(crate) march_starts: &'a [RenderPass; 2],
     pub(crate) frame: &'a RenderPass,
-    /// Of the overlay, where the picture is scaled up.
-    pub(crate) over: Option<&'a RenderPass>,
+    /// Draws the overlay after the frame's pass, where the picture is scaled up.
+    pub(crate) overlay_pass: Option<&'a RenderPass>,
     pub(crate) pipelines: &'a Pipelines,
     pub(crate) textures: &'a SculptureTextures,
     pub(crate) panel_atlas: &'a GpuImage,
@@ -114,7 +114,7 @@ impl RenderTarget {
             transient: Vec::new(),
         };
         target.create_transient_images(format, views.depths.is_empty())?;
-        if let Some(pass) = resources.over {
+        if let Some(pass) = resources.overlay_pass {
             let shells = (views.images, views.colors);
             target.scaled = Some(ScaledPicture::new(gpu, format, pass, extent, shells)?);
         }

@@ -60,7 +60,7 @@ pub(crate) struct PassHandles {
     pub(crate) march_starts: [vk::RenderPass; 2],
     pub(crate) shadow: vk::RenderPass,
     pub(crate) frame: vk::RenderPass,
-    /// Of the overlay and the panels in the room: the frame's, unless the picture is scaled up.
+    /// Draws the overlay and the panels in the room: the frame's pass, unless the picture is scaled up.
     pub(crate) overlay: vk::RenderPass,
 }
 
@@ -194,7 +194,7 @@ impl Pipelines {
             strip: true,
             pass: passes.overlay,
             samples: overlay_format.sample_count(),
-            // A picture that is scaled up has left its depth behind: nothing hides a panel there.
+            // Depth is not scaled up with a picture: nothing hides a panel then.
             depth: Some(NEARER).filter(|_| !format.scales_up),
             ..particles
         };
