@@ -9,7 +9,7 @@ use paros_core::session::SessionMode;
 use paros_core::volume::{BitGrid, BitSet, Grid};
 use paros_core::{RangeMaps, TickInput};
 use paros_shell::rmap;
-use paros_shell::statics::{Resident, ResidentBitGrid};
+use paros_shell::statics::{Resident, WorldWithStarts};
 use paros_shell::tick_runner::TickRunner;
 use serde_json::Value;
 
@@ -139,11 +139,12 @@ fn more_intervals_than_are_opened_are_refused() {
 
 /// A trace of one interval a column, in which a session starts from this volume, closed.
 fn record_start_from_closed(volume: &[u8]) -> Vec<u8> {
-    let mut starts = <Grid<128> as Resident<128, 1>>::lock_start_volumes();
-    starts.generate_once(&mut Grid::<128>::lock_bit_grid(), |_| {});
-    rmap::decode_closed(volume, starts.offer_visitor_volume()).unwrap();
-    let (hidden, mut world) = (starts.hidden_figures(), Grid::<128>::lock_world());
-    let mut runner = TickRunner::new(&mut world, starts.start_volumes(&hidden));
+    let mut resident = <Grid<128> as Resident<128, 1>>::lock_world();
+    resident.generate_starts();
+    let WorldWithStarts { start_volumes, world } = &mut *resident;
+    rmap::decode_closed(volume, start_volumes.offer_visitor_volume()).unwrap();
+    let hidden = start_volumes.hidden_figures();
+    let mut runner = TickRunner::new(world, start_volumes.start_volumes(&hidden));
     runner.start_recording();
     runner.run_tick(&TickInput { start: SessionMode::Own, ..TickInput::default() });
     runner.end_recording_to_bytes().unwrap()

@@ -29,9 +29,7 @@ use paros_shell::headset::start_up::StartUp;
 use paros_shell::headset::stick_presses::StickPresses;
 use paros_shell::headset::visit::{BootId, VisitPolicy};
 use paros_shell::outbox::Parcel;
-use paros_shell::start_volume_store::StartVolumeStore;
-use paros_shell::statics::{Resident, ResidentBitGrid};
-use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
+use paros_shell::statics::{Resident, WorldWithStarts};
 use paros_shell::studio::{Notice, Studio};
 use paros_shell::studio_paths::StudioPaths;
 use paros_sound::{SoundDevice, Speaker};
@@ -146,14 +144,14 @@ where
     let paths = folder.map_or_else(|| StudioPaths::for_user(None), StudioPaths::inside_folder);
     open_log_file(&paths.log_file());
     // Whoever ran it before in this process has to end first, to the last word of its failure.
-    let mut volumes = Grid::<N>::lock_start_volumes();
+    let mut resident = Grid::<N>::lock_world();
     let commands = options.test_commands.then(CommandQueue::spawn_reader);
     let mut start = StartKeeper::begin(platform, options, &paths);
     if start.wait_until_due(platform, options, commands.as_ref()).is_break() {
         return Ok(None);
     }
     let done =
-        run_studio::<N>(platform, options, paths, &mut volumes, commands.as_ref(), &mut start);
+        run_studio::<N>(platform, options, paths, &mut resident, commands.as_ref(), &mut start);
     match &done {
         Ok(_) => start.forget_failures(),
         Err(error) => start.show_failure(error, platform, options, commands.as_ref()),
@@ -172,18 +170,16 @@ fn run_studio<const N: usize>(
     platform: &mut dyn Platform,
     options: &ShellOptions,
     paths: StudioPaths,
-    volumes: &mut StartVolumeStore<N, INTERVALS>,
+    resident: &mut WorldWithStarts<N, INTERVALS>,
     commands: Option<&CommandQueue>,
     start: &mut StartKeeper,
 ) -> Result<Option<PathBuf>, Error>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    volumes.generate_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
-    let (mut world, mut stl_buffers) = (Grid::<N>::lock_world(), Grid::<N>::lock_stl_buffers());
-    let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM);
-    let stl_exporter = stl_exporter.map_err(|height| Error::Input(format!("{height:?}")))?;
-    let mut studio = Studio::new(&mut world, volumes, stl_exporter, paths, render_portrait_png);
+    resident.generate_starts();
+    let mut stl_buffers = Grid::<N>::lock_stl_buffers();
+    let mut studio = Studio::new(resident, &mut stl_buffers, paths, render_portrait_png);
     match &options.record {
         Some(_) => studio.set_trace_path_at_exit(options.record.clone()),
         None if options.booth.sends_traces => {}

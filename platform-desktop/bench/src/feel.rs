@@ -48,8 +48,8 @@ where
     }
     bits.write_closure(&mut stone);
     drop(bits);
-    let mut world = Grid::<N>::lock_world();
-    let mut sculptor = Sculptor { world: &mut world, stone: &stone, size: BitSize::NATURAL };
+    let world = &mut Grid::<N>::lock_world().world;
+    let mut sculptor = Sculptor { world, stone: &stone, size: BitSize::NATURAL };
     let mut rows = Vec::new();
     for bit in ToolBit::ALL {
         let line = match bit.spec().action {

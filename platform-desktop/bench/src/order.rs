@@ -98,6 +98,6 @@ where
         ..LatestInput::default()
     };
     let mut scene = SceneAssembler::new();
-    scene.assemble_frame(&Grid::<N>::lock_world(), &fresh);
+    scene.assemble_frame(&Grid::<N>::lock_world().world, &fresh);
     scene
 }

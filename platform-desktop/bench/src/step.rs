@@ -157,9 +157,9 @@ where
     let folder = ScratchFolder::new()?;
     durable::write_file(&folder.0.join(TRACE), trace_bytes)?;
     let chosen = choose_ticks_to_count(&times);
-    let starts = Grid::<N>::lock_start_volumes();
+    let starts = Grid::<N>::lock_world();
     for volume in StartVolume::all() {
-        rmap::write(&volume_path(&folder.0, volume), starts.volume(volume))
+        rmap::write(&volume_path(&folder.0, volume), starts.start_volumes.volume(volume))
             .map_err(Error::failure)?;
     }
     drop(starts);
@@ -249,7 +249,7 @@ where
     Grid<N>: Size + Resident<N, K>,
 {
     let load_into = |volume, maps: &mut _| rmap::read(&volume_path(folder, volume), maps).map(drop);
-    Grid::<N>::lock_start_volumes().load(load_into).map_err(Error::input)?;
+    Grid::<N>::lock_world().start_volumes.load(load_into).map_err(Error::input)?;
     let mut chosen = chosen.iter().copied().peekable();
     let (ticks, mut out) = (trace.records().len(), io::stdout().lock());
     let digest = with_fresh_world::<N, K, _>(|mut runner| {

@@ -294,9 +294,9 @@ fn a_counted_replay_tells_its_progress() {
     });
     fs::write(folder.join("session.trace"), &trace).unwrap();
     fs::write(folder.join("ticks"), "7\n").unwrap();
-    let starts = Grid::<128>::lock_start_volumes();
+    let starts = Grid::<128>::lock_world();
     for volume in StartVolume::all() {
-        let maps: &RangeMaps<128, INTERVALS> = starts.volume(volume);
+        let maps: &RangeMaps<128, INTERVALS> = starts.start_volumes.volume(volume);
         rmap::write(&folder.join(volume.name()).with_extension("rmap"), maps).unwrap();
     }
     drop(starts);

@@ -19,11 +19,30 @@ where
     fn lock_bit_grid() -> MutexGuard<'static, BitGrid<N>>;
 }
 
+/// A world and the volumes that its sessions start from.
+pub struct WorldWithStarts<const N: usize, const K: usize>
+where
+    Grid<N>: Size,
+{
+    /// The start volumes; empty until [`WorldWithStarts::generate_starts`].
+    pub start_volumes: StartVolumeStore<N, K>,
+    /// The world.
+    pub world: World<N, K>,
+}
+
+impl<const N: usize, const K: usize> WorldWithStarts<N, K>
+where
+    Grid<N>: Size + Resident<N, K>,
+{
+    /// Generates the start volumes unless they are there already.
+    pub fn generate_starts(&mut self) {
+        self.start_volumes.generate_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
+    }
+}
+
 /// The static buffers of a `Grid<N>` with K intervals a column. Each method locks one until the guard is
-/// dropped; it still holds what its last user left in it.
-///
-/// Who locks several begins with the start volumes, goes on with the world and ends with the STL buffers: in
-/// another order two threads may wait for each other for ever.
+/// dropped; it still holds what its last user left in it. Lock a world before the STL buffers that its
+/// sculpture is exported in.
 pub trait Resident<const N: usize, const K: usize>: ResidentBitGrid<N>
 where
     Grid<N>: Size,
@@ -37,10 +56,8 @@ where
     fn lock_baker() -> MutexGuard<'static, Baker<N, Self::Windings>>;
     /// Locks the print buffers, which turn voxels into triangles.
     fn lock_stl_buffers() -> MutexGuard<'static, StlBuffers<N, K>>;
-    /// Locks the world.
-    fn lock_world() -> MutexGuard<'static, World<N, K>>;
-    /// Locks the start volumes.
-    fn lock_start_volumes() -> MutexGuard<'static, StartVolumeStore<N, K>>;
+    /// Locks the world and its start volumes.
+    fn lock_world() -> MutexGuard<'static, WorldWithStarts<N, K>>;
 }
 
 /// A function that locks a static, which it holds.
@@ -65,8 +82,14 @@ macro_rules! resident {
             lock_static!(lock_range_maps, RANGE_MAPS: RangeMaps<$n, $k>);
             lock_static!(lock_baker, BAKER: Baker<$n, $Windings>);
             lock_static!(lock_stl_buffers, PRINT_BUFFERS: StlBuffers<$n, $k>);
-            lock_static!(lock_world, WORLD: World<$n, $k>);
-            lock_static!(lock_start_volumes, START_VOLUMES: StartVolumeStore<$n, $k>);
+
+            fn lock_world() -> MutexGuard<'static, WorldWithStarts<$n, $k>> {
+                static WORLD: Mutex<WorldWithStarts<$n, $k>> = Mutex::new(WorldWithStarts {
+                    start_volumes: StartVolumeStore::new(),
+                    world: World::new(),
+                });
+                WORLD.lock().unwrap_or_else(PoisonError::into_inner)
+            }
         })*
     )*};
 }

@@ -97,6 +97,11 @@ where
         }
     }
 
+    /// An exporter at rest, for models of [`DEFAULT_HEIGHT_MM`].
+    pub const fn of_default_height(buffers: &'a mut StlBuffers<N, K>) -> Self {
+        StlExporter { buffers, model_height_mm: DEFAULT_HEIGHT_MM, stl: None }
+    }
+
     /// Begins an export if the tick finished the session, else advances the one under way. Call it after
     /// every tick. Returns each file once, when it is finished. Where a session ends before the last
     /// one's is finished, that one is finished at once and returned.
@@ -201,7 +206,7 @@ mod tests {
             let (first, last) = ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).expect("a toy");
             let room_mm = (last + 1 - first) as f32 * world.stool_frame().voxel_metres() * 1e3;
             let mut stl_buffers = <Grid<128> as Resident<128, INTERVALS>>::lock_stl_buffers();
-            let mut exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).unwrap();
+            let mut exporter = StlExporter::of_default_height(&mut stl_buffers);
             exporter.begin_export(rows, world.mask());
             let stl = exporter.run_export_to_end().expect("a print").bytes;
             let corner = |at: &[u8]| f32::from_le_bytes([at[0], at[1], at[2], at[3]]);

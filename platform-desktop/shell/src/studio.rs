@@ -21,9 +21,8 @@ mod session;
 use std::path::{Path, PathBuf};
 
 use crate::file_writer::{FileKind, FileWriter};
-use crate::start_volume_store::StartVolumeStore;
-use crate::statics::Resident;
-use crate::stl_export::StlExporter;
+use crate::statics::{Resident, WorldWithStarts};
+use crate::stl_export::{StlBuffers, StlExporter};
 use crate::studio_paths::StudioPaths;
 use crate::tick_runner::TickRunner;
 use crate::{durable, rmap};
@@ -97,13 +96,12 @@ where
     /// session if there is one.
     #[must_use]
     pub fn new(
-        world: &'a mut World<N, INTERVALS>,
-        volumes: &'a mut StartVolumeStore<N, INTERVALS>,
-        stl_exporter: StlExporter<'a, N, INTERVALS>,
+        resident: &'a mut WorldWithStarts<N, INTERVALS>,
+        stl_buffers: &'a mut StlBuffers<N, INTERVALS>,
         mut paths: StudioPaths,
         draw_picture: DrawPicture<N>,
     ) -> Self {
-        let mut session = LiveSession::claim_file(world, volumes, &mut paths);
+        let mut session = LiveSession::claim_file(resident, &mut paths);
         for folder in [&paths.sculptures, &paths.sessions, &paths.cache] {
             durable::remove_stale_temporaries(folder);
         }
@@ -117,7 +115,7 @@ where
             autosave,
             last_use,
             recorder: Recorder::new(),
-            export: SculptureExport::new(stl_exporter, draw_picture),
+            export: SculptureExport::new(StlExporter::of_default_height(stl_buffers), draw_picture),
             paths,
             pending_read: None,
             has_read_volume: false,

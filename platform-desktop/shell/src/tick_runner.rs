@@ -11,7 +11,7 @@ use paros_core::session::TICK_RATE;
 use paros_core::volume::{Grid, Size};
 use paros_core::{StartVolumes, TickInput, World};
 
-use crate::statics::{Resident, ResidentBitGrid};
+use crate::statics::{Resident, WorldWithStarts};
 use crate::trace::{ReplayDivergence, Trace};
 
 /// Runs the ticks of a world. It borrows the world and its start volumes, and records every tick
@@ -194,11 +194,11 @@ pub fn with_fresh_world<const N: usize, const K: usize, T>(
 where
     Grid<N>: Size + Resident<N, K>,
 {
-    let mut start_volumes = Grid::<N>::lock_start_volumes();
-    start_volumes.generate_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
-    let (hidden, mut world) = (start_volumes.hidden_figures(), Grid::<N>::lock_world());
+    let mut resident = Grid::<N>::lock_world();
+    resident.generate_starts();
+    let WorldWithStarts { start_volumes, world } = &mut *resident;
     world.clear();
-    run(TickRunner::new(&mut world, start_volumes.start_volumes(&hidden)))
+    run(TickRunner::new(world, start_volumes.start_volumes(&start_volumes.hidden_figures())))
 }
 
 /// The ticks of a stretch of time.

@@ -15,7 +15,7 @@ use paros_shell::demo::{self, Chapter, DemoScript};
 use paros_shell::durable::WriteTarget;
 use paros_shell::edit_totals::EditTotals;
 use paros_shell::roughness::{Roughness, measure_roughness};
-use paros_shell::statics::{Resident, ResidentBitGrid};
+use paros_shell::statics::{Resident, WorldWithStarts};
 use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, FinishedStl, StlExporter};
 use paros_shell::tick_runner::TickRunner;
 use paros_shell::{durable, rmap, with_intervals};
@@ -80,7 +80,7 @@ where
     let session = play_session::<N, K>(script)?;
     let mut png = Vec::new();
     contact_sheet(&session.pictures, 3).write_png(&mut png).map_err(Error::failure)?;
-    let world = <Grid<N> as Resident<N, K>>::lock_world();
+    let world = &<Grid<N> as Resident<N, K>>::lock_world().world;
     let maps = rmap::encode(world.volume().maps());
     let report = session.format_report(world.volume().count_voxels());
     let DemoResult { trace, stl, .. } = session;
@@ -206,16 +206,15 @@ where
     Grid<N>: Resident<N, K>,
 {
     let making = show_progress("quarrying", None);
-    let mut starts = Grid::<N>::lock_start_volumes();
-    starts.generate_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
+    let mut resident = Grid::<N>::lock_world();
+    resident.generate_starts();
     drop(making);
-    let hidden = starts.hidden_figures();
-    let mut world = Grid::<N>::lock_world();
-    let mut runner = TickRunner::new(&mut world, starts.start_volumes(&hidden));
+    let WorldWithStarts { start_volumes, world } = &mut *resident;
+    let hidden = start_volumes.hidden_figures();
+    let mut runner = TickRunner::new(world, start_volumes.start_volumes(&hidden));
     runner.start_recording();
     let mut stl_buffers = Grid::<N>::lock_stl_buffers();
-    let (mut stl_exporter, mut stl) =
-        (StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM)?, None);
+    let (mut stl_exporter, mut stl) = (StlExporter::of_default_height(&mut stl_buffers), None);
 
     let bar = show_progress("sculpting", Some(script.chapters().len() as u64));
     let (mut edits, mut islands) = (EditTotals::default(), IslandCounts::default());

@@ -67,7 +67,7 @@ where
     Grid<N>: Size + Resident<N, K>,
 {
     let mut room = Box::new(SceneAssembler::new());
-    room.assemble_frame(&Grid::<N>::lock_world(), &LatestInput::default());
+    room.assemble_frame(&Grid::<N>::lock_world().world, &LatestInput::default());
     room
 }
 

@@ -11,8 +11,8 @@ use paros_headless::{Error, show_progress};
 use paros_shaders::Camera;
 use paros_shell::durable::{self, WriteTarget};
 use paros_shell::edit_totals::EditTotals;
-use paros_shell::statics::{Resident, ResidentBitGrid};
-use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, FinishedStl, StlExporter};
+use paros_shell::statics::{Resident, WorldWithStarts};
+use paros_shell::stl_export::{FinishedStl, StlExporter};
 use paros_shell::tick_runner::{ReplayedTick, TickRunner};
 use paros_shell::trace::{ReplayDivergence, Trace};
 use paros_shell::{with_intervals, with_size};
@@ -97,16 +97,19 @@ where
     Grid<N>: Size + Resident<N, K>,
 {
     let outputs = OutputTargets::check_writable(args)?;
-    let mut starts = Grid::<N>::lock_start_volumes();
+    let mut resident = Grid::<N>::lock_world();
     let filled = match &args.volume {
-        Some(path) => read_visitor_volume(&args.layers, path, starts.offer_visitor_volume())?,
+        Some(path) => {
+            read_visitor_volume(&args.layers, path, resident.start_volumes.offer_visitor_volume())?
+        }
         None => String::new(),
     };
     let making = show_progress("quarrying", None);
-    starts.generate_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
+    resident.generate_starts();
     drop(making);
-    let (hidden, mut world) = (starts.hidden_figures(), Grid::<N>::lock_world());
-    let mut runner = TickRunner::new(&mut world, starts.start_volumes(&hidden));
+    let WorldWithStarts { start_volumes, world } = &mut *resident;
+    let hidden = start_volumes.hidden_figures();
+    let mut runner = TickRunner::new(world, start_volumes.start_volumes(&hidden));
     let played = replay_for_outputs(args, trace, &mut runner)?;
 
     let world = runner.world();
@@ -242,7 +245,7 @@ where
         None => None,
     };
     let mut stl_buffers = Grid::<N>::lock_stl_buffers();
-    let mut stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM)?;
+    let mut stl_exporter = StlExporter::of_default_height(&mut stl_buffers);
     runner
         .replay_on_same_start(trace, |ReplayedTick { index: tick, world }| {
             let _ = writeln!(played.digests, "{:016x}", world.digest());

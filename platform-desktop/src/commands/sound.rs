@@ -8,7 +8,7 @@ use paros_core::session::TICK_RATE;
 use paros_core::volume::{Grid, Size};
 use paros_headless::{Error, show_progress};
 use paros_shell::durable::WriteTarget;
-use paros_shell::statics::{Resident, ResidentBitGrid};
+use paros_shell::statics::{Resident, WorldWithStarts};
 use paros_shell::tick_runner::{ReplayedTick, TickRunner};
 use paros_shell::trace::{ReplayDivergence, Trace};
 use paros_shell::{with_intervals, with_size};
@@ -74,15 +74,20 @@ fn render_trace<const N: usize, const K: usize>(
 where
     Grid<N>: Size + Resident<N, K>,
 {
-    let mut starts = Grid::<N>::lock_start_volumes();
+    let mut resident = Grid::<N>::lock_world();
     if let Some(path) = &args.volume {
-        let filled = play::read_visitor_volume(&args.layers, path, starts.offer_visitor_volume())?;
+        let filled = play::read_visitor_volume(
+            &args.layers,
+            path,
+            resident.start_volumes.offer_visitor_volume(),
+        )?;
         // Standard error may be closed.
         let _ = write!(io::stderr(), "{filled}");
     }
-    starts.generate_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
-    let (hidden, mut world) = (starts.hidden_figures(), Grid::<N>::lock_world());
-    let mut runner = TickRunner::new(&mut world, starts.start_volumes(&hidden));
+    resident.generate_starts();
+    let WorldWithStarts { start_volumes, world } = &mut *resident;
+    let hidden = start_volumes.hidden_figures();
+    let mut runner = TickRunner::new(world, start_volumes.start_volumes(&hidden));
     let bar = show_progress("listening", Some(trace.records().len() as u64));
     let (mut planner, mut mixer) = (SoundPlanner::default(), Mixer::new(args.loudness));
     let mut inputs = trace.records().map(|record| record.input);

@@ -32,8 +32,7 @@ use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 use paros_headless::Error;
 use paros_shell::settings::BoothSettings;
-use paros_shell::statics::{Resident, ResidentBitGrid};
-use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
+use paros_shell::statics::Resident;
 use paros_shell::studio::{DrawPicture, Studio};
 use paros_shell::studio_paths::StudioPaths;
 use paros_visit::VisitOptions;
@@ -105,14 +104,11 @@ where
     let events = EventLoop::new().map_err(|error| {
         WindowError::Unavailable(format!("no window: {}", strip_source_location(&error)))
     })?;
-    let mut volumes = Grid::<N>::lock_start_volumes();
-    volumes.generate_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
-    let pictures = start_pictures::render_start_pictures(&volumes);
-    let (mut world, mut stl_buffers) = (Grid::<N>::lock_world(), Grid::<N>::lock_stl_buffers());
-    let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM);
-    let stl_exporter = stl_exporter.map_err(|error| WindowError::Failed(error.into()))?;
+    let (mut resident, mut stl_buffers) = (Grid::<N>::lock_world(), Grid::<N>::lock_stl_buffers());
+    resident.generate_starts();
+    let pictures = start_pictures::render_start_pictures(&resident.start_volumes);
     let paths = StudioPaths::for_user(options.folder.as_deref());
-    let mut studio = Studio::new(&mut world, &mut volumes, stl_exporter, paths, draw_picture);
+    let mut studio = Studio::new(&mut resident, &mut stl_buffers, paths, draw_picture);
     studio.set_trace_path_at_exit(options.record.clone());
     if let Some(settings) = &options.booth {
         booth::bring_to_booth(&mut studio, settings, options.visits.as_ref());
@@ -128,7 +124,7 @@ where
     }
     if let Err(WindowError::Unavailable(_)) = closed {
         // The demo may follow, on an empty world.
-        world.clear();
+        resident.world.clear();
     }
     closed
 }

@@ -128,7 +128,7 @@ where
     let mut renderer = HeadlessRenderer::new(&gpu, volume, PICTURE, &[])?;
     renderer.load_field(&field)?;
     let mut room = Box::new(SceneAssembler::new());
-    room.assemble_frame(&Grid::<N>::lock_world(), &LatestInput::default());
+    room.assemble_frame(&Grid::<N>::lock_world().world, &LatestInput::default());
     let camera = Camera::orbiting(0.35, 0.2);
     let view = paros_headless::view_of_camera(&camera, PICTURE.size);
     let SculptureView { eye, placement } = view.moved_onto(&room.sculpture_placement());
@@ -157,9 +157,9 @@ mod tests {
     use paros_core::limits::{INTERVALS, max_save_bytes};
     use paros_core::session::{SessionMode, commands};
     use paros_core::volume::{Grid, Size};
-    use paros_shell::statics::{Resident, ResidentBitGrid};
+    use paros_shell::statics::Resident;
     use paros_shell::studio_paths::StudioPaths;
-    use paros_shell::tick_runner::TickRunner;
+    use paros_shell::tick_runner::with_fresh_world;
 
     use super::{FINE, SizeChoice, find_session_under_way, measure_picture};
 
@@ -168,19 +168,15 @@ mod tests {
     where
         Grid<N>: Size + Resident<N, INTERVALS>,
     {
-        let mut volumes = Grid::<N>::lock_start_volumes();
-        volumes.generate_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
-        let mut world = Grid::<N>::lock_world();
-        world.clear();
-        let hidden = volumes.hidden_figures();
-        let mut runner = TickRunner::new(&mut world, volumes.start_volumes(&hidden));
-        runner.run_tick(&TickInput { start: SessionMode::FreeForm, ..TickInput::default() });
-        let commands = if is_finished { commands::FINISH } else { 0 };
-        runner.run_tick(&TickInput { commands, ..TickInput::default() });
-        let mut bytes = vec![0; max_save_bytes(N, INTERVALS)];
-        let len = world.save(&mut bytes);
-        bytes.truncate(len);
-        bytes
+        with_fresh_world::<N, INTERVALS, _>(|mut runner| {
+            runner.run_tick(&TickInput { start: SessionMode::FreeForm, ..TickInput::default() });
+            let commands = if is_finished { commands::FINISH } else { 0 };
+            runner.run_tick(&TickInput { commands, ..TickInput::default() });
+            let mut bytes = vec![0; max_save_bytes(N, INTERVALS)];
+            let len = runner.world().save(&mut bytes);
+            bytes.truncate(len);
+            bytes
+        })
     }
 
     #[test]

@@ -39,16 +39,16 @@ where
 mod tests {
     use std::time::{Duration, Instant};
 
-    use paros_shell::statics::{Resident, ResidentBitGrid};
+    use paros_shell::statics::Resident;
 
     use super::*;
 
     #[test]
     fn each_start_has_a_picture_of_its_own_at_once() {
-        let mut volumes = <Grid<128> as Resident<128, INTERVALS>>::lock_start_volumes();
-        volumes.generate_once(&mut Grid::<128>::lock_bit_grid(), |_| {});
+        let mut resident = <Grid<128> as Resident<128, INTERVALS>>::lock_world();
+        resident.generate_starts();
         let begun = Instant::now();
-        let strip = render_start_pictures(&volumes);
+        let strip = render_start_pictures(&resident.start_volumes);
         let taken = begun.elapsed();
         // A debug build beside other tests is several times slower.
         assert!(taken < Duration::from_secs(6), "{taken:?}");

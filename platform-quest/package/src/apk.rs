@@ -9,7 +9,7 @@ use paros_core::volume::{Grid, Size};
 use paros_shell::headset::package::{FIGURES_FOLDER, OPENXR_LOADER, start_volume_asset};
 use paros_shell::rmap;
 use paros_shell::start_volume_store::StartVolume;
-use paros_shell::statics::{Resident, ResidentBitGrid};
+use paros_shell::statics::Resident;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
@@ -128,9 +128,11 @@ where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
     eprintln!("start volumes of {N}");
-    let mut volumes = Grid::<N>::lock_start_volumes();
-    volumes.generate_once(&mut Grid::<N>::lock_bit_grid(), |_| {});
-    let named = |volume| (start_volume_asset::<N>(volume), rmap::encode(volumes.volume(volume)));
+    let mut resident = Grid::<N>::lock_world();
+    resident.generate_starts();
+    let named = |volume| {
+        (start_volume_asset::<N>(volume), rmap::encode(resident.start_volumes.volume(volume)))
+    };
     StartVolume::all().map(named).collect()
 }
 

@@ -17,7 +17,7 @@ use paros_shell::figures::own_figure_mode;
 use paros_shell::headset::package;
 use paros_shell::settings::table::SETTINGS;
 use paros_shell::settings::{FLEET_FILE_KEY, LoadedSettings, SettingsLayer};
-use paros_shell::statics::{Resident, ResidentBitGrid};
+use paros_shell::statics::{Resident, ResidentBitGrid, WorldWithStarts};
 use paros_shell::tick_runner::TickRunner;
 
 use crate::library::find_built_library;
@@ -172,9 +172,9 @@ where
     let settings = LoadedSettings::merge(&[layer]).settings;
     assert_eq!(settings.mode, own_figure_mode(0));
 
-    let mut volumes = Grid::<N>::lock_start_volumes();
-    package::load_start_volumes(&mut volumes, open).expect("the volumes that there are always");
-    package::load_own_figures(&names, &mut volumes, open).expect("the figures");
+    let WorldWithStarts { start_volumes: volumes, world } = &mut *Grid::<N>::lock_world();
+    package::load_start_volumes(volumes, open).expect("the volumes that there are always");
+    package::load_own_figures(&names, volumes, open).expect("the figures");
     let SessionMode::Constrained { figure } = settings.mode else { panic!("a figure's mode") };
     let hidden = volumes.hidden_figures();
     assert_eq!(hidden.len(), usize::from(figure) + 2);
@@ -203,9 +203,8 @@ where
     // Up is y in an OBJ, z in an STL: a third as high as it is long, and the longest of it.
     assert!(heights[1] > 2 * heights[0], "{heights:?}");
     // A session of it begins.
-    let (mut world, hidden) = (Grid::<N>::lock_world(), volumes.hidden_figures());
     world.clear();
-    let mut runner = TickRunner::new(&mut world, volumes.start_volumes(&hidden));
+    let mut runner = TickRunner::new(world, volumes.start_volumes(&hidden));
     runner.run_tick(&TickInput { start: settings.mode, ..TickInput::default() });
     assert_eq!((world.session_state(), world.mode()), (SessionState::Sculpting, settings.mode));
     assert_eq!(volumes.hidden_figure_name(figure), Some("lion"));

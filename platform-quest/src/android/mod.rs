@@ -202,15 +202,15 @@ where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
     let open = |name: &str| open_asset(app, name);
-    let mut volumes = Grid::<N>::lock_start_volumes();
+    let volumes = &mut Grid::<N>::lock_world().start_volumes;
     if volumes.has_volumes() {
         // An activity of this process has loaded them before.
         return;
     }
-    if let Err(why) = package::load_start_volumes(&mut volumes, open) {
+    if let Err(why) = package::load_start_volumes(volumes, open) {
         write_log_line(format_args!("{why}; the volumes are made"));
     }
-    if let Err(why) = package::load_own_figures(own_figures, &mut volumes, open) {
+    if let Err(why) = package::load_own_figures(own_figures, volumes, open) {
         write_log_line(format_args!("{why}; there are no figures of one's own"));
     }
 }

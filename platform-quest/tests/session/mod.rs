@@ -257,7 +257,7 @@ fn a_killed_shell_goes_on_where_it_was() {
     let programs = monado.folder.join("files/cache/pipelines.bin");
     assert!(fs::metadata(programs).expect("the driver's programs").len() > 0);
     let saved = fs::read(monado.folder.join("files/sessions/session-128.save")).expect("a save");
-    let mut world = <Grid<128> as Resident<128, INTERVALS>>::lock_world();
+    let world = &mut <Grid<128> as Resident<128, INTERVALS>>::lock_world().world;
     world.load(&saved).expect("a whole save");
     let digest = format!("digest {:016x}", world.digest());
     let mut shell = monado.start_shell(&[]);

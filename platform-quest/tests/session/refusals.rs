@@ -109,7 +109,7 @@ struct SavedSession {
 
 fn load_saved_session(monado: &MonadoService) -> SavedSession {
     let saved = fs::read(monado.folder.join("files/sessions/session-128.save")).expect("a save");
-    let mut world = <Grid<128> as Resident<128, INTERVALS>>::lock_world();
+    let world = &mut <Grid<128> as Resident<128, INTERVALS>>::lock_world().world;
     world.load(&saved).expect("a whole save");
     SavedSession {
         tick: world.tick(),

@@ -5,14 +5,14 @@ use std::process::{Command, Output};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::{env, fs};
 
+use paros_core::TickInput;
 use paros_core::limits::INTERVALS;
 use paros_core::session::SessionMode;
 use paros_core::volume::{Grid, Size};
-use paros_core::{TickInput, World};
 use paros_models::random_visitor::RandomVisitor;
 use paros_shell::replay::write_replay_digests;
 use paros_shell::require::require_or_skip;
-use paros_shell::statics::Resident;
+use paros_shell::statics::{Resident, WorldWithStarts};
 use paros_shell::tick_runner;
 use paros_tests_android::check_parts;
 
@@ -43,7 +43,7 @@ where
 }
 
 /// The world that replays here are played in.
-fn replayed_world() -> MutexGuard<'static, World<128, INTERVALS>> {
+fn replayed_world() -> MutexGuard<'static, WorldWithStarts<128, INTERVALS>> {
     Grid::<128>::lock_world()
 }
 
@@ -72,7 +72,7 @@ fn a_replay_writes_a_digest_for_each_tick_or_nothing() {
     write_replay_digests(&trace, &digests).expect("it was just recorded");
     let written = fs::read_to_string(&digests).expect("it was written");
     assert_eq!(written.lines().count(), 200);
-    let last = format!("{:016x}", replayed_world().digest());
+    let last = format!("{:016x}", replayed_world().world.digest());
     assert_eq!(written.lines().last(), Some(&*last));
 
     fs::remove_file(&digests).expect("it was written");
@@ -81,7 +81,7 @@ fn a_replay_writes_a_digest_for_each_tick_or_nothing() {
     *bytes.last_mut().expect("a trace") ^= 1;
     fs::write(&trace, bytes).expect("room on the disk");
     let why = write_replay_digests(&trace, &digests).expect_err("it is another trace").to_string();
-    let part = replayed_world().part_digests().last().expect("some parts").0;
+    let part = replayed_world().world.part_digests().last().expect("some parts").0;
     assert!(why.contains(&format!("tick 199: another state of {part} (")), "{why}");
     assert!(!digests.exists());
     if require_or_skip(check_parts(&[])).expect("the package is made before the tests").is_some() {

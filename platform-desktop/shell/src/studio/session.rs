@@ -12,6 +12,7 @@ use super::Notice;
 use crate::claim::SessionClaim;
 use crate::durable;
 use crate::start_volume_store::StartVolumeStore;
+use crate::statics::WorldWithStarts;
 use crate::studio_paths::StudioPaths;
 
 /// A world with its start volumes, and the claim on its session file.
@@ -30,10 +31,10 @@ where
 {
     /// Claims the lowest free session file for a world, and sets `paths.window` to its number.
     pub(super) fn claim_file(
-        world: &'a mut World<N, INTERVALS>,
-        volumes: &'a mut StartVolumeStore<N, INTERVALS>,
+        resident: &'a mut WorldWithStarts<N, INTERVALS>,
         paths: &mut StudioPaths,
     ) -> Self {
+        let WorldWithStarts { start_volumes: volumes, world } = resident;
         let claim = SessionClaim::claim_lowest_free_number(&paths.sessions, N);
         paths.window = claim.number();
         LiveSession { world, volumes, _claim: claim }

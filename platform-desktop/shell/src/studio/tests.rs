@@ -14,18 +14,16 @@ use paros_core::{HandInput, TickInput};
 use super::{CarvingOn, Notice, SessionToStart, Studio};
 use crate::headset::visit::{BootId, LastUse};
 use crate::statics::Resident;
-use crate::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
 use crate::studio_paths::StudioPaths;
 
 #[test]
 fn a_save_waits_for_the_one_before_it() {
     let folder = std::env::temp_dir().join(format!("paros-studio-{}", std::process::id()));
-    let (mut volumes, mut world) = (Grid::<128>::lock_start_volumes(), Grid::<128>::lock_world());
-    let mut stl_buffers = Grid::<128>::lock_stl_buffers();
-    let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
+    let (mut resident, mut stl_buffers) =
+        (Grid::<128>::lock_world(), Grid::<128>::lock_stl_buffers());
     let places = StudioPaths::inside_folder(&folder);
     let mut studio =
-        Studio::new(&mut world, &mut volumes, stl_exporter, places, |_| Err("no picture".into()));
+        Studio::new(&mut resident, &mut stl_buffers, places, |_| Err("no picture".into()));
     studio.run_tick(&TickInput { start: SessionMode::FreeForm, ..TickInput::default() });
     studio.save_session();
     studio.run_tick(&TickInput::default());
@@ -59,16 +57,13 @@ fn a_save_waits_for_the_one_before_it() {
 fn a_stroke_that_ends_is_saved() {
     let folder = std::env::temp_dir().join(format!("paros-strokes-{}", std::process::id()));
     for (item, saved) in [(Some(BenchItem::Tool(Tool::Rotary)), true), (None, false)] {
-        let (mut volumes, mut world) =
-            (Grid::<128>::lock_start_volumes(), Grid::<128>::lock_world());
-        let mut stl_buffers = Grid::<128>::lock_stl_buffers();
-        let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
+        let (mut resident, mut stl_buffers) =
+            (Grid::<128>::lock_world(), Grid::<128>::lock_stl_buffers());
         let _ = fs::remove_dir_all(&folder);
-        world.clear();
+        resident.world.clear();
         let places = StudioPaths::inside_folder(&folder);
-        let mut studio = Studio::new(&mut world, &mut volumes, stl_exporter, places, |_| {
-            Err("no picture".into())
-        });
+        let mut studio =
+            Studio::new(&mut resident, &mut stl_buffers, places, |_| Err("no picture".into()));
         let pointer = item.map_or(PointerCommand::None, |item| PointerCommand::Take {
             hand: 1,
             item: item.number() as u8,
@@ -97,13 +92,12 @@ fn a_stroke_that_ends_is_saved() {
 #[test]
 fn a_sculpture_is_exported_until_it_is_written() {
     let folder = std::env::temp_dir().join(format!("paros-export-{}", std::process::id()));
-    let (mut volumes, mut world) = (Grid::<128>::lock_start_volumes(), Grid::<128>::lock_world());
-    let mut stl_buffers = Grid::<128>::lock_stl_buffers();
-    let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
+    let (mut resident, mut stl_buffers) =
+        (Grid::<128>::lock_world(), Grid::<128>::lock_stl_buffers());
     let places = StudioPaths::inside_folder(&folder);
-    volumes.offer_visitor_volume().fill_block();
+    resident.start_volumes.offer_visitor_volume().fill_block();
     let mut studio =
-        Studio::new(&mut world, &mut volumes, stl_exporter, places, |_| Ok(b"a picture".into()));
+        Studio::new(&mut resident, &mut stl_buffers, places, |_| Ok(b"a picture".into()));
     studio.run_tick(&TickInput { start: SessionMode::Own, ..TickInput::default() });
     studio.run_tick(&TickInput { commands: commands::FINISH, ..TickInput::default() });
     assert!(studio.is_exporting());
@@ -115,7 +109,7 @@ fn a_sculpture_is_exported_until_it_is_written() {
     let stl = studio.session_stl_path().expect("a print").to_path_buf();
     assert!(stl.exists() && stl.with_extension("rmap").exists());
     drop(studio);
-    volumes.withdraw_visitor_volume();
+    resident.start_volumes.withdraw_visitor_volume();
     fs::remove_dir_all(&folder).expect("the folder can be removed");
 }
 
@@ -125,15 +119,14 @@ fn a_saved_session_of_one_interval_is_put_aside() {
     let folder = std::env::temp_dir().join(format!("paros-of-one-{}", std::process::id()));
     let places = StudioPaths::inside_folder(&folder);
     let mut save = vec![0; max_save_bytes(128, 1)];
-    let len = <Grid<128> as Resident<128, 1>>::lock_world().save(&mut save);
+    let len = <Grid<128> as Resident<128, 1>>::lock_world().world.save(&mut save);
     save.truncate(len);
     fs::create_dir_all(folder.join("sessions")).expect("a folder");
     fs::write(places.session_file(128), &save).expect("a file");
-    let (mut volumes, mut world) = (Grid::<128>::lock_start_volumes(), Grid::<128>::lock_world());
-    let mut stl_buffers = Grid::<128>::lock_stl_buffers();
-    let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
+    let (mut resident, mut stl_buffers) =
+        (Grid::<128>::lock_world(), Grid::<128>::lock_stl_buffers());
     let mut studio =
-        Studio::new(&mut world, &mut volumes, stl_exporter, places, |_| Err("no picture".into()));
+        Studio::new(&mut resident, &mut stl_buffers, places, |_| Err("no picture".into()));
     let notices: Vec<_> = studio.take_notices().collect();
     let aside = folder.join("sessions/session-128.unreadable-1");
     let expected = format!(
@@ -149,16 +142,15 @@ fn a_saved_session_of_one_interval_is_put_aside() {
 
 /// A test of a studio in which a session of a block has begun, and whose pictures can't be drawn.
 fn with_own_studio(paths: StudioPaths, test: impl FnOnce(&mut Studio<'_, 128>)) {
-    let (mut volumes, mut world) = (Grid::<128>::lock_start_volumes(), Grid::<128>::lock_world());
-    let mut stl_buffers = Grid::<128>::lock_stl_buffers();
-    let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
-    volumes.offer_visitor_volume().fill_block();
+    let (mut resident, mut stl_buffers) =
+        (Grid::<128>::lock_world(), Grid::<128>::lock_stl_buffers());
+    resident.start_volumes.offer_visitor_volume().fill_block();
     let mut studio =
-        Studio::new(&mut world, &mut volumes, stl_exporter, paths, |_| Err("no picture".into()));
+        Studio::new(&mut resident, &mut stl_buffers, paths, |_| Err("no picture".into()));
     studio.run_tick(&TickInput { start: SessionMode::Own, ..TickInput::default() });
     test(&mut studio);
     drop(studio);
-    volumes.withdraw_visitor_volume();
+    resident.start_volumes.withdraw_visitor_volume();
 }
 
 /// A sculpture before that can't be read costs neither itself nor the one that stands.

@@ -13,7 +13,6 @@ use paros_core::session::{SessionMode, commands};
 use paros_core::volume::Grid;
 use paros_shell::durable::{self, StorageLimit, WriteTarget, take_storage_warnings};
 use paros_shell::statics::Resident;
-use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
 use paros_shell::studio::{Notice, Studio};
 use paros_shell::studio_paths::StudioPaths;
 
@@ -106,14 +105,12 @@ fn a_storage_without_links_takes_new_files_and_replaces_none() {
 fn a_visitor_s_files_are_all_kept_and_the_storage_told_once() {
     let test = "a_visitor_s_files_are_all_kept_and_the_storage_told_once";
     on_a_storage(test, "folder-sync link", |folder| {
-        let (mut volumes, mut world) =
-            (Grid::<128>::lock_start_volumes(), Grid::<128>::lock_world());
-        let mut stl_buffers = Grid::<128>::lock_stl_buffers();
-        let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
+        let (mut resident, mut stl_buffers) =
+            (Grid::<128>::lock_world(), Grid::<128>::lock_stl_buffers());
         let places = StudioPaths::inside_folder(folder);
-        volumes.offer_visitor_volume().fill_block();
+        resident.start_volumes.offer_visitor_volume().fill_block();
         let mut studio =
-            Studio::new(&mut world, &mut volumes, stl_exporter, places, |_| Ok(b"drawn".into()));
+            Studio::new(&mut resident, &mut stl_buffers, places, |_| Ok(b"drawn".into()));
         for _ in 0..2 {
             studio.run_tick(&TickInput { start: SessionMode::Own, ..TickInput::default() });
             studio.save_session_and_wait();

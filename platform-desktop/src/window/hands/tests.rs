@@ -12,8 +12,7 @@ use paros_core::{RangeMaps, TickInput, World};
 use paros_shaders::Ray;
 use paros_shaders::scene::MeshId;
 use paros_shaders::scene::placing::display_pose_unless_held_or_mounted;
-use paros_shell::start_volume_store::StartVolumeStore;
-use paros_shell::statics::{Resident, ResidentBitGrid};
+use paros_shell::statics::{Resident, WorldWithStarts};
 use paros_shell::tick_runner::TickRunner;
 
 use super::bit_guide::ray_from_room_to_grid;
@@ -28,29 +27,28 @@ const SIZE: [u32; 2] = [1000, 700];
 /// Hands over a world of 128, one test at a time.
 struct HandsFixture {
     hands: MouseHands<128>,
-    volumes: MutexGuard<'static, StartVolumeStore<128, INTERVALS>>,
-    world: MutexGuard<'static, World<128, INTERVALS>>,
+    resident: MutexGuard<'static, WorldWithStarts<128, INTERVALS>>,
 }
 
 impl HandsFixture {
     fn new(mode: SessionMode) -> Self {
-        let mut volumes = Grid::<128>::lock_start_volumes();
-        volumes.generate_once(&mut Grid::<128>::lock_bit_grid(), |_| {});
-        let mut world = Grid::<128>::lock_world();
-        world.clear();
+        let mut resident = Grid::<128>::lock_world();
+        resident.generate_starts();
+        resident.world.clear();
         let mut hands = MouseHands::new();
         hands.size = SIZE;
         hands.start_session(mode);
-        let mut fixture = HandsFixture { hands, volumes, world };
+        let mut fixture = HandsFixture { hands, resident };
         fixture.ticks(3);
-        assert_eq!(fixture.world.session_state(), SessionState::Sculpting);
+        assert_eq!(fixture.resident.world.session_state(), SessionState::Sculpting);
         fixture
     }
 
     fn tick(&mut self) -> TickInput {
-        let input = self.hands.next_input(&self.world);
-        let hidden = self.volumes.hidden_figures();
-        TickRunner::new(&mut self.world, self.volumes.start_volumes(&hidden)).run_tick(&input);
+        let WorldWithStarts { start_volumes, world } = &mut *self.resident;
+        let input = self.hands.next_input(world);
+        let hidden = start_volumes.hidden_figures();
+        TickRunner::new(world, start_volumes.start_volumes(&hidden)).run_tick(&input);
         input
     }
 
@@ -61,7 +59,7 @@ impl HandsFixture {
     }
 
     fn handle(&mut self, event: InputEvent) {
-        self.hands.handle_event(event, &self.world);
+        self.hands.handle_event(event, &self.resident.world);
     }
 
     fn tap_key_and_tick(&mut self, key: HandAction) {
@@ -71,23 +69,23 @@ impl HandsFixture {
     }
 
     fn held(&self) -> (Tool, ToolBit) {
-        self.world.held_tool(RIGHT).expect("something is held")
+        self.resident.world.held_tool(RIGHT).expect("something is held")
     }
 
     fn voxel_count(&self) -> u64 {
-        self.world.volume().count_voxels()
+        self.resident.world.volume().count_voxels()
     }
 
     fn digest(&self) -> u64 {
-        self.world.volume().digest()
+        self.resident.world.volume().digest()
     }
 
     /// How far the stone is from the eye behind each pixel, in voxels.
     fn surface_depths(&self, pixels: impl Iterator<Item = [f32; 2]>) -> Vec<f32> {
         let hits = pixels.map(|pixel| {
             let room_ray = self.hands.orbit.room_ray_through_pixel(pixel, SIZE);
-            let grid_ray = ray_from_room_to_grid(&room_ray, &self.world);
-            cast_ray(self.world.volume().maps(), &grid_ray).expect("stone").distance_voxels
+            let grid_ray = ray_from_room_to_grid(&room_ray, &self.resident.world);
+            cast_ray(self.resident.world.volume().maps(), &grid_ray).expect("stone").distance_voxels
         });
         hits.collect()
     }
@@ -114,7 +112,7 @@ fn a_drag_looks_around_what_is_finished_and_cuts_nothing() {
     let mut fixture = HandsFixture::new(SessionMode::FreeForm);
     fixture.hands.queue_commands(commands::FINISH);
     fixture.ticks(200);
-    assert_eq!(fixture.world.session_state(), SessionState::Finished);
+    assert_eq!(fixture.resident.world.session_state(), SessionState::Finished);
     let (digest, from) = (fixture.digest(), fixture.hands.orbit);
     fixture.handle(InputEvent::Moved([500.0, 350.0]));
     fixture.handle(InputEvent::Pressed(HandButton::Left));
@@ -125,10 +123,10 @@ fn a_drag_looks_around_what_is_finished_and_cuts_nothing() {
     fixture.handle(InputEvent::Released(HandButton::Left));
     fixture.handle(InputEvent::Moved([700.0, 350.0]));
     assert_eq!(fixture.hands.orbit, turned, "the button is up");
-    let depth_mm = fixture.hands.depth_mm(&fixture.world);
+    let depth_mm = fixture.hands.depth_mm(&fixture.resident.world);
     fixture.handle(InputEvent::Wheel(2.0));
     assert!(fixture.hands.orbit.distance < turned.distance, "there is no depth to choose");
-    assert_eq!(fixture.hands.depth_mm(&fixture.world), depth_mm);
+    assert_eq!(fixture.hands.depth_mm(&fixture.resident.world), depth_mm);
     fixture.handle(InputEvent::Pressed(HandButton::Middle));
     fixture.handle(InputEvent::Moved([600.0, 350.0]));
     assert!(fixture.hands.orbit.azimuth != turned.azimuth, "the stool stands still");
@@ -144,11 +142,11 @@ fn a_press_carves_under_the_cursor_and_undo_brings_it_back() {
     fixture.ticks(20);
     fixture.handle(InputEvent::Released(HandButton::Left));
     fixture.ticks(2);
-    let removed = voxels_missing(&before, fixture.world.volume().maps());
+    let removed = voxels_missing(&before, fixture.resident.world.volume().maps());
     assert!(removed.len() > 50, "{} voxels", removed.len());
     let Ray { origin, direction } =
         fixture.hands.orbit.room_ray_through_pixel([480.0, 330.0], SIZE);
-    let frame = fixture.world.stool_frame();
+    let frame = fixture.resident.world.stool_frame();
     for voxel in removed {
         let pose = paros_core::edit::Pose { position: voxel, ..paros_core::edit::Pose::ZERO };
         let (point, _) = frame.to_room(&pose);
@@ -163,7 +161,7 @@ fn a_press_carves_under_the_cursor_and_undo_brings_it_back() {
 
 fn copy_maps(fixture: &HandsFixture) -> RangeMaps<128, INTERVALS> {
     let mut maps = RangeMaps::new();
-    maps.copy_from(fixture.world.volume().maps());
+    maps.copy_from(fixture.resident.world.volume().maps());
     maps
 }
 
@@ -202,7 +200,7 @@ fn a_tool_at_rest_touches_nothing_and_never_stays_behind() {
             fixture.handle(InputEvent::Moved([300.0 + random(400.0), 100.0 + random(500.0)]));
         }
         fixture.ticks(45);
-        let hand = fixture.world.hand_state(RIGHT);
+        let hand = fixture.resident.world.hand_state(RIGHT);
         let behind = (hand.raw_pose.position - hand.frozen_pose.position).length();
         assert!(behind < 8.0, "{behind} voxels behind in round {round}");
     }
@@ -223,12 +221,17 @@ fn keys_choose_tools_and_bits() {
     assert_eq!(fixture.held().1, ToolBit::Cylinder);
     fixture.tap_key_and_tick(HandAction::Bit(8));
     assert_eq!(fixture.held().1, ToolBit::Cylinder, "there is no ninth");
-    let size =
-        |fixture: &HandsFixture| fixture.world.workbench().size_of(ToolBit::Cylinder).steps();
+    let size = |fixture: &HandsFixture| {
+        fixture.resident.world.workbench().size_of(ToolBit::Cylinder).steps()
+    };
     fixture.tap_key_and_tick(HandAction::Smaller);
     fixture.tap_key_and_tick(HandAction::Smaller);
     assert_eq!(size(&fixture), -2);
-    assert_eq!(fixture.hands.depth_mm(&fixture.world), 6.0, "as a smaller bit goes less deep");
+    assert_eq!(
+        fixture.hands.depth_mm(&fixture.resident.world),
+        6.0,
+        "as a smaller bit goes less deep"
+    );
     fixture.tap_key_and_tick(HandAction::Larger);
     assert_eq!(size(&fixture), -1);
     for (number, tool) in Tool::ALL.into_iter().enumerate().rev() {
@@ -236,10 +239,10 @@ fn keys_choose_tools_and_bits() {
         assert_eq!(fixture.held().0, tool);
     }
     fixture.tap_key_and_tick(HandAction::Mirror);
-    assert!(fixture.world.is_mirrored());
+    assert!(fixture.resident.world.is_mirrored());
     for string_mm in [20, 0] {
         fixture.tap_key_and_tick(HandAction::Steady);
-        assert_eq!(fixture.world.string_mm(), string_mm);
+        assert_eq!(fixture.resident.world.string_mm(), string_mm);
     }
 }
 
@@ -259,7 +262,7 @@ fn drawn_tool_vertices(world: &World<128, INTERVALS>, item: BenchItem) -> Vec<Ve
 fn point_at_item(fixture: &mut HandsFixture, item: BenchItem) {
     fixture.hands.orbit.azimuth = 0.6;
     fixture.hands.orbit.distance = 2.0;
-    let body = drawn_tool_vertices(&fixture.world, item);
+    let body = drawn_tool_vertices(&fixture.resident.world, item);
     let middle = body.iter().sum::<Vec3>() / body.len() as f32;
     let point = fixture.hands.orbit.project_point(middle, SIZE).expect("it is before the eye");
     fixture.handle(InputEvent::Moved(point.pixel));
@@ -271,7 +274,10 @@ fn a_click_on_the_bench_takes_what_is_drawn_there() {
     let untouched = fixture.digest();
     for tool in [Tool::Impact, Tool::FillGun, Tool::Rasp, Tool::Rotary] {
         point_at_item(&mut fixture, BenchItem::Tool(tool));
-        assert_eq!(fixture.hands.pointed_item(&fixture.world), Some(BenchItem::Tool(tool)));
+        assert_eq!(
+            fixture.hands.pointed_item(&fixture.resident.world),
+            Some(BenchItem::Tool(tool))
+        );
         fixture.handle(InputEvent::Pressed(HandButton::Left));
         assert!(!fixture.hands.running, "a click on the bench is no stroke");
         fixture.handle(InputEvent::Released(HandButton::Left));
@@ -286,7 +292,7 @@ fn both_ends_of_a_drawn_body_are_its_own_and_the_bench_beside_it_is_nobodys() {
     let mut fixture = HandsFixture::new(SessionMode::FreeForm);
     let item = BenchItem::Tool(Tool::Rasp);
     point_at_item(&mut fixture, item);
-    let body = drawn_tool_vertices(&fixture.world, item);
+    let body = drawn_tool_vertices(&fixture.resident.world, item);
     let end = |sign: f32| {
         let far = body.iter().copied().max_by(|a, b| (sign * a.x).total_cmp(&(sign * b.x)));
         far.expect("it has vertices")
@@ -294,13 +300,13 @@ fn both_ends_of_a_drawn_body_are_its_own_and_the_bench_beside_it_is_nobodys() {
     for point in [end(1.0), end(-1.0)] {
         let seen = fixture.hands.orbit.project_point(point, SIZE).expect("it is before the eye");
         fixture.handle(InputEvent::Moved(seen.pixel));
-        assert_eq!(fixture.hands.pointed_item(&fixture.world), Some(item), "{point}");
+        assert_eq!(fixture.hands.pointed_item(&fixture.resident.world), Some(item), "{point}");
     }
     // Beyond the end that has no bit.
     let beside = end(-1.0) - Vec3::new(0.05, 0.0, 0.0);
     let seen = fixture.hands.orbit.project_point(beside, SIZE).expect("it is before the eye");
     fixture.handle(InputEvent::Moved(seen.pixel));
-    assert_eq!(fixture.hands.pointed_item(&fixture.world), None);
+    assert_eq!(fixture.hands.pointed_item(&fixture.resident.world), None);
 }
 
 #[test]

@@ -23,7 +23,6 @@ use paros_shell::outbox::courier::{Courier, CourierLink, Keeping, read_clock_ms}
 use paros_shell::outbox::enrolment::Enrolment;
 use paros_shell::settings::Settings;
 use paros_shell::statics::Resident;
-use paros_shell::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
 use paros_shell::studio::{SendPlan, Studio};
 use paros_shell::studio_paths::StudioPaths;
 
@@ -43,21 +42,18 @@ fn main() -> ExitCode {
 }
 
 fn run(folder: &Path, visits: u32, seed: u64) -> ExitCode {
-    let (mut volumes, mut world) = (Grid::<128>::lock_start_volumes(), Grid::<128>::lock_world());
-    let mut stl_buffers = Grid::<128>::lock_stl_buffers();
+    let (mut resident, mut stl_buffers) =
+        (Grid::<128>::lock_world(), Grid::<128>::lock_stl_buffers());
     // Blocks of stone: figures take a second to be made, which no start here needs.
-    let blocks = volumes.load(|_, maps| {
+    let blocks = resident.start_volumes.load(|_, maps| {
         maps.fill_block();
         Ok::<(), std::convert::Infallible>(())
     });
     let Ok(()) = blocks;
-    let Ok(stl_exporter) = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM) else {
-        return ExitCode::FAILURE;
-    };
     let paths = StudioPaths::inside_folder(folder);
     let sessions = paths.sessions.clone();
     let no_picture = |_: &_| Err("no picture".into());
-    let mut studio = Studio::new(&mut world, &mut volumes, stl_exporter, paths, no_picture);
+    let mut studio = Studio::new(&mut resident, &mut stl_buffers, paths, no_picture);
     let settings = Settings::default().booth;
     match Courier::open_enrolled(&settings, &sessions, read_clock_ms, open_link) {
         Ok(Some(courier)) => {

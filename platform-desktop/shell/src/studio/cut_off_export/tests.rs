@@ -17,8 +17,7 @@ use paros_core::volume::Grid;
 use paros_core::{RangeMaps, TickInput};
 
 use super::Studio;
-use crate::statics::{Resident, ResidentBitGrid};
-use crate::stl_export::{DEFAULT_HEIGHT_MM, StlExporter};
+use crate::statics::Resident;
 use crate::studio_paths::StudioPaths;
 
 /// A visit's input with a command.
@@ -58,17 +57,16 @@ pub(in crate::studio) fn sculpt_in_a_visit(studio: &mut Studio<'_, 128>) {
 
 /// Runs a program's studio in a folder, from an empty world on, to the end that `test` leaves it at.
 pub(in crate::studio) fn run_program(folder: &Path, test: impl FnOnce(&mut Studio<'_, 128>)) {
-    let (mut volumes, mut world) = (Grid::<128>::lock_start_volumes(), Grid::<128>::lock_world());
-    let mut stl_buffers = Grid::<128>::lock_stl_buffers();
-    let stl_exporter = StlExporter::new(&mut stl_buffers, DEFAULT_HEIGHT_MM).expect("a height");
-    volumes.generate_once(&mut Grid::<128>::lock_bit_grid(), |_| {});
-    world.clear();
+    let (mut resident, mut stl_buffers) =
+        (Grid::<128>::lock_world(), Grid::<128>::lock_stl_buffers());
+    resident.generate_starts();
+    resident.world.clear();
     let paths = StudioPaths::inside_folder(folder);
-    let mut studio = Studio::new(&mut world, &mut volumes, stl_exporter, paths, draw_no_picture);
+    let mut studio = Studio::new(&mut resident, &mut stl_buffers, paths, draw_no_picture);
     test(&mut studio);
     drop(studio);
     // Other tests have the same one.
-    world.clear();
+    resident.world.clear();
 }
 
 /// Whether pictures are done: one test at a time has the world, and one of them has them take long.

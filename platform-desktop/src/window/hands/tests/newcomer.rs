@@ -18,9 +18,10 @@ fn rows_of_a_mouse_find_the_owl_within_four_minutes() {
     let mut fixture = HandsFixture::new(owl.mode());
     // Deep enough for the coat, as the hint at the wheel says how.
     fixture.handle(InputEvent::Wheel(9.0));
-    let begun = fixture.world.tick();
-    let is_found = |fixture: &HandsFixture| fixture.world.bared_ends().percent() >= FOUND_PERCENT;
-    'sides: while fixture.world.tick() - begun < WITHIN {
+    let begun = fixture.resident.world.tick();
+    let is_found =
+        |fixture: &HandsFixture| fixture.resident.world.bared_ends().percent() >= FOUND_PERCENT;
+    'sides: while fixture.resident.world.tick() - begun < WITHIN {
         for row in 0..12_u8 {
             stroke_row(&mut fixture, 120.0 + 35.0 * f32::from(row), row % 2 == 1);
             if is_found(&fixture) {
@@ -29,9 +30,9 @@ fn rows_of_a_mouse_find_the_owl_within_four_minutes() {
         }
         turn_stool(&mut fixture);
     }
-    let seconds = (fixture.world.tick() - begun) / u64::from(TICK_RATE);
-    println!("{} % after {seconds} s", fixture.world.bared_ends().percent());
-    assert!(is_found(&fixture), "only {} %", fixture.world.bared_ends().percent());
+    let seconds = (fixture.resident.world.tick() - begun) / u64::from(TICK_RATE);
+    println!("{} % after {seconds} s", fixture.resident.world.bared_ends().percent());
+    assert!(is_found(&fixture), "only {} %", fixture.resident.world.bared_ends().percent());
 }
 
 /// Whoever takes the bits that hints name, after they were told, finds the owl under all of the stone as well; with the
@@ -41,8 +42,8 @@ fn hints_lead_from_ball_to_ball_and_so_to_an_owl_under_all_of_the_stone() {
     let owl = HiddenStart { figure: Figure::Owl, thickness: StoneThickness::Whole };
     let mut fixture = HandsFixture::new(owl.mode());
     let (mut hints, mut taken) = (Hints::default(), Vec::new());
-    let begun = fixture.world.tick();
-    'sides: while fixture.world.tick() - begun < WITHIN {
+    let begun = fixture.resident.world.tick();
+    'sides: while fixture.resident.world.tick() - begun < WITHIN {
         for row in 0..12_u8 {
             stroke_row_and_watch(
                 &mut fixture,
@@ -58,14 +59,14 @@ fn hints_lead_from_ball_to_ball_and_so_to_an_owl_under_all_of_the_stone() {
                     }
                 },
             );
-            if fixture.world.bared_ends().percent() >= FOUND_PERCENT {
+            if fixture.resident.world.bared_ends().percent() >= FOUND_PERCENT {
                 break 'sides;
             }
         }
         turn_stool(&mut fixture);
     }
-    let seconds = (fixture.world.tick() - begun) / u64::from(TICK_RATE);
-    let percent = fixture.world.bared_ends().percent();
+    let seconds = (fixture.resident.world.tick() - begun) / u64::from(TICK_RATE);
+    let percent = fixture.resident.world.bared_ends().percent();
     println!("{percent} % after {seconds} s, by {taken:?}");
     assert_eq!(taken, [ToolBit::RoughingBall, ToolBit::MediumBall]);
     assert!(percent >= FOUND_PERCENT, "only {percent} % in {seconds} s");
@@ -73,7 +74,7 @@ fn hints_lead_from_ball_to_ball_and_so_to_an_owl_under_all_of_the_stone() {
 
 /// What the panels would be told.
 fn status_of(fixture: &HandsFixture) -> StudioStatus<'static> {
-    let world = &fixture.world;
+    let world = &fixture.resident.world;
     StudioStatus {
         mode: world.mode(),
         held: world.held_tool(RIGHT),

@@ -40,11 +40,11 @@ fn a_tool_that_was_put_back_finishes_no_stroke_once_it_is_taken_again() {
     fixture.tick();
     fixture.hands.pointers.push_back(PointerCommand::Return { hand: RIGHT as u8 });
     fixture.ticks(3);
-    assert!(fixture.world.held_tool(RIGHT).is_none());
+    assert!(fixture.resident.world.held_tool(RIGHT).is_none());
     let before = fixture.digest();
     fixture.tap_key_and_tick(HandAction::Tool(0));
     fixture.ticks(60);
-    assert!(fixture.world.held_tool(RIGHT).is_some());
+    assert!(fixture.resident.world.held_tool(RIGHT).is_some());
     assert_eq!(fixture.digest(), before, "nobody pulls its trigger");
 }
 
@@ -109,5 +109,5 @@ fn a_new_press_while_the_tool_follows_is_a_new_stroke() {
         fixture.handle(InputEvent::Released(HandButton::Left));
     }
     fixture.ticks(100);
-    assert_eq!(fixture.world.undo_counts().undoable, 2);
+    assert_eq!(fixture.resident.world.undo_counts().undoable, 2);
 }
