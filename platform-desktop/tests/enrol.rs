@@ -1,10 +1,9 @@
 //! `paros enrol`: what it refuses, and at a real booth what it brings; `paros exhibit`, which has a booth of its own.
 
 use std::fs;
-use std::io::{BufRead as _, BufReader};
 use std::net::TcpStream;
 use std::os::unix::fs::PermissionsExt as _;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 use paros_booth_process::{BoothProcess, find_booth};
 use paros_shell::outbox::enrolment::Enrolment;
@@ -18,7 +17,7 @@ const FLEET: &str = "address = \"https://127.0.0.1:1\"\n\
     ca = \"\"\"\n-----BEGIN CERTIFICATE-----\nMAA=\n-----END CERTIFICATE-----\n\"\"\"\n";
 
 #[test]
-fn what_is_no_fleet_s_file_and_no_address_is_told_with_its_place() {
+fn what_is_no_fleet_s_file_is_told_with_its_place() {
     let folder = TestFolder::new("enrol-refused");
     let enrol = ["enrol", "--file", "e.toml", "--fleet-file", "fleet.toml"];
     folder.refuses(&enrol, "fleet.toml: there is no such file; expected a fleet's file");
@@ -31,26 +30,23 @@ fn what_is_no_fleet_s_file_and_no_address_is_told_with_its_place() {
         folder.write("fleet.toml", FLEET.replacen(from, to, 1));
         folder.refuses(&enrol, told);
     }
-    folder.refuses(&["enrol"], "https://ADDRESS:PORT");
-    folder.refuses(&["enrol", "--file", "e.toml", "booth:8443"], "booth:8443: expected https://");
-    folder.refuses(&["enrol", "--file", "e.toml", "https://b:1", "--name", "a\nb"], "--name");
+    folder.refuses(&["enrol"], "--fleet-file");
+    folder.refuses(&[&enrol[..], &["--name", "a\nb"]].concat(), "--name");
 }
 
 #[test]
 fn a_booth_that_is_not_there_leaves_nothing_behind() {
     let folder = TestFolder::new("enrol-gone");
     folder.write("fleet.toml", FLEET);
-    for args in [&["--fleet-file", "fleet.toml"][..], &["https://127.0.0.1:1"]] {
-        let output = folder.paros(&[&["enrol", "--file", "e.toml"], args].concat());
-        let errors = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(1), "{errors}");
-        assert!(errors.contains("https://127.0.0.1:1: the booth isn't reached"), "{errors}");
-        assert_eq!(folder.names(), ["fleet.toml"]);
-    }
+    let output = folder.paros(&["enrol", "--file", "e.toml", "--fleet-file", "fleet.toml"]);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{errors}");
+    assert!(errors.contains("https://127.0.0.1:1: the booth isn't reached"), "{errors}");
+    assert_eq!(folder.names(), ["fleet.toml"]);
 }
 
 #[test]
-fn a_machine_enrols_by_a_fleet_s_file_and_by_hand() {
+fn a_machine_enrols_by_a_fleet_s_file() {
     let folder = TestFolder::new("enrol-done");
     let Some(program) = find_booth() else { return };
     let booth = BoothProcess::start(&program, &folder.0, None);
@@ -62,20 +58,6 @@ fn a_machine_enrols_by_a_fleet_s_file_and_by_hand() {
     assert_eq!(mode & 0o777, 0o600);
     assert!(String::from_utf8(folder.read("kept/e.toml")).unwrap().contains("headset = 1\n"));
     folder.refuses(&enrol, "this machine is headset 1");
-    // By hand: the booth lists the pictograms that were printed.
-    let args = ["enrol", "--file", "h.toml", booth.address(), "--name", "desk"];
-    let mut waiting = folder.command(&args).stdout(Stdio::piped()).spawn().expect("it runs");
-    let mut lines = BufReader::new(waiting.stdout.take().expect("a pipe")).lines();
-    let shown = lines.next().expect("a line").expect("text");
-    let shown = shown.strip_prefix("pictograms: ").expect("four pictograms").to_owned();
-    let attempts = booth.run(&["attempts"]);
-    let (attempt, rest) = attempts.split_once(": ").expect("one attempt");
-    assert!(rest.starts_with(&format!("{shown} (desk)")), "{attempts}");
-    assert!(!folder.0.join("h.toml").exists(), "nothing is kept before");
-    let _ = booth.run(&["accept", attempt]);
-    let last = lines.map_while(Result::ok).last().expect("a line");
-    assert!(last.ends_with("kept in h.toml"), "{last}");
-    assert!(waiting.wait().expect("it ends").success());
 }
 
 #[test]

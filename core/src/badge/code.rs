@@ -103,11 +103,6 @@ impl Pictogram {
         if number < Self::COUNT as u8 { Some(Pictogram(number)) } else { None }
     }
 
-    /// The pictogram of a number's lower six bits.
-    pub(crate) const fn from_low_bits(bits: u8) -> Self {
-        Pictogram(bits % Self::COUNT as u8)
-    }
-
     /// All of them.
     pub fn all() -> impl Iterator<Item = Pictogram> {
         (0..Self::COUNT as u8).map(Pictogram)

@@ -1,9 +1,6 @@
 //! What the program does beside serving: to be called while it serves too, as the store takes several processes.
 
-use std::fmt::Write as _;
-
 use paros_booth_rules::{BoothPlan, Refusal};
-use paros_core::badge::{Language, Pictogram};
 
 use crate::app::OpenBooth;
 use crate::backup::back_up;
@@ -35,36 +32,10 @@ pub(crate) fn run(command: &BoothTask) -> Result<String, Error> {
         BoothTask::Restore { folder, file, deletions, again } => {
             restore(file, folder.path_alone()?, deletions.as_deref(), *again)
         }
-        BoothTask::Attempts { folder } => list_attempts(folder),
-        BoothTask::Accept { folder, attempt, headset } => {
-            let booth = open(folder)?.booth;
-            let headset = booth.accept_attempt(*attempt, *headset, CONSOLE, booth_time())?;
-            Ok(format!("headset {headset}\n"))
-        }
-        BoothTask::Decline { folder, attempt } => {
-            open(folder)?.booth.decline_attempt(*attempt, CONSOLE, booth_time())?;
-            Ok("declined\n".into())
-        }
     }
 }
 
 fn open(folder: &FolderOption) -> Result<OpenBooth, Error> {
     // Nothing is kept here that a plan or a quota is about.
     OpenBooth::open(folder.path(), &folder.shared, BoothPlan::default(), u64::MAX)
-}
-
-fn list_attempts(folder: &FolderOption) -> Result<String, Error> {
-    let mut list = String::new();
-    for attempt in open(folder)?.booth.list_attempts(booth_time())? {
-        let shown = attempt.pictograms.map(|number| {
-            Pictogram::new(number).map_or("?", |shown| shown.name(Language::English))
-        });
-        // Writing to a String doesn't fail.
-        let _ = write!(list, "{}: {} ({})", attempt.attempt, shown.join(", "), attempt.name);
-        if let Some(headset) = attempt.maybe_headset {
-            let _ = write!(list, ", maybe headset {headset}");
-        }
-        list.push('\n');
-    }
-    Ok(list)
 }

@@ -12,7 +12,7 @@ use rcgen::{
 };
 use tokio_rustls::rustls::ServerConfig;
 use tokio_rustls::rustls::crypto::ring::default_provider;
-use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer, pem::PemObject as _};
+use tokio_rustls::rustls::pki_types::PrivateKeyDer;
 use tokio_rustls::rustls::server::{ClientHello, ResolvesServerCert};
 use tokio_rustls::rustls::sign::CertifiedKey;
 use tokio_rustls::rustls::version::TLS13;
@@ -159,11 +159,8 @@ fn make_leaf(
     params.use_authority_key_identifier_extension = true;
     let issuer = Issuer::new(ca_params(&keys.site.site), &keys.ca_key);
     let leaf = params.signed_by(&leaf_key, &issuer).map_err(|e| fail(&e))?;
-    let ca = CertificateDer::from_pem_slice(keys.ca_pem.as_bytes()).map_err(|e| fail(&e))?;
     let key = PrivateKeyDer::try_from(leaf_key.serialize_der()).map_err(|e| fail(&e))?;
-    // The authority goes along: who enrols by hand takes it from here, and compares its hash.
-    let chain = vec![leaf.der().clone(), ca];
-    let certified = CertifiedKey::from_der(chain, key, &default_provider());
+    let certified = CertifiedKey::from_der(vec![leaf.der().clone()], key, &default_provider());
     Ok(Arc::new(certified.map_err(|e| fail(&e))?))
 }
 

@@ -136,29 +136,4 @@ pub enum BoothTask {
         #[arg(long)]
         again: bool,
     },
-    /// List the headsets that enrol by hand, and the pictograms that each must show.
-    Attempts {
-        /// Where everything is kept.
-        #[command(flatten)]
-        folder: FolderOption,
-    },
-    /// Let a headset in that enrols by hand, and shows the same pictograms.
-    Accept {
-        /// Where everything is kept.
-        #[command(flatten)]
-        folder: FolderOption,
-        /// Its number in the list.
-        attempt: u64,
-        /// The headset that it is, wiped; otherwise a new one.
-        #[arg(long, value_name = "NUMBER")]
-        headset: Option<u32>,
-    },
-    /// Send a headset away that enrols by hand.
-    Decline {
-        /// Where everything is kept.
-        #[command(flatten)]
-        folder: FolderOption,
-        /// Its number in the list.
-        attempt: u64,
-    },
 }

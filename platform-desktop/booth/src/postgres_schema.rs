@@ -1,15 +1,20 @@
-//! The tables of PostgreSQL: made of the records themselves, and of a table of one row that says of which version they
-//! are, and whose.
+//! The tables of PostgreSQL, and beside them a table of one row that has their version, and whose they are.
 
-use paros_booth_rules::records::TABLES;
-use paros_booth_rules::{Column, ColumnKind, StoreError, Table};
+use paros_booth_rules::StoreError;
 use postgres::{Client, GenericClient};
 
-use crate::migrations::VERSION;
-use crate::sqlite_store::{name, quote};
+use crate::schema::{Dialect, VERSION, refuse_version, write_script};
 
-/// What processes lock that make tables at once: "paros".
-const MIGRATION_LOCK: i64 = 0x70_6172_6f73;
+/// The lock that processes take which make tables at once: "paros".
+const SCHEMA_LOCK: i64 = 0x70_6172_6f73;
+
+const DIALECT: Dialect = Dialect {
+    number: "BIGINT",
+    bytes: "BYTEA",
+    // Compared byte by byte, as everywhere else.
+    text: "TEXT COLLATE \"C\"",
+    table_end: "",
+};
 
 /// Whose records a database has, and where their files are: what all processes have to agree upon.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -24,37 +29,28 @@ pub(crate) struct SiteRow {
     pub(crate) files: String,
 }
 
-/// Brings a database to this program's version. Tables and columns that are missing are made; columns are empty then,
-/// or 0. What does more than that in SQLite needs a step of its own here too.
+/// Makes the tables of a database that has none.
 ///
 /// # Errors
-/// What PostgreSQL says, or that a newer program made the tables. They are as they were then.
-pub(crate) fn migrate(client: &mut Client) -> Result<(), MigrationError> {
+/// The tables have another version, or what PostgreSQL says. The tables are as they were then.
+pub(crate) fn make_tables(client: &mut Client) -> Result<(), SchemaError> {
     let mut transaction = client.transaction()?;
-    transaction.execute("SELECT pg_advisory_xact_lock($1)", &[&MIGRATION_LOCK])?;
+    transaction.execute("SELECT pg_advisory_xact_lock($1)", &[&SCHEMA_LOCK])?;
     transaction.batch_execute(
         "CREATE TABLE IF NOT EXISTS paros_booth (
             is_only BOOLEAN PRIMARY KEY DEFAULT true CHECK (is_only), version BIGINT NOT NULL,
             site BYTEA, receipt_key BYTEA, ca_hash BYTEA, files TEXT)",
     )?;
     let row = transaction.query_opt("SELECT version FROM paros_booth", &[])?;
-    let version = row.map(|row| row.try_get::<_, i64>(0)).transpose()?;
-    match version {
-        Some(version) if version == VERSION => return Ok(()),
-        Some(version) if version > VERSION => {
-            let why =
-                format!("its tables have version {version}; this program knows up to {VERSION}");
-            return Err(MigrationError::Other(StoreError::Failed(why.into())));
+    match row.map(|row| row.try_get::<_, i64>(0)).transpose()? {
+        Some(VERSION) => Ok(()),
+        Some(other) => Err(SchemaError::Other(StoreError::Failed(refuse_version(other).into()))),
+        None => {
+            transaction.batch_execute(&write_script(&DIALECT))?;
+            transaction.execute("INSERT INTO paros_booth (version) VALUES ($1)", &[&VERSION])?;
+            Ok(transaction.commit()?)
         }
-        Some(_) | None => {}
     }
-    for table in TABLES {
-        make_table(&mut transaction, table)?;
-    }
-    let note = "INSERT INTO paros_booth (version) VALUES ($1)
-        ON CONFLICT (is_only) DO UPDATE SET version = EXCLUDED.version";
-    transaction.execute(note, &[&VERSION])?;
-    Ok(transaction.commit()?)
 }
 
 /// The site whose records these are, if one has claimed them.
@@ -81,59 +77,25 @@ pub(crate) fn claim_site(client: &mut Client, site: &SiteRow) -> Result<SiteRow,
 }
 
 /// Why tables could not be made.
-pub(crate) enum MigrationError {
+pub(crate) enum SchemaError {
     /// What PostgreSQL says.
     Database(postgres::Error),
     /// Anything else.
     Other(StoreError),
 }
 
-impl MigrationError {
+impl SchemaError {
     /// As a store's error, where PostgreSQL's are made one.
     pub(crate) fn or_else(self, make: impl FnOnce(postgres::Error) -> StoreError) -> StoreError {
         match self {
-            MigrationError::Database(error) => make(error),
-            MigrationError::Other(error) => error,
+            SchemaError::Database(error) => make(error),
+            SchemaError::Other(error) => error,
         }
     }
 }
 
-impl From<postgres::Error> for MigrationError {
+impl From<postgres::Error> for SchemaError {
     fn from(error: postgres::Error) -> Self {
-        MigrationError::Database(error)
+        SchemaError::Database(error)
     }
-}
-
-fn make_table(client: &mut impl GenericClient, table: &Table) -> Result<(), postgres::Error> {
-    let key: Vec<String> =
-        table.columns[..table.key_columns].iter().map(|column| quote(column.name)).collect();
-    let columns: Vec<String> = table.columns.iter().map(write_column).collect();
-    let mut script = format!(
-        "CREATE TABLE IF NOT EXISTS {} ({}, PRIMARY KEY ({}));",
-        name(table),
-        columns.join(", "),
-        key.join(", ")
-    );
-    for column in &columns {
-        script += &format!("ALTER TABLE {} ADD COLUMN IF NOT EXISTS {column};", name(table));
-    }
-    for column in table.indexed {
-        let index = quote(&format!("{}_{column}", table.name));
-        script +=
-            &format!("CREATE INDEX IF NOT EXISTS {index} ON {} ({});", name(table), quote(column));
-    }
-    client.batch_execute(&script)
-}
-
-/// A column with what it holds in rows that were there before it.
-fn write_column(column: &Column) -> String {
-    let (kind, default) = match column.kind {
-        ColumnKind::Number => ("BIGINT", "0"),
-        ColumnKind::Bytes => ("BYTEA", r"''"),
-        // Compared byte by byte, as everywhere else.
-        ColumnKind::Text => ("TEXT COLLATE \"C\"", "''"),
-    };
-    let rest =
-        if column.is_nullable { String::new() } else { format!(" NOT NULL DEFAULT {default}") };
-    format!("{} {kind}{rest}", quote(column.name))
 }

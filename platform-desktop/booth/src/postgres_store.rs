@@ -14,7 +14,7 @@ use postgres::types::{IsNull, ToSql, Type, to_sql_checked};
 use postgres::{Client, Statement};
 
 use crate::postgres_link::PostgresAddress;
-use crate::postgres_schema::{SiteRow, claim_site, migrate, read_site};
+use crate::postgres_schema::{SiteRow, claim_site, make_tables, read_site};
 use crate::postgres_sql::{has_nul, key_is, read_row, write_conditions, write_order, write_put};
 use crate::random::random_bytes;
 use crate::sqlite_store::{columns, lock, name};
@@ -51,14 +51,14 @@ struct PostgresTransaction<'a> {
 }
 
 impl PostgresStore {
-    /// Connects, makes tables where there are none, and brings them to this version.
+    /// Connects, and makes tables where there are none.
     ///
     /// # Errors
-    /// What PostgreSQL says, or that a newer version made them.
+    /// What PostgreSQL says, or that another version made them.
     pub fn open(address: PostgresAddress) -> Result<Self, StoreError> {
         let store = PostgresStore { address, idle: Mutex::default(), writers: Mutex::default() };
         let mut link = store.connect()?;
-        migrate(&mut link.client).map_err(|error| error.or_else(store_error))?;
+        make_tables(&mut link.client).map_err(|error| error.or_else(store_error))?;
         store.give_back(link);
         Ok(store)
     }

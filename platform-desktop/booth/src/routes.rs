@@ -14,10 +14,9 @@ use axum::routing::{get, post, put};
 use axum::{Router, middleware};
 use paros_booth_rules::limits::MAX_CHUNK_BYTES;
 use paros_booth_rules::records::{Device, MeshComparison, Sculpture};
-use paros_booth_rules::{Chunk, EnrolBits, ParcelProgress, Query, Refusal};
+use paros_booth_rules::{Chunk, ParcelProgress, Query, Refusal};
 use paros_core::outbox::messages::{
-    ContentHash, DeviceToken, EnrolCommit, EnrolNonce, EnrolPoll, EnrolReveal, FleetEnrolment,
-    Heartbeat, SculptureId,
+    ContentHash, DeviceToken, FleetEnrolment, Heartbeat, SculptureId,
 };
 use tokio::sync::OwnedSemaphorePermit;
 use tracing::{info, warn};
@@ -26,7 +25,6 @@ use crate::app::BoothApp;
 use crate::body::{bound_body, pass_over};
 use crate::clock::booth_time;
 use crate::parcel_decode::check_parcel;
-use crate::random::random_bytes;
 use crate::staff;
 
 /// How long what comes after a request's head may take: a piece of a parcel over a slow radio.
@@ -49,9 +47,6 @@ pub(crate) fn router(app: &Arc<BoothApp>) -> Router {
         .route_layer(from_fn_with_state(app.clone(), authenticate));
     let of_strangers = Router::new()
         .route("/v1/enrol/fleet", post(enrol_fleet))
-        .route("/v1/enrol/commit", post(commit_enrolment))
-        .route("/v1/enrol/reveal", post(reveal_enrolment))
-        .route("/v1/enrol/poll", post(poll_enrolment))
         .route_layer(from_fn_with_state(app.clone(), limit_stranger));
     Router::new()
         .merge(of_headsets)
@@ -261,33 +256,6 @@ async fn enrol_fleet(State(app): State<Arc<BoothApp>>, bytes: Bytes) -> Answer {
     let asked = read_message(FleetEnrolment::from_bytes(&bytes))?;
     let answer = app.run(move |app| app.booth.enrol_fleet(&asked, booth_time())).await?;
     info!(headset = answer.headset, "enrolled by a fleet's token");
-    Ok(bytes_answer(StatusCode::OK, &answer.to_bytes()))
-}
-
-/// `POST /v1/enrol/commit`.
-async fn commit_enrolment(State(app): State<Arc<BoothApp>>, bytes: Bytes) -> Answer {
-    let asked = read_message(EnrolCommit::from_bytes(&bytes))?;
-    let answer = app.run(move |app| {
-        let bits = EnrolBits {
-            attempt: u64::from_le_bytes(random_bytes()?),
-            booth_nonce: EnrolNonce(random_bytes()?),
-        };
-        app.booth.commit_enrolment(&asked, bits, booth_time())
-    });
-    Ok(bytes_answer(StatusCode::OK, &answer.await?.to_bytes()))
-}
-
-/// `POST /v1/enrol/reveal`.
-async fn reveal_enrolment(State(app): State<Arc<BoothApp>>, bytes: Bytes) -> Answer {
-    let asked = read_message(EnrolReveal::from_bytes(&bytes))?;
-    let answer = app.run(move |app| app.booth.reveal_enrolment(&asked, booth_time())).await?;
-    Ok(bytes_answer(StatusCode::OK, &answer.to_bytes()))
-}
-
-/// `POST /v1/enrol/poll`.
-async fn poll_enrolment(State(app): State<Arc<BoothApp>>, bytes: Bytes) -> Answer {
-    let asked = read_message(EnrolPoll::from_bytes(&bytes))?;
-    let answer = app.run(move |app| app.booth.poll_enrolment(&asked, booth_time())).await?;
     Ok(bytes_answer(StatusCode::OK, &answer.to_bytes()))
 }
 

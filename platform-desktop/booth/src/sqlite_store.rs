@@ -8,12 +8,21 @@ use paros_booth_rules::{
     Access, Condition, Query, Row, RowOrder, Store, StoreError, Table, Transaction, Value,
 };
 use rusqlite::types::{ToSqlOutput, ValueRef};
-use rusqlite::{Connection, ErrorCode, OpenFlags, OptionalExtension as _, ToSql, params_from_iter};
+use rusqlite::{
+    Connection, ErrorCode, OpenFlags, OptionalExtension as _, ToSql, TransactionBehavior,
+    params_from_iter,
+};
 
-use crate::migrations::migrate;
+use crate::schema::{Dialect, VERSION, refuse_version, write_script};
 
 /// Connections that only read: a commit that waits for the disk holds none of them up.
 const READERS: usize = 3;
+
+/// The application that wrote the file, as SQLite's header has it: "paro".
+const APPLICATION: i64 = 0x7061_726f;
+
+const DIALECT: Dialect =
+    Dialect { number: "INTEGER", bytes: "BLOB", text: "TEXT", table_end: " STRICT" };
 
 /// How long a transaction waits for another process, as for one that makes a token.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(5);
@@ -30,19 +39,20 @@ struct SqliteTransaction<'a> {
 }
 
 impl SqliteStore {
-    /// Opens the file, makes it where there is none, and brings it to this version.
+    /// Opens the file, and makes it where there is none.
     ///
     /// # Errors
-    /// What SQLite says, or that a newer version wrote the file.
+    /// What SQLite says, or that another version wrote the file.
     pub fn open(path: &Path) -> Result<Self, StoreError> {
         let mut writer = open_connection(path, OpenFlags::default())?;
+        // First: a file of another version stays as it is.
+        make_tables(&mut writer)?;
         writer.pragma_update(None, "journal_mode", "WAL").map_err(store_error)?;
         // The log is on the disk before a commit returns.
         writer.pragma_update(None, "synchronous", "FULL").map_err(store_error)?;
         writer.pragma_update(None, "foreign_keys", "ON").map_err(store_error)?;
         // What was deleted isn't left in what the file has free.
         writer.pragma_update(None, "secure_delete", "ON").map_err(store_error)?;
-        migrate(&mut writer)?;
         let open_reader = || -> Result<_, StoreError> {
             let reader = open_connection(path, OpenFlags::default())?;
             reader.pragma_update(None, "query_only", "ON").map_err(store_error)?;
@@ -162,6 +172,27 @@ fn open_connection(path: &Path, flags: OpenFlags) -> Result<Connection, StoreErr
     let connection = Connection::open_with_flags(path, flags).map_err(store_error)?;
     connection.busy_timeout(BUSY_TIMEOUT).map_err(store_error)?;
     Ok(connection)
+}
+
+/// Makes the tables of a database that has none.
+fn make_tables(connection: &mut Connection) -> Result<(), StoreError> {
+    // Two processes may start at once: the second one finds the first one's work.
+    let transaction = connection
+        .transaction_with_behavior(TransactionBehavior::Immediate)
+        .map_err(store_error)?;
+    let read =
+        |name| transaction.pragma_query_value(None, name, |row| row.get(0)).map_err(store_error);
+    let (application, version): (i64, i64) = (read("application_id")?, read("user_version")?);
+    match (application, version) {
+        (0, 0) => {
+            transaction.execute_batch(&write_script(&DIALECT)).map_err(store_error)?;
+            transaction.pragma_update(None, "application_id", APPLICATION).map_err(store_error)?;
+            transaction.pragma_update(None, "user_version", VERSION).map_err(store_error)?;
+            transaction.commit().map_err(store_error)
+        }
+        (APPLICATION, VERSION) => Ok(()),
+        (_, other) => Err(StoreError::Failed(refuse_version(other).into())),
+    }
 }
 
 /// Opens a database as it is, of whatever version.

@@ -5,9 +5,12 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use paros_booth::SqliteStore;
-use paros_booth_rules::records::{Device, MailOrder, Sculpture, TABLES};
-use paros_booth_rules::{BoothTime, ColumnKind, Field as _, Query, check_store, update, view};
+use paros_booth_rules::records::{Device, TABLES};
+use paros_booth_rules::{BoothTime, ColumnKind, Field as _, check_store, update, view};
 use rusqlite::Connection;
+
+/// As SQLite's header names the application: "paro".
+const APPLICATION: u32 = u32::from_be_bytes(*b"paro");
 
 /// A path in a folder of this test's own, at which there is nothing.
 fn new_path() -> PathBuf {
@@ -67,41 +70,21 @@ fn the_schema_is_that_of_the_records() {
     }
 }
 
-/// `tests/data/schema-1.sql` is a dump of a database of the first version: it is never changed.
 #[test]
-fn the_first_version_is_read() {
+fn another_version_is_left_alone() {
     let path = new_path();
-    let database = Connection::open(&path).unwrap();
-    database.execute_batch(include_str!("data/schema-1.sql")).unwrap();
-    let mail =
-        "INSERT INTO mail_orders VALUES (5, zeroblob(16), 'eleni@example.org', 1, 9, 0, 0, 9)";
-    database.execute_batch(mail).unwrap();
-    drop(database);
-    let store = SqliteStore::open(&path).expect("it is brought to this version");
-    let devices: Vec<Device> = view(&store, |tx| tx.find(&Query::all::<Device>())).unwrap();
-    assert_eq!(devices.len(), 1);
-    assert_eq!((devices[0].headset, devices[0].name.as_str()), (17, "Κουέστ"));
-    assert_eq!(devices[0].enrolled_at, BoothTime(1_790_000_000_000));
-    let kept: Vec<Sculpture> = view(&store, |tx| tx.find(&Query::all::<Sculpture>())).unwrap();
-    assert_eq!((kept[0].id, kept[0].badge, kept[0].withdrawn_at), ([1; 16], Some(9), None));
-    // Nobody was asked whether an address may stay.
-    let mails: Vec<MailOrder> = view(&store, |tx| tx.find(&Query::all::<MailOrder>())).unwrap();
-    assert_eq!((mails[0].why.as_str(), mails[0].keeps_address), ("", false));
-    drop(store);
-    SqliteStore::open(&path).expect("a second time there is nothing to do");
-}
-
-#[test]
-fn a_newer_version_is_left_alone() {
-    let path = new_path();
-    let database = Connection::open(&path).unwrap();
-    database.pragma_update(None, "user_version", 1000).unwrap();
-    drop(database);
-    let error = SqliteStore::open(&path).err().expect("it is unknown").to_string();
-    assert!(error.contains("version 1000"), "{error}");
-    let database = Connection::open(&path).unwrap();
-    let version: u32 = database.pragma_query_value(None, "user_version", |row| row.get(0)).unwrap();
-    assert_eq!(version, 1000);
+    drop(SqliteStore::open(&path).expect("a new database"));
+    // Of tables of before the application's id, of a newer program, and of another application.
+    for (application, version) in [(0, 5), (APPLICATION, 2), (1, 1)] {
+        let database = Connection::open(&path).unwrap();
+        database.pragma_update(None, "application_id", application).unwrap();
+        database.pragma_update(None, "user_version", version).unwrap();
+        drop(database);
+        let before = fs::read(&path).unwrap();
+        let error = SqliteStore::open(&path).err().expect("it is another").to_string();
+        assert!(error.contains(&format!("version {version}, and")), "{error}");
+        assert!(fs::read(&path).unwrap() == before);
+    }
 }
 
 #[test]

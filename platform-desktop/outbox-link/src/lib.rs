@@ -5,7 +5,6 @@
 #![forbid(unsafe_code)]
 
 mod ask;
-mod enrol;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -17,7 +16,6 @@ use ureq::Agent;
 use ureq::tls::{Certificate, RootCerts, TlsConfig, TlsProvider};
 
 pub use ask::HttpsCaller;
-pub use enrol::fetch_shown_authority;
 
 /// A link to a booth that isn't connected yet.
 #[must_use]

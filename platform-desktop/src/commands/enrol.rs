@@ -1,31 +1,24 @@
 //! `paros enrol`: this machine becomes one of a booth's headsets.
 
 use std::fs;
-use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
-use std::thread;
-use std::time::{Duration, Instant};
 
-use paros_core::badge::Language;
 use paros_core::outbox::messages::{DeviceHint, DeviceName};
 use paros_headless::Error;
-use paros_outbox_link::{HttpsCaller, fetch_shown_authority};
+use paros_outbox_link::HttpsCaller;
 use paros_shell::durable::{self, WriteTarget};
 use paros_shell::outbox::enrolment::{
-    ByHandState, ENROL_TIMEOUT, EnrolError, Enrolment, FleetFile, HandEnrolment, NewDevice,
-    check_address, enrol_by_fleet, enrolment_file, hint_of_device,
+    ENROL_TIMEOUT, EnrolError, Enrolment, FleetFile, NewDevice, enrol_by_fleet, enrolment_file,
+    hint_of_device,
 };
 use paros_shell::studio_paths::StudioPaths;
 
 /// The arguments of `paros enrol`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The booth's address. The staff compares four pictograms, which are printed, with those of its page.
-    #[arg(value_name = "https://ADDRESS:PORT", required_unless_present = "fleet_file")]
-    address: Option<String>,
-    /// A fleet's file instead, as `paros-booth fleet-file` prints it: nobody needs to compare anything.
-    #[arg(long, value_name = "FILE", conflicts_with = "address")]
-    fleet_file: Option<PathBuf>,
+    /// The fleet's file, as `paros-booth fleet-file` prints it.
+    #[arg(long, value_name = "FILE")]
+    fleet_file: PathBuf,
     /// What the booth's page calls this machine, in up to 32 bytes; its host name if not given.
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
@@ -37,12 +30,6 @@ pub(super) struct Args {
     #[arg(long)]
     again: bool,
 }
-
-/// How often the staff's word is asked for.
-const POLL: Duration = Duration::from_secs(2);
-
-/// How long a booth may be gone while the staff's word is waited for.
-const PATIENCE: Duration = Duration::from_secs(60);
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     let file = args.file.clone();
@@ -57,11 +44,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
         durable::make_folder(folder)?;
     }
     WriteTarget::resolve_and_check_writable(&file)?;
-    let enrolment = match (&args.fleet_file, &args.address) {
-        (Some(fleet), _) => enrol_with_file(fleet, &device)?,
-        (None, Some(address)) => enrol_by_hand(address, &device)?,
-        (None, None) => return Err(Error::Input("expected an address or --fleet-file".into())),
-    };
+    let enrolment = enrol_with_file(&args.fleet_file, &device)?;
     enrolment.write(&file)?;
     let (headset, address) = (enrolment.owner.headset, &enrolment.address);
     Ok(format!("headset {headset} of {address}; kept in {}\n", file.display()))
@@ -82,32 +65,6 @@ fn enrol_with_file(fleet: &Path, device: &NewDevice) -> Result<Enrolment, Error>
     let mut link = HttpsCaller::new(&fleet.address, &fleet.ca, ENROL_TIMEOUT);
     enrol_by_fleet(&mut link, &fleet, device)
         .map_err(|error| Error::Failure(format!("{}: {error}", fleet.address)))
-}
-
-fn enrol_by_hand(address: &str, device: &NewDevice) -> Result<Enrolment, Error> {
-    let expected = || Error::Input(format!("{address}: expected https:// and an address"));
-    let address = check_address(address).ok_or_else(expected)?;
-    let at = |error: EnrolError| Error::Failure(format!("{address}: {error}"));
-    let ca = fetch_shown_authority(&address).map_err(|fault| at(EnrolError::Link(fault)))?;
-    let mut link = HttpsCaller::new(&address, &ca, ENROL_TIMEOUT);
-    let begun = HandEnrolment::begin(&mut link, (&address, &ca), device).map_err(at)?;
-    let shown = begun.pictograms().map(|pictogram| pictogram.name(Language::English));
-    // Told at once; standard output may be closed.
-    let _ = writeln!(
-        io::stdout(),
-        "pictograms: {}\nAccept on the booth's page, or by `paros-booth accept`, if it shows the same ones.",
-        shown.join(", ")
-    );
-    let mut heard = Instant::now();
-    loop {
-        match begun.poll(&mut link) {
-            Ok(ByHandState::Accepted(enrolment)) => return Ok(*enrolment),
-            Ok(ByHandState::Waiting) => heard = Instant::now(),
-            Err(EnrolError::Link(_)) if heard.elapsed() < PATIENCE => {}
-            Err(error) => return Err(at(error)),
-        }
-        thread::sleep(POLL);
-    }
 }
 
 fn to_error(error: &EnrolError) -> Error {

@@ -113,11 +113,9 @@ byte_names! {
     DeviceToken, 32;
     /// A secret of a fleet's file, which lets so many devices in.
     EnrolmentToken, 32;
-    /// Random bits of an enrolment by hand, of either side.
-    EnrolNonce, 32;
 }
 
-shown_as_hex! { SculptureId SiteId ContentHash ReceiptKey DeviceHint EnrolNonce }
+shown_as_hex! { SculptureId SiteId ContentHash ReceiptKey DeviceHint }
 in_messages! {
     SculptureId, "a sculpture's id, not all zeros";
     SiteId, "a site's id, not all zeros";
@@ -125,7 +123,6 @@ in_messages! {
     ReceiptKey, "an Ed25519 key, not all zeros";
     DeviceHint, "a device's hint, not all zeros";
     EnrolmentToken, "an enrolment token, not all zeros";
-    EnrolNonce, "a nonce, not all zeros";
 }
 
 never_shown! { DeviceToken EnrolmentToken }

@@ -8,7 +8,6 @@
 //! | [`SignedReceipt`] | to the headset | that a parcel is the booth's now, or was deleted there |
 //! | [`Heartbeat`], [`HeartbeatAnswer`] | both ways, every two seconds | state, announcements, leases, a command |
 //! | [`FleetEnrolment`], [`EnrolAnswer`] | both ways, once | a token of the fleet, by which a device is let in |
-//! | [`EnrolCommit`] to [`EnrolPollAnswer`] | both ways, once | the same by hand, where both show four pictograms |
 //!
 //! Bytes that a message leaves unused are zero, lists are as long as they may be, and a message ends where its
 //! length says: so any two messages that are equal are equal as bytes.
@@ -23,11 +22,7 @@ mod ids;
 mod receipt;
 
 pub use commands::{BoothCommand, CommandKind, CommandOutcome, CommandReport};
-pub use enrolment::{
-    DeviceName, EnrolAnswer, EnrolCommit, EnrolCommitAnswer, EnrolPoll, EnrolPollAnswer,
-    EnrolReveal, EnrolRevealAnswer, EnrolState, FleetEnrolment, enrolment_pictograms,
-    enrolment_transcript, nonce_commitment,
-};
+pub use enrolment::{DeviceName, EnrolAnswer, FleetEnrolment};
 pub use facts::{AgeGroup, FinishCause, ParcelKind, UploadFacts};
 pub(super) use fields::{
     read_badge, read_flags, read_headset, read_zeros, write_badge, write_zeros,
@@ -35,7 +30,6 @@ pub(super) use fields::{
 pub use heartbeat::{Announcement, AnnouncementState, Announcements, Heartbeat, HeatLevel};
 pub use heartbeat_answer::HeartbeatAnswer;
 pub use ids::{
-    ContentHash, DeviceHint, DeviceToken, EnrolNonce, EnrolmentToken, ReceiptKey, SculptureId,
-    SiteId,
+    ContentHash, DeviceHint, DeviceToken, EnrolmentToken, ReceiptKey, SculptureId, SiteId,
 };
 pub use receipt::{Receipt, ReceiptOutcome, SignedReceipt};

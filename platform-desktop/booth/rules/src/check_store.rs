@@ -1,8 +1,8 @@
 //! What every store has to do: the suite that each one's tests call.
 
 use crate::records::{
-    Account, AttemptState, BadgeClaim, EnrolAttempt, EnrolToken, LedgerSave, MeshComparison,
-    Sculpture, TABLES,
+    Account, BadgeClaim, EnrolToken, LedgerSave, MailOrder, MailState, MeshComparison, Sculpture,
+    TABLES,
 };
 use crate::store::{Access, Query, RowOrder, Store, StoreError, Transaction, update, view};
 use crate::table::{Record, Row, Table};
@@ -87,28 +87,28 @@ fn keeps_every_table(store: &dyn Store) {
 }
 
 fn keeps_extremes(store: &dyn Store) {
-    let attempts: Vec<EnrolAttempt> = [0, 1, u64::MAX, u64::MAX / 2, u64::MAX / 2 + 1]
-        .map(|attempt| EnrolAttempt {
-            attempt,
-            commitment: [0; 32],
-            hint: [255; 16],
-            name: String::new(),
-            booth_nonce: [attempt as u8; 32],
-            began_at: BoothTime(i64::MAX as u64),
-            state: AttemptState::Committed,
-            token_hash: None,
-            pictograms: Some([0, 63, 255, 1]),
-            headset: Some(0),
+    let mails: Vec<MailOrder> = [0, 1, u64::MAX, u64::MAX / 2, u64::MAX / 2 + 1]
+        .map(|order| MailOrder {
+            order,
+            sculpture: [255; 16],
+            address: None,
+            language: 255,
+            asked_at: BoothTime(i64::MAX as u64),
+            state: MailState::Queued,
+            tries: u32::MAX,
+            next_try_at: BoothTime(0),
+            why: String::new(),
+            keeps_address: false,
         })
         .into();
     let long = LedgerSave { row: 0, bytes: (0..200_000u32).map(|k| k as u8).collect() };
     must(update(store, |tx| {
         tx.put(&long)?;
-        attempts.iter().try_for_each(|attempt| tx.put(attempt))
+        mails.iter().try_for_each(|mail| tx.put(mail))
     }));
-    for attempt in attempts {
-        let found = must(view(store, |tx| tx.get(&[attempt.attempt.to_value()])));
-        assert_eq!(found, Some(attempt));
+    for mail in mails {
+        let found = must(view(store, |tx| tx.get(&[mail.order.to_value()])));
+        assert_eq!(found, Some(mail));
     }
     assert_eq!(must(view(store, |tx| tx.get(&[long.row.to_value()]))), Some(long));
 }

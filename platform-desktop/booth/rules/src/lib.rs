@@ -50,7 +50,6 @@ mod work;
 pub use booth::{Booth, BoothPlan, SiteKeys, hash_of};
 pub use check_store::check_store;
 pub use deletions::Deletion;
-pub use enrol::{AttemptView, EnrolBits};
 pub use find::{BadgeMatches, FoundByBadge, MissingSculpture};
 pub use heartbeat::device_status;
 pub use lifecycle::SweepReport;

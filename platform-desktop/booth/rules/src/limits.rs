@@ -13,15 +13,6 @@ pub const MAX_OPEN_PARCELS: usize = 4;
 /// How long a part of a parcel is kept that nothing more comes for: a headset is off for a long weekend.
 pub const OPEN_PARCEL_LIFE: Duration = Duration::from_secs(4 * 86_400);
 
-/// How long an enrolment by hand may take: two people compare four pictures.
-pub const ATTEMPT_LIFE: Duration = Duration::from_secs(180);
-
-/// Enrolments by hand that are open at once: a row of headsets that several people go along.
-pub const MAX_OPEN_ATTEMPTS: usize = 16;
-
-/// Enrolments by hand within [`ATTEMPT_LIFE`], decided ones too: more than people can decide.
-pub const MAX_RECENT_ATTEMPTS: usize = 128;
-
 /// From when on a headset that says nothing may have been wiped, and its number goes to one that enrols with its hint.
 /// It says something every two seconds, and takes half a minute for a restart.
 pub const SILENCE_OF_WIPED: Duration = Duration::from_secs(15);

@@ -3,48 +3,9 @@
 mod common;
 
 use common::*;
-use paros_booth_rules::limits::{ATTEMPT_LIFE, SILENCE_OF_WIPED};
-use paros_booth_rules::{Booth, EnrolBits, hash_of};
+use paros_booth_rules::hash_of;
+use paros_booth_rules::limits::SILENCE_OF_WIPED;
 use paros_core::outbox::messages::*;
-
-fn bits(attempt: u64) -> EnrolBits {
-    EnrolBits { attempt, booth_nonce: EnrolNonce([attempt as u8; 32]) }
-}
-
-/// A device that enrols by hand: its nonce and token are of its byte.
-struct ByHand {
-    nonce: EnrolNonce,
-    token_hash: ContentHash,
-    commit: EnrolCommit,
-}
-
-impl ByHand {
-    fn new(byte: u8) -> Self {
-        let (nonce, token_hash) = (EnrolNonce([byte; 32]), hash_of(&[byte; 32]));
-        let commitment = hash_of(&nonce_commitment(&nonce, &token_hash));
-        let name = DeviceName::new("Quest").expect("a name");
-        let commit = EnrolCommit { commitment, hint: DeviceHint([byte; 16]), name };
-        ByHand { nonce, token_hash, commit }
-    }
-
-    fn reveal(&self, attempt: u64) -> EnrolReveal {
-        EnrolReveal { attempt, nonce: self.nonce, token_hash: self.token_hash }
-    }
-
-    fn poll(&self, booth: &Booth, attempt: u64, now: u64) -> (EnrolState, u32) {
-        let asked = EnrolPoll { attempt, token_hash: self.token_hash };
-        let answer = booth.poll_enrolment(&asked, seconds(now)).expect("a store");
-        (answer.state, answer.headset)
-    }
-
-    /// Up to where staff have to look.
-    fn wait(&self, booth: &Booth, attempt: u64) -> EnrolCommitAnswer {
-        let answer = booth.commit_enrolment(&self.commit, bits(attempt), START).expect("room");
-        let revealed = booth.reveal_enrolment(&self.reveal(attempt), START).expect("a store");
-        assert_eq!(revealed.state, EnrolState::Waiting);
-        answer
-    }
-}
 
 #[test]
 fn a_fleets_token_lets_so_many_in_until_it_expires_or_is_revoked() {
@@ -103,81 +64,4 @@ fn a_wiped_headset_keeps_its_number_and_one_that_talks_keeps_its_token() {
     let device = rig.booth.authenticate(&DeviceToken([4; 32])).expect("the new token");
     // It may have lost its token alone: that it was wiped its heartbeats say.
     assert_eq!(device.wiped_at, None);
-}
-
-#[test]
-fn staff_let_in_by_hand_who_shows_the_same_pictograms() {
-    let Rig { booth, .. } = Rig::new();
-    let device = ByHand::new(9);
-    let answer = device.wait(&booth, 33);
-    assert_eq!(answer.receipt_key, booth.keys().receipt_key());
-    assert_eq!(device.poll(&booth, 33, 1), (EnrolState::Waiting, 0));
-    let seen = booth.list_attempts(seconds(1)).unwrap();
-    let transcript = enrolment_transcript(&device.commit, &answer, &device.reveal(33));
-    let shown = enrolment_pictograms(&hash_of(&transcript)).map(|shown| shown.number() as u8);
-    assert_eq!((seen[0].attempt, seen[0].pictograms), (33, shown));
-    let headset = booth.accept_attempt(33, None, "ana", seconds(2)).expect("it waits");
-    assert_eq!(device.poll(&booth, 33, 3), (EnrolState::Accepted, headset));
-    booth.authenticate(&DeviceToken([9; 32])).expect("it is in");
-    // Once.
-    assert_eq!(status(booth.accept_attempt(33, None, "ana", seconds(3))), 404);
-}
-
-#[test]
-fn who_reveals_something_else_or_is_declined_stays_out() {
-    let Rig { booth, .. } = Rig::new();
-    let device = ByHand::new(9);
-    booth.commit_enrolment(&device.commit, bits(1), START).unwrap();
-    let other = EnrolReveal { token_hash: ContentHash([1; 32]), ..device.reveal(1) };
-    let state = booth.reveal_enrolment(&other, START).unwrap().state;
-    assert_eq!(state, EnrolState::Declined);
-    // A second guess isn't looked at.
-    let state = booth.reveal_enrolment(&device.reveal(1), START).unwrap().state;
-    assert_eq!(state, EnrolState::Declined);
-    assert_eq!(status(booth.accept_attempt(1, None, "ana", START)), 404);
-
-    let device = ByHand::new(10);
-    device.wait(&booth, 2);
-    booth.decline_attempt(2, "ana", START).unwrap();
-    assert_eq!(device.poll(&booth, 2, 1), (EnrolState::Declined, 0));
-    assert_eq!(status(booth.authenticate(&DeviceToken([10; 32]))), 401);
-    assert_eq!(status(booth.authenticate(&DeviceToken([9; 32]))), 401);
-}
-
-#[test]
-fn one_attempt_of_a_device_is_open_and_none_for_long() {
-    let Rig { booth, .. } = Rig::new();
-    let device = ByHand::new(9);
-    device.wait(&booth, 1);
-    assert_eq!(status(booth.commit_enrolment(&device.commit, bits(2), seconds(1))), 429);
-    let late = ATTEMPT_LIFE.as_secs();
-    assert_eq!(device.poll(&booth, 1, late), (EnrolState::Expired, 0));
-    assert_eq!(status(booth.accept_attempt(1, None, "ana", seconds(late))), 404);
-    assert_eq!(booth.list_attempts(seconds(late)).unwrap(), []);
-    booth.commit_enrolment(&device.commit, bits(2), seconds(late)).expect("the last one is over");
-    // Another device's token learns nothing.
-    assert_eq!(ByHand::new(8).poll(&booth, 2, late), (EnrolState::Expired, 0));
-    for k in 103..118 {
-        booth.commit_enrolment(&ByHand::new(k).commit, bits(k.into()), seconds(late)).unwrap();
-    }
-    let full = booth.commit_enrolment(&ByHand::new(200).commit, bits(200), seconds(late));
-    assert_eq!(status(full), 429);
-}
-
-#[test]
-fn staff_say_which_wiped_headset_it_is() {
-    let rig = Rig::new();
-    let device = rig.enrol(9);
-    let again = ByHand::new(9);
-    // The hint is the same; the token is drawn anew.
-    let again = ByHand { token_hash: hash_of(b"new"), ..again };
-    let commitment = hash_of(&nonce_commitment(&again.nonce, &again.token_hash));
-    let again = ByHand { commit: EnrolCommit { commitment, ..again.commit }, ..again };
-    again.wait(&rig.booth, 1);
-    let seen = rig.booth.list_attempts(START).unwrap();
-    assert_eq!(seen[0].maybe_headset, Some(device.headset));
-    let headset = rig.booth.accept_attempt(1, seen[0].maybe_headset, "ana", START).unwrap();
-    assert_eq!(headset, device.headset);
-    assert_eq!(status(rig.booth.authenticate(&DeviceToken([9; 32]))), 401);
-    assert_eq!(rig.booth.list_devices().unwrap().len(), 1);
 }

@@ -27,8 +27,6 @@ pub(crate) enum Done {
     LinkRevoked,
     LinkRenewed,
     CommandAsked,
-    HeadsetAccepted,
-    HeadsetDeclined,
     AccountAdded,
     AccountDisabled,
     AccountEnabled,
@@ -38,7 +36,7 @@ pub(crate) enum Done {
 }
 
 /// As the cookie has it, and as people are told in English and in Greek, by [`Done`].
-const TEXTS: [(Done, &str, [&str; 2]); 23] = [
+const TEXTS: [(Done, &str, [&str; 2]); 21] = [
     (
         Done::MailAsked,
         "mail",
@@ -105,8 +103,6 @@ const TEXTS: [(Done, &str, [&str; 2]); 23] = [
             "Η συσκευή ειδοποιείται. Παρακάτω φαίνεται τι έγινε.",
         ],
     ),
-    (Done::HeadsetAccepted, "accept", ["The headset is let in.", "Η συσκευή έγινε δεκτή."]),
-    (Done::HeadsetDeclined, "decline", ["The headset is sent away.", "Η συσκευή απορρίφθηκε."]),
     (Done::AccountAdded, "account", ["The account is made.", "Ο λογαριασμός δημιουργήθηκε."]),
     (Done::AccountDisabled, "disable", ["The account is shut out.", "Ο λογαριασμός αποκλείστηκε."]),
     (Done::AccountEnabled, "enable", ["The account is let in again.", "Ο λογαριασμός επανήλθε."]),

@@ -53,7 +53,6 @@ fn page_of(path: &str) -> &str {
     let (page, parts) = match path.split('/').nth(2) {
         Some("sculptures" | "badges") => (end_of(3), 4),
         Some("prints" | "headsets" | "admin" | "account") => (end_of(2), 3),
-        Some("attempts") => (Some("/staff/headsets"), 3),
         Some("login") => (Some("/staff/login"), 2),
         Some("first") => (Some("/staff/first"), 2),
         _ => (None, 0),
@@ -99,7 +98,6 @@ mod tests {
             ("/staff/prints/5/slip", "/staff/prints"),
             ("/staff/prints/5/send/1", "/staff/prints"),
             ("/staff/headsets/1/2", "/staff/headsets"),
-            ("/staff/attempts/1/accept", "/staff/headsets"),
             ("/staff/admin/accounts/ana/disable", "/staff/admin"),
             ("/staff/admin", "/staff"),
             ("/staff/account/password", "/staff/account"),

@@ -1,4 +1,4 @@
-//! Headsets: how they are, what they are asked to do, and those that want to be let in.
+//! Headsets: how they are, and what they are asked to do.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -7,13 +7,11 @@ use axum::extract::{Path, State};
 use axum::response::Response;
 use maud::{Markup, html};
 use paros_booth_rules::records::{Command, Device};
-use paros_booth_rules::{AttemptView, BoothTime, LoggedIn, Reason, Refusal, device_status};
-use paros_core::badge::Pictogram;
+use paros_booth_rules::{BoothTime, LoggedIn, Reason, Refusal, device_status};
 use paros_core::outbox::messages::{CommandKind, Heartbeat};
 
 use super::done::Done;
 use super::page::{StaffAnswer, StaffForm, StaffView, action_button};
-use super::svg::draw_pictogram;
 use super::texts::Texts;
 use crate::app::BoothApp;
 use crate::clock::booth_time;
@@ -41,15 +39,10 @@ pub(crate) async fn show_headsets(State(app): State<Arc<BoothApp>>, view: StaffV
             let commands = app.booth.list_commands(device.headset, LISTED_COMMANDS, now)?;
             views.push(HeadsetView { device, status, commands });
         }
-        Ok((views, app.booth.list_attempts(now)?))
+        Ok(views)
     });
-    let (views, attempts) = found.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
-    let is_admin = login.check_admin().is_ok();
+    let views = found.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
     let body = html! {
-        @if is_admin && !attempts.is_empty() {
-            h2 { (texts.new_headsets) }
-            @for attempt in &attempts { (attempt_card(texts, login, attempt)) }
-        }
         @if views.is_empty() { p { (texts.nothing) } }
         @for view in &views { (headset_card(texts, login, view, now)) }
     };
@@ -69,51 +62,6 @@ pub(crate) async fn ask_command(
         app.run(move |app| app.booth.ask_command(headset, kind, &login.account, booth_time()));
     done.await.map_err(fail)?;
     Ok(Done::CommandAsked.lead_to("/staff/headsets"))
-}
-
-/// `POST /staff/attempts/{number}/{action}`: `accept`, `decline`, or the number of the headset that it is.
-pub(crate) async fn decide_attempt(
-    State(app): State<Arc<BoothApp>>,
-    Path((attempt, action)): Path<(u64, String)>,
-    StaffForm { login, texts, .. }: StaffForm,
-) -> Answer {
-    let fail = |refusal| StaffAnswer(texts, refusal);
-    login.check_admin().map_err(fail)?;
-    let is_declined = action == "decline";
-    let done = app.run(move |app| {
-        let (booth, by, now) = (&app.booth, login.account.as_str(), booth_time());
-        match (action.as_str(), action.parse()) {
-            ("accept", _) => booth.accept_attempt(attempt, None, by, now).map(drop),
-            ("decline", _) => booth.decline_attempt(attempt, by, now),
-            (_, Ok(headset)) => booth.accept_attempt(attempt, Some(headset), by, now).map(drop),
-            _ => Err(Refusal::NotFound(Reason::NoPage)),
-        }
-    });
-    done.await.map_err(fail)?;
-    let told = if is_declined { Done::HeadsetDeclined } else { Done::HeadsetAccepted };
-    Ok(told.lead_to("/staff/headsets"))
-}
-
-fn attempt_card(texts: &Texts, login: &LoggedIn, attempt: &AttemptView) -> Markup {
-    let at = format!("/staff/attempts/{}", attempt.attempt);
-    let shown: Vec<Pictogram> = attempt.pictograms.into_iter().filter_map(Pictogram::new).collect();
-    html! {
-        section class="card" {
-            h3 { (attempt.name) }
-            p { (texts.same_pictures) }
-            div class="keys" role="img"
-                aria-label={ @for pictogram in &shown { (pictogram.name(texts.language)) " " } } {
-                @for pictogram in &shown { (draw_pictogram(*pictogram)) }
-            }
-            div class="actions" {
-                @if let Some(headset) = attempt.maybe_headset {
-                    (action_button(login, &format!("{at}/{headset}"), &format!("{} {headset}", texts.accept_as), ""))
-                }
-                (action_button(login, &format!("{at}/accept"), texts.accept, ""))
-                (action_button(login, &format!("{at}/decline"), texts.decline, "danger"))
-            }
-        }
-    }
 }
 
 fn headset_card(texts: &Texts, login: &LoggedIn, view: &HeadsetView, now: BoothTime) -> Markup {

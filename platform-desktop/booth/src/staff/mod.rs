@@ -80,7 +80,6 @@ pub(crate) fn router(app: &Arc<BoothApp>) -> Router<Arc<BoothApp>> {
         .route("/staff/prints/{order}/send/{printer}", post(prints::send_print))
         .route("/staff/headsets", get(headsets::show_headsets))
         .route("/staff/headsets/{number}/{command}", post(headsets::ask_command))
-        .route("/staff/attempts/{number}/{action}", post(headsets::decide_attempt))
         .route("/staff/{*rest}", any(no_page))
         .route_layer(from_fn(keep_frame))
         .route_layer(from_fn_with_state(app.clone(), login::require_login));

@@ -187,21 +187,4 @@ fn staff_command_headsets_and_let_them_in() {
     assert!(
         page.text().contains("Ένα λεπτό ακόμη: έγινε") && page.text().contains("<html lang=\"el\"")
     );
-
-    let (nonce, token) = (EnrolNonce([2; 32]), DeviceToken([3; 32]));
-    let token_hash = paros_booth_rules::hash_of(&token.0);
-    let commit = EnrolCommit {
-        commitment: paros_booth_rules::hash_of(&nonce_commitment(&nonce, &token_hash)),
-        hint: DeviceHint([3; 16]),
-        name: DeviceName::new("<i>Quest</i>").expect("a name"),
-    };
-    let answer = client.post("/v1/enrol/commit", &commit.to_bytes());
-    let attempt = EnrolCommitAnswer::from_bytes(&answer.body).expect("a message").attempt;
-    client.post("/v1/enrol/reveal", &EnrolReveal { attempt, nonce, token_hash }.to_bytes());
-    assert!(browser.get("/staff/headsets").text().contains("&lt;i&gt;Quest"));
-    let accept = format!("/staff/attempts/{attempt}/accept");
-    assert_eq!(browser.click("/staff/headsets", &accept).status, 303);
-    let poll = client.post("/v1/enrol/poll", &EnrolPoll { attempt, token_hash }.to_bytes());
-    let poll = EnrolPollAnswer::from_bytes(&poll.body).expect("a message");
-    assert_eq!(poll, EnrolPollAnswer { state: EnrolState::Accepted, headset: 2 });
 }

@@ -84,7 +84,6 @@ fn errors_keep_the_menu_the_way_back_and_the_language() {
         ("/staff/headsets/1/0".into(), &with_token, 409, "/staff/headsets"),
         ("/staff/headsets/1/9".into(), &with_token, 404, "/staff/headsets"),
         ("/staff/headsets/x/9".into(), &with_token, 400, "/staff/headsets"),
-        ("/staff/attempts/5/accept".into(), &with_token, 404, "/staff/headsets"),
         ("/staff/prints/5/start".into(), &with_token, 404, "/staff/prints"),
         ("/staff/prints/5/send/0".into(), &with_token, 404, "/staff/prints"),
         ("/staff/admin/accounts/bob/disable".into(), &with_token, 404, "/staff/admin"),

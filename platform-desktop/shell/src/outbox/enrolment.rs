@@ -1,7 +1,6 @@
 //! What an enrolment gave, as a shell keeps it: a file of TOML that its owner alone may read.
 
 mod by_fleet;
-mod by_hand;
 mod fleet_file;
 
 use std::collections::BTreeMap;
@@ -23,7 +22,6 @@ use super::link::{HttpAnswer, LinkFault};
 use crate::durable::{self, WriteError};
 
 pub use by_fleet::enrol_by_fleet;
-pub use by_hand::{ByHandState, HandEnrolment};
 pub use fleet_file::{FLEET_FILE_NAME, FleetFile};
 
 /// The file's name, in the folder of saved sessions unless a setting says otherwise.
@@ -83,10 +81,6 @@ pub enum EnrolError {
     BadAnswer(BadBytes),
     /// The booth isn't the one that the fleet's file is of, or its authority isn't the one that it shows.
     AnotherSite,
-    /// The staff declined, or what was revealed isn't what was committed to.
-    Declined,
-    /// Nobody accepted it in time.
-    Expired,
     /// The system has no random bits.
     NoRandomBits,
     /// It can't be kept.
@@ -361,8 +355,6 @@ impl fmt::Display for EnrolError {
             EnrolError::AnotherSite => {
                 f.write_str("the booth is another site's: expected the keys that it told first")
             }
-            EnrolError::Declined => f.write_str("the staff declined"),
-            EnrolError::Expired => f.write_str("nobody accepted it in time"),
             EnrolError::NoRandomBits => f.write_str("the system has no random bits"),
             EnrolError::Write(error) => write!(f, "{error}"),
         }

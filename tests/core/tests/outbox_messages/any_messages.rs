@@ -4,11 +4,9 @@ use paros_core::badge::{BadgeLease, BadgeLedger, BadgeNumber, DAY_SECONDS, Lease
 use paros_core::codec::BadBytes;
 use paros_core::outbox::messages::{
     AgeGroup, Announcement, AnnouncementState, Announcements, BoothCommand, CommandKind,
-    CommandOutcome, CommandReport, ContentHash, DeviceHint, DeviceName, EnrolAnswer, EnrolCommit,
-    EnrolCommitAnswer, EnrolNonce, EnrolPoll, EnrolPollAnswer, EnrolReveal, EnrolRevealAnswer,
-    EnrolState, EnrolmentToken, FinishCause, FleetEnrolment, Heartbeat, HeartbeatAnswer, HeatLevel,
-    ParcelKind, Receipt, ReceiptKey, ReceiptOutcome, SculptureId, SignedReceipt, SiteId,
-    UploadFacts,
+    CommandOutcome, CommandReport, ContentHash, DeviceHint, DeviceName, EnrolAnswer,
+    EnrolmentToken, FinishCause, FleetEnrolment, Heartbeat, HeartbeatAnswer, HeatLevel, ParcelKind,
+    Receipt, ReceiptKey, ReceiptOutcome, SculptureId, SignedReceipt, SiteId, UploadFacts,
 };
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
@@ -164,11 +162,9 @@ pub(crate) fn list_messages(dice: &mut RandomSource) -> Vec<Written> {
     let name =
         DeviceName::new(pick(dice, &["", "Red 3", "Γραμμή 3", "a name of 32 bytes, no one more"]));
     let (name, hint) = (name.expect("a name"), DeviceHint(bytes(dice)));
-    let (hash, nonce) = (ContentHash(bytes(dice)), EnrolNonce(bytes(dice)));
+    let hash = ContentHash(bytes(dice));
     let (site, key) = (SiteId(bytes(dice)), ReceiptKey(bytes(dice)));
-    let (attempt, state) = (dice.next_bits(), pick(dice, &EnrolState::ALL));
     let fleet = EnrolmentToken(bytes(dice));
-    let number = if state == EnrolState::Accepted { HEADSET } else { 0 };
     vec![
         written!(any_facts(dice), UploadFacts),
         written!(any_receipt(dice).receipt, Receipt),
@@ -180,20 +176,5 @@ pub(crate) fn list_messages(dice: &mut RandomSource) -> Vec<Written> {
             FleetEnrolment
         ),
         written!(EnrolAnswer { headset: HEADSET, site, receipt_key: key }, EnrolAnswer),
-        written!(EnrolCommit { commitment: hash, hint, name }, EnrolCommit),
-        written!(
-            EnrolCommitAnswer {
-                attempt,
-                booth_nonce: nonce,
-                ca_hash: hash,
-                receipt_key: key,
-                site
-            },
-            EnrolCommitAnswer
-        ),
-        written!(EnrolReveal { attempt, nonce, token_hash: hash }, EnrolReveal),
-        written!(EnrolRevealAnswer { state }, EnrolRevealAnswer),
-        written!(EnrolPoll { attempt, token_hash: hash }, EnrolPoll),
-        written!(EnrolPollAnswer { state, headset: number }, EnrolPollAnswer),
     ]
 }

@@ -6,15 +6,13 @@ mod refusals;
 
 use paros_core::codec::BadBytes;
 use paros_core::outbox::messages::{
-    ContentHash, DeviceHint, DeviceName, DeviceToken, EnrolCommit, EnrolCommitAnswer, EnrolNonce,
-    EnrolPollAnswer, EnrolReveal, EnrolState, ReceiptKey, SculptureId, SiteId,
-    enrolment_pictograms, enrolment_transcript, nonce_commitment,
+    ContentHash, DeviceHint, DeviceName, DeviceToken, EnrolmentToken, FleetEnrolment, SculptureId,
 };
 use paros_models::cases::random_cases;
 use paros_models::random_visitor::RandomSource;
 use proptest::prelude::*;
 
-use self::any_messages::{HEADSET, Written, bytes, bytes_of, list_messages, pick};
+use self::any_messages::{Written, bytes_of, list_messages, pick};
 use self::refusals::check_refused;
 
 /// What is read is written as it was; what is refused is refused within the bytes.
@@ -68,53 +66,24 @@ proptest! {
 }
 
 #[test]
-fn enrolments_by_hand_show_24_bits_of_all_that_was_said() {
-    let dice = &mut RandomSource::new(5);
-    let (nonce, token_hash) = (EnrolNonce(bytes(dice)), ContentHash(bytes(dice)));
-    let name = DeviceName::new("Red 3").expect("a name");
-    let committed = nonce_commitment(&nonce, &token_hash);
-    assert_eq!(committed, [nonce.0, token_hash.0].concat()[..]);
-    let commit =
-        EnrolCommit { commitment: ContentHash(bytes(dice)), hint: DeviceHint([1; 16]), name };
-    let answer = EnrolCommitAnswer {
-        attempt: 6,
-        booth_nonce: EnrolNonce(bytes(dice)),
-        ca_hash: ContentHash(bytes(dice)),
-        receipt_key: ReceiptKey(bytes(dice)),
-        site: SiteId(bytes(dice)),
-    };
-    let reveal = EnrolReveal { attempt: 6, nonce, token_hash };
-    let said =
-        [&b"paros enrol v1\0"[..], &commit.to_bytes(), &answer.to_bytes(), &reveal.to_bytes()];
-    assert_eq!(enrolment_transcript(&commit, &answer, &reveal)[..], said.concat());
-    let mut hash = [0; 32];
-    hash[..4].copy_from_slice(&[0b0000_0100, 0b0010_0000, 0b1111_1111, 0b1111_1111]);
-    let shown = enrolment_pictograms(&ContentHash(hash)).map(|pictogram| pictogram.number());
-    assert_eq!(shown, [1, 2, 3, 63]);
-    let accepted = EnrolPollAnswer { state: EnrolState::Accepted, headset: HEADSET };
-    let faults: &[(usize, &[u8], &str)] = &[
-        (1, &[0], "where it is accepted"),
-        (2, &[0; 4], "where it is accepted"),
-        (1, &[4], "stands"),
-    ];
-    check_refused(&accepted.to_bytes(), EnrolPollAnswer::from_bytes, faults);
-}
-
-#[test]
 fn names_are_text_that_fits() {
     let cut = DeviceName::new("Ακρόπολη, τρίτη αίθουσα").expect("a name");
     assert_eq!(cut.as_str(), "Ακρόπολη, τρίτη α", "whole characters alone");
     assert_eq!(DeviceName::new("a\nb"), None);
     assert_eq!(DeviceName::new("a\0b"), None);
-    let commit =
-        EnrolCommit { commitment: ContentHash([1; 32]), hint: DeviceHint([1; 16]), name: cut };
+    let enrolment = FleetEnrolment {
+        enrolment_token: EnrolmentToken([1; 32]),
+        token_hash: ContentHash([1; 32]),
+        hint: DeviceHint([1; 16]),
+        name: cut,
+    };
     let faults: &[(usize, &[u8], &str)] = &[
-        (49, &[0xff], "a name"),
-        (49, b"\n", "a name"),
-        (50, b"\0a\0b", "a name"),
-        (80, &[0xc3], "a name"),
+        (81, &[0xff], "a name"),
+        (81, b"\n", "a name"),
+        (82, b"\0a\0b", "a name"),
+        (112, &[0xc3], "a name"),
     ];
-    check_refused(&commit.to_bytes(), EnrolCommit::from_bytes, faults);
+    check_refused(&enrolment.to_bytes(), FleetEnrolment::from_bytes, faults);
 }
 
 #[test]

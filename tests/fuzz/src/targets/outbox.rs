@@ -4,8 +4,7 @@
 use paros_core::codec::BadBytes;
 use paros_core::internals::checksum;
 use paros_core::outbox::messages::{
-    AgeGroup, ContentHash, EnrolAnswer, EnrolCommit, EnrolCommitAnswer, EnrolPoll, EnrolPollAnswer,
-    EnrolReveal, EnrolRevealAnswer, FinishCause, FleetEnrolment, Heartbeat, HeartbeatAnswer,
+    AgeGroup, ContentHash, EnrolAnswer, FinishCause, FleetEnrolment, Heartbeat, HeartbeatAnswer,
     HeatLevel, ParcelKind, SculptureId, SignedReceipt, SiteId, UploadFacts,
 };
 use paros_core::outbox::{HeadsetStatus, Outbox, OutboxOwner, OutboxSettings};
@@ -91,9 +90,8 @@ macro_rules! messages {
     };
 }
 
-const MESSAGES: [ReadAgain; 12] = messages! {
-    UploadFacts SignedReceipt Heartbeat HeartbeatAnswer FleetEnrolment EnrolAnswer EnrolCommit
-    EnrolCommitAnswer EnrolReveal EnrolRevealAnswer EnrolPoll EnrolPollAnswer
+const MESSAGES: [ReadAgain; 6] = messages! {
+    UploadFacts SignedReceipt Heartbeat HeartbeatAnswer FleetEnrolment EnrolAnswer
 };
 
 fn outbox() -> Box<Outbox> {
@@ -110,14 +108,8 @@ fn outbox() -> Box<Outbox> {
 
 fn message_seeds() -> Vec<Vec<u8>> {
     let heartbeat = outbox().begin_heartbeat(&STATUS, None, 0);
-    let lengths = [
-        SignedReceipt::BYTES,
-        HeartbeatAnswer::BYTES,
-        FleetEnrolment::BYTES,
-        EnrolCommitAnswer::BYTES,
-        EnrolReveal::BYTES,
-    ];
-    let ones = lengths.iter().zip([1, 3, 4, 7, 8]).map(|(&len, kind)| {
+    let lengths = [SignedReceipt::BYTES, HeartbeatAnswer::BYTES, FleetEnrolment::BYTES];
+    let ones = lengths.iter().zip([1, 3, 4]).map(|(&len, kind)| {
         let mut seed = vec![1; 1 + len];
         seed[0] = kind;
         seed

@@ -45,46 +45,6 @@ record! {
 }
 
 stored_enum! {
-    /// How far an enrolment by hand has come.
-    pub enum AttemptState {
-        /// The headset committed itself to a nonce.
-        Committed = 0,
-        /// It has shown the nonce: staff compare pictograms.
-        Waiting = 1,
-        /// It is enrolled.
-        Accepted = 2,
-        /// Staff said no.
-        Declined = 3,
-    }
-}
-
-record! {
-    /// An enrolment by hand.
-    pub struct EnrolAttempt in "enrol_attempts", key 1, indexed ["hint"] {
-        /// Its number: random bits.
-        pub attempt: u64,
-        /// SHA-256 of the headset's nonce and token's hash.
-        pub commitment: [u8; 32],
-        /// As of a [`Device`].
-        pub hint: [u8; 16],
-        /// As of a [`Device`].
-        pub name: String,
-        /// The booth's own random bits.
-        pub booth_nonce: [u8; 32],
-        /// When it began.
-        pub began_at: BoothTime,
-        /// How far it has come.
-        pub state: AttemptState,
-        /// SHA-256 of the device's token, once it was revealed.
-        pub token_hash: Option<[u8; 32]>,
-        /// The numbers of the four pictograms, once it was revealed.
-        pub pictograms: Option<[u8; 4]>,
-        /// The headset's number, once it is enrolled.
-        pub headset: Option<u32>,
-    }
-}
-
-stored_enum! {
     /// What became of a command.
     pub enum CommandState {
         /// It is to go with the headset's next heartbeat.

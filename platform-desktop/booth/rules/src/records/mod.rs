@@ -7,9 +7,7 @@ mod prints;
 mod sculptures;
 mod work;
 
-pub use devices::{
-    Announcement, AttemptState, Command, CommandState, Device, EnrolAttempt, EnrolToken, LedgerSave,
-};
+pub use devices::{Announcement, Command, CommandState, Device, EnrolToken, LedgerSave};
 pub use grants::BlockGrant;
 pub use people::{Account, AuditEntry, MailOrder, MailState, StaffRole, StaffSession};
 pub use prints::{EstimateState, PrintOrder, PrintState};
@@ -19,10 +17,9 @@ pub use work::{WorkKind, WorkLease};
 use crate::table::{Record, Table};
 
 /// All tables that a store has.
-pub const TABLES: [&Table; 15] = [
+pub const TABLES: [&Table; 14] = [
     Device::TABLE,
     EnrolToken::TABLE,
-    EnrolAttempt::TABLE,
     Command::TABLE,
     Announcement::TABLE,
     LedgerSave::TABLE,

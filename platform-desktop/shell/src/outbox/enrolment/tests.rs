@@ -6,10 +6,7 @@ use std::os::unix::fs::PermissionsExt as _;
 use std::path::PathBuf;
 
 use base64ct::{Base64, Encoding as _};
-use paros_core::outbox::messages::{
-    EnrolAnswer, EnrolCommitAnswer, EnrolNonce, EnrolPollAnswer, EnrolRevealAnswer, EnrolState,
-    EnrolmentToken,
-};
+use paros_core::outbox::messages::{EnrolAnswer, EnrolmentToken};
 
 use super::*;
 use crate::outbox::LinkError;
@@ -88,41 +85,6 @@ fn a_fleet_enrols_at_its_own_site_alone() {
     assert_eq!(enrolled.expect("its site").owner, OutboxOwner { site: SITE, headset: 4 });
     let other = enrol_by_fleet(&mut booth([answer(SiteId([9; 16]))]), &fleet, &device());
     assert!(matches!(other, Err(EnrolError::AnotherSite)), "{other:?}");
-}
-
-#[test]
-fn by_hand_nothing_is_given_before_the_staff_accepts() {
-    let ca = b"an authority";
-    let commit = |ca_hash| {
-        let booth_nonce = EnrolNonce([5; 32]);
-        let answer =
-            EnrolCommitAnswer { attempt: 6, booth_nonce, ca_hash, receipt_key: KEY, site: SITE };
-        answer.to_bytes().to_vec()
-    };
-    let revealed = EnrolRevealAnswer { state: EnrolState::Waiting }.to_bytes().to_vec();
-    let polled = |state, headset| EnrolPollAnswer { state, headset }.to_bytes().to_vec();
-    let own = ContentHash(Sha256::digest(ca).into());
-    let mut waiting = booth([
-        commit(own),
-        revealed,
-        polled(EnrolState::Waiting, 0),
-        polled(EnrolState::Accepted, 2),
-        polled(EnrolState::Declined, 0),
-    ]);
-    let place = ("https://b:1", &ca[..]);
-    let begun = HandEnrolment::begin(&mut waiting, place, &device()).expect("it waits");
-    assert_eq!(begun.poll(&mut waiting).expect("an answer"), ByHandState::Waiting);
-    let ByHandState::Accepted(enrolment) = begun.poll(&mut waiting).expect("an answer") else {
-        panic!("it was accepted")
-    };
-    assert_eq!((enrolment.owner.headset, &enrolment.ca[..]), (2, &ca[..]));
-    assert!(matches!(begun.poll(&mut waiting), Err(EnrolError::Declined)));
-    assert_eq!(waiting.asked[..2], ["/v1/enrol/commit", "/v1/enrol/reveal"]);
-    // Who stands between shows an authority of its own: nothing is revealed.
-    let mut between = booth([commit(ContentHash([1; 32]))]);
-    let refused = HandEnrolment::begin(&mut between, place, &device());
-    assert!(matches!(refused, Err(EnrolError::AnotherSite)), "{refused:?}");
-    assert_eq!(between.asked.len(), 1);
 }
 
 #[test]

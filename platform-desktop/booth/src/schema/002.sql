@@ -1,1 +1,0 @@
-ALTER TABLE mail_orders ADD COLUMN why TEXT NOT NULL DEFAULT '';
