@@ -9,10 +9,6 @@ pub const MAX_COMMAND_MS: u16 = 10_000;
 /// Bytes of a parcel's volume at most, unpacked: an `.rmap` at 256 with [`MAX_INTERVALS`](super::MAX_INTERVALS) takes 1.5 MiB.
 pub const MAX_PARCEL_VOLUME_BYTES: u32 = 2 << 20;
 
-/// Bytes of a parcel's mesh at most, unpacked: an STL at 256 has some 16 MB, and four times as much where every
-/// voxel is rough.
-pub const MAX_PARCEL_MESH_BYTES: u32 = 64 << 20;
-
 /// Bytes of a parcel's trace at most, unpacked: two hours, which is where a recording ends, at 116 bytes a tick take
 /// 57 MiB.
 pub const MAX_PARCEL_TRACE_BYTES: u32 = 64 << 20;
@@ -21,7 +17,7 @@ pub const MAX_PARCEL_TRACE_BYTES: u32 = 64 << 20;
 /// shorter, in blocks with a head.
 pub const MAX_PACKED_SURPLUS: u32 = 64;
 
-/// Bytes of a whole parcel at most: a mesh packs to a third, a trace to a hundredth.
+/// Bytes of a whole parcel at most: a trace packs to a hundredth, and at worst to a half.
 pub const MAX_PARCEL_BYTES: u64 = 32 << 20;
 
 /// Sculptures that an outbox knows: five days of 50 visits without the booth, and some.

@@ -9,7 +9,7 @@ use paros_core::badge::{BadgeLease, BadgeNumber};
 use paros_core::codec::trace::CORE_VERSION;
 use paros_core::outbox::messages::{
     AgeGroup, Announcements, ContentHash, DeviceHint, DeviceName, DeviceToken, EnrolmentToken,
-    FinishCause, FleetEnrolment, Heartbeat, HeatLevel, ParcelKind, SculptureId, UploadFacts,
+    FinishCause, FleetEnrolment, Heartbeat, HeatLevel, SculptureId, UploadFacts,
 };
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
@@ -17,7 +17,6 @@ use paros_shell::outbox::Parcel;
 
 use crate::demo_shapes::{SHAPES, SIDE, make_volume};
 use crate::error::Error;
-use crate::exporter::export_volume;
 use crate::options::ServeOptions;
 use crate::parcel_decode::check_parcel;
 use crate::random::random_bytes;
@@ -112,7 +111,7 @@ fn fill(booth: &Booth, now: BoothTime) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// What a headset would send of a volume: its mesh's hash is what it would have exported.
+/// What a headset would send of a volume.
 fn make_parcel(
     k: usize,
     volume: &[u8],
@@ -123,7 +122,6 @@ fn make_parcel(
     let mut id = [0; 16];
     id.copy_from_slice(&hash[..16]);
     let facts = UploadFacts {
-        kind: ParcelKind::Volume,
         id: SculptureId(id),
         headset,
         badge: Some(badge),
@@ -136,15 +134,11 @@ fn make_parcel(
         sculpting_seconds: 300 + 20 * k as u32,
         finished_at: finished_at.seconds(),
         height_mm_tenths: 900,
-        stl_hash: ContentHash([0; 32]),
-        stl_bytes: 84 + 50,
         volume_bytes: 1,
         volume_raw_bytes: 1,
         trace_bytes: 0,
         trace_raw_bytes: 0,
     };
-    let stl = export_volume(&facts, volume)?;
-    let facts = UploadFacts { stl_hash: hash_of(&stl), stl_bytes: stl.len() as u64, ..facts };
     Parcel::pack(&facts, volume, None).map_err(|fault| fault.to_string())
 }
 
@@ -178,6 +172,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
+    use crate::exporter::export_volume;
 
     #[test]
     fn all_shapes_are_sculptures_of_their_own_whose_mesh_is_closed() {

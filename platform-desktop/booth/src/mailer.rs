@@ -14,7 +14,7 @@ use lettre::transport::smtp::authentication::Credentials;
 use lettre::transport::smtp::client::{Certificate, CertificateStore, Tls, TlsParameters};
 use lettre::transport::smtp::extension::ClientId;
 use lettre::{Address, Message, SmtpTransport, Transport as _};
-use paros_booth_rules::records::MeshComparison;
+use paros_booth_rules::records::ExportState;
 use paros_booth_rules::{Booth, MailJob, MailOutcome, Refusal};
 use paros_core::badge::{BadgeNumber, Language, write_words};
 use paros_core::outbox::messages::SculptureId;
@@ -142,7 +142,7 @@ impl Mailer {
     }
 
     fn send(&self, booth: &Booth, job: &MailJob) -> Result<MailOutcome, Refusal> {
-        if job.sculpture.export == MeshComparison::Queued {
+        if job.sculpture.export == ExportState::Queued {
             return Ok(MailOutcome::Later("its picture isn't drawn yet".into()));
         }
         let picture = booth.read_picture(&job.sculpture)?;
@@ -320,7 +320,7 @@ fn write_text(job: &MailJob, content: &MailContent) -> (&'static str, String) {
 #[cfg(test)]
 mod tests {
     use paros_booth_rules::MailJob;
-    use paros_booth_rules::records::{BadgeClaim, MeshComparison, Sculpture};
+    use paros_booth_rules::records::{BadgeClaim, ExportState, Sculpture};
     use paros_core::badge::Language;
 
     use super::{MAX_MODEL_BYTES, MailContent, choose_content, write_text};
@@ -340,7 +340,7 @@ mod tests {
             is_in_ledger: false,
             withdrawn_at: None,
             has_trace: false,
-            export: MeshComparison::Equal,
+            export: ExportState::Made,
             link_generation: 0,
             is_link_revoked: false,
         };

@@ -1,10 +1,7 @@
-//! What is told of a mesh while its bytes pass by: whether it is a binary STL, its hash, and whether it is closed,
+//! What is told of a mesh while its bytes pass by: whether it is a binary STL, and whether it is closed,
 //! which is that every edge of a triangle is walked the other way by another. It takes no memory worth the name.
 
 use std::hash::{BuildHasher as _, RandomState};
-
-use paros_core::outbox::messages::ContentHash;
-use sha2::{Digest as _, Sha256};
 
 /// Bytes of a binary STL before its triangles, and of each.
 const HEAD_BYTES: usize = 84;
@@ -12,7 +9,6 @@ const TRIANGLE_BYTES: usize = 50;
 
 /// Looks at an STL piece by piece.
 pub(crate) struct MeshCheck {
-    hash: Sha256,
     /// What isn't a whole head or triangle yet.
     rest: Vec<u8>,
     /// Triangles that the head tells; `None` before it is whole.
@@ -25,7 +21,6 @@ pub(crate) struct MeshCheck {
 /// What a mesh is.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct MeshReport {
-    pub(crate) hash: ContentHash,
     pub(crate) triangles: u32,
     pub(crate) is_closed: bool,
 }
@@ -40,7 +35,6 @@ struct EdgeSum {
 impl MeshCheck {
     pub(crate) fn new() -> Self {
         MeshCheck {
-            hash: Sha256::new(),
             rest: Vec::new(),
             told: None,
             seen: 0,
@@ -51,7 +45,6 @@ impl MeshCheck {
 
     /// Looks at the next bytes.
     pub(crate) fn look_at(&mut self, bytes: &[u8]) {
-        self.hash.update(bytes);
         self.rest.extend_from_slice(bytes);
         let mut rest = std::mem::take(&mut self.rest);
         let mut done = 0;
@@ -80,8 +73,7 @@ impl MeshCheck {
         if self.has_other_numbers {
             return Err("STL: a corner that is no number".into());
         }
-        let hash = ContentHash(self.hash.finalize().into());
-        Ok(MeshReport { hash, triangles: told, is_closed: self.edges.sum == 0 })
+        Ok(MeshReport { triangles: told, is_closed: self.edges.sum == 0 })
     }
 
     fn look_at_triangle(&mut self, triangle: &[u8]) {
@@ -113,8 +105,6 @@ const fn mix(from: u64, to: u64) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use paros_booth_rules::hash_of;
-
     use super::{MeshCheck, MeshReport};
 
     /// A mesh of these triangles between four corners.
@@ -152,7 +142,7 @@ mod tests {
     #[test]
     fn it_is_the_same_in_pieces_of_any_size() {
         let stl = mesh(&SIDES);
-        let expected = MeshReport { hash: hash_of(&stl), triangles: 4, is_closed: true };
+        let expected = MeshReport { triangles: 4, is_closed: true };
         for piece in 1..=stl.len() {
             assert_eq!(check(&stl, piece), Ok(expected));
         }

@@ -11,7 +11,7 @@ use crate::threemf::write_3mf;
 /// A format of models.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum ModelFormat {
-    /// Binary STL, byte by byte as the headset made it.
+    /// Binary STL, as the headset makes it.
     Stl,
     /// 3MF.
     Mf,

@@ -5,30 +5,18 @@ use std::io::Read as _;
 use flate2::read::DeflateDecoder;
 use paros_core::codec::ByteReader;
 use paros_core::codec::trace::{HEADER_BYTES, RECORD_BYTES, TickRecord, TraceHeader};
-use paros_core::outbox::messages::{ParcelKind, UploadFacts};
+use paros_core::outbox::messages::UploadFacts;
 use paros_core::volume::{Grid, Size};
 use paros_shell::rmap;
 use paros_shell::statics::Resident;
 use paros_shell::{with_intervals, with_size};
-
-use crate::mesh_check::{MeshCheck, MeshReport};
-
-/// Bytes of a mesh that are unpacked at once.
-const MESH_PIECE: usize = 64 << 10;
 
 /// Checks that a parcel's files are what its head says.
 ///
 /// # Errors
 /// What isn't, and what was expected.
 pub fn check_parcel(facts: &UploadFacts, volume: &[u8], trace: &[u8]) -> Result<(), String> {
-    match facts.kind {
-        ParcelKind::Volume => check_volume(facts, &unpack_volume(facts, volume)?)?,
-        ParcelKind::Mesh => {
-            if check_mesh(facts, volume)?.hash != facts.stl_hash {
-                return Err("the mesh has another hash than its head says".into());
-            }
-        }
-    }
+    check_volume(facts, &unpack_volume(facts, volume)?)?;
     if facts.trace_bytes > 0 {
         check_trace(trace, facts.trace_raw_bytes).map_err(|why| format!("trace: {why}"))?;
     }
@@ -42,30 +30,6 @@ pub fn check_parcel(facts: &UploadFacts, volume: &[u8], trace: &[u8]) -> Result<
 pub(crate) fn unpack_volume(facts: &UploadFacts, packed: &[u8]) -> Result<Vec<u8>, String> {
     // The head was read: it says no more than may be.
     unpack(packed, facts.volume_raw_bytes).map_err(|why| format!("volume: {why}"))
-}
-
-/// What the mesh of a parcel is. It is never held as a whole.
-///
-/// # Errors
-/// What is wrong with it.
-pub(crate) fn check_mesh(facts: &UploadFacts, packed: &[u8]) -> Result<MeshReport, String> {
-    let mut check = MeshCheck::new();
-    let mut unpacked = DeflateDecoder::new(packed).take(u64::from(facts.volume_raw_bytes) + 1);
-    let (mut piece, mut length) = (vec![0; MESH_PIECE], 0);
-    loop {
-        let read = unpacked.read(&mut piece);
-        let count = read.map_err(|error| format!("mesh: not packed by deflate: {error}"))?;
-        if count == 0 {
-            break;
-        }
-        length += count;
-        check.look_at(&piece[..count]);
-    }
-    let is_whole = unpacked.into_inner().total_in() == packed.len() as u64;
-    if length != facts.volume_raw_bytes as usize || !is_whole {
-        return Err("mesh: unpacked it isn't as long as its head says".into());
-    }
-    check.finish()
 }
 
 /// Unpacks to exactly so many bytes, of all that is packed. A bomb is told by its first byte too many.

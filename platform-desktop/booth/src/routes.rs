@@ -13,7 +13,7 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post, put};
 use axum::{Router, middleware};
 use paros_booth_rules::limits::MAX_CHUNK_BYTES;
-use paros_booth_rules::records::{Device, MeshComparison, Sculpture};
+use paros_booth_rules::records::{Device, ExportState, Sculpture};
 use paros_booth_rules::{Chunk, ParcelProgress, Query, Refusal};
 use paros_core::outbox::messages::{
     ContentHash, DeviceToken, FleetEnrolment, Heartbeat, SculptureId,
@@ -269,7 +269,7 @@ async fn tell_health(State(app): State<Arc<BoothApp>>) -> Answer {
 async fn tell_metrics(State(app): State<Arc<BoothApp>>) -> Answer {
     let text = app.run(|app| {
         let kept = app.booth.count(&Query::all::<Sculpture>())?;
-        let queued = Query::all::<Sculpture>().equal("export", &MeshComparison::Queued);
+        let queued = Query::all::<Sculpture>().equal("export", &ExportState::Queued);
         let devices = app.booth.count(&Query::all::<Device>().absent("revoked_at"))?;
         Ok(app.metrics.write(&[
             ("paros_booth_sculptures", "Sculptures kept.", kept),

@@ -7,7 +7,6 @@ use flate2::Compression;
 use flate2::read::DeflateDecoder;
 use flate2::write::DeflateEncoder;
 use paros_booth::check_parcel;
-use paros_booth_rules::hash_of;
 use paros_core::TickInput;
 use paros_core::limits::INTERVALS;
 use paros_core::outbox::messages::*;
@@ -40,24 +39,8 @@ fn toy() -> &'static [u8] {
     })
 }
 
-/// A mesh of a tetrahedron.
-fn tetrahedron() -> Vec<u8> {
-    let corners = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let mut stl = vec![0; 80];
-    stl.extend(4u32.to_le_bytes());
-    for triangle in [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]] {
-        stl.extend([0; 12]);
-        for number in triangle.into_iter().flat_map(|corner: usize| corners[corner]) {
-            stl.extend(number.to_le_bytes());
-        }
-        stl.extend([0; 2]);
-    }
-    stl
-}
-
-fn facts_of(kind: ParcelKind, first: &[u8], trace: &[u8]) -> UploadFacts {
+fn facts_of(first: &[u8], trace: &[u8]) -> UploadFacts {
     UploadFacts {
-        kind,
         id: SculptureId([1; 16]),
         headset: 1,
         badge: None,
@@ -70,8 +53,6 @@ fn facts_of(kind: ParcelKind, first: &[u8], trace: &[u8]) -> UploadFacts {
         sculpting_seconds: 1,
         finished_at: 1,
         height_mm_tenths: 1200,
-        stl_hash: hash_of(first),
-        stl_bytes: 84,
         volume_bytes: 1,
         volume_raw_bytes: first.len() as u32,
         trace_bytes: u32::from(!trace.is_empty()),
@@ -80,50 +61,41 @@ fn facts_of(kind: ParcelKind, first: &[u8], trace: &[u8]) -> UploadFacts {
 }
 
 /// Checks files as they are packed.
-fn check(kind: ParcelKind, first: &[u8], trace: &[u8]) -> Result<(), String> {
-    check_parcel(&facts_of(kind, first, trace), &deflate(first), &deflate(trace))
+fn check(first: &[u8], trace: &[u8]) -> Result<(), String> {
+    check_parcel(&facts_of(first, trace), &deflate(first), &deflate(trace))
 }
 
 #[test]
-fn volumes_meshes_and_traces_are_taken() {
-    assert_eq!(check(ParcelKind::Volume, toy(), &[]), Ok(()));
-    assert_eq!(check(ParcelKind::Volume, toy(), TRACE), Ok(()));
-    assert_eq!(check(ParcelKind::Mesh, &tetrahedron(), TRACE), Ok(()));
+fn volumes_and_traces_are_taken() {
+    assert_eq!(check(toy(), &[]), Ok(()));
+    assert_eq!(check(toy(), TRACE), Ok(()));
 }
 
 /// What arrives is as long as its head says, packed and unpacked, and nothing is after it.
 #[test]
 fn lengths_are_those_of_the_head() {
-    let stl = tetrahedron();
-    for (kind, first) in [(ParcelKind::Volume, toy()), (ParcelKind::Mesh, &stl)] {
-        let (facts, packed) = (facts_of(kind, first, TRACE), deflate(first));
-        let trace = deflate(TRACE);
-        for raw in [0, 1, facts.volume_raw_bytes - 1, facts.volume_raw_bytes + 1, u32::MAX] {
-            let facts = UploadFacts { volume_raw_bytes: raw, ..facts };
-            assert!(check_parcel(&facts, &packed, &trace).is_err(), "{raw}");
-        }
-        for raw in [0, 1, facts.trace_raw_bytes - 1, facts.trace_raw_bytes + 1] {
-            let facts = UploadFacts { trace_raw_bytes: raw, ..facts };
-            assert!(check_parcel(&facts, &packed, &trace).is_err(), "{raw}");
-        }
-        let longer = |bytes: &[u8]| [bytes, &[0]].concat();
-        assert!(check_parcel(&facts, &longer(&packed), &trace).is_err());
-        assert!(check_parcel(&facts, &packed, &longer(&trace)).is_err());
-        assert!(check_parcel(&facts, &packed[..packed.len() - 1], &trace).is_err());
-        assert!(check_parcel(&facts, &packed, &trace[..trace.len() - 1]).is_err());
+    let (facts, packed) = (facts_of(toy(), TRACE), deflate(toy()));
+    let trace = deflate(TRACE);
+    for raw in [0, 1, facts.volume_raw_bytes - 1, facts.volume_raw_bytes + 1, u32::MAX] {
+        let facts = UploadFacts { volume_raw_bytes: raw, ..facts };
+        assert!(check_parcel(&facts, &packed, &trace).is_err(), "{raw}");
     }
+    for raw in [0, 1, facts.trace_raw_bytes - 1, facts.trace_raw_bytes + 1] {
+        let facts = UploadFacts { trace_raw_bytes: raw, ..facts };
+        assert!(check_parcel(&facts, &packed, &trace).is_err(), "{raw}");
+    }
+    let longer = |bytes: &[u8]| [bytes, &[0]].concat();
+    assert!(check_parcel(&facts, &longer(&packed), &trace).is_err());
+    assert!(check_parcel(&facts, &packed, &longer(&trace)).is_err());
+    assert!(check_parcel(&facts, &packed[..packed.len() - 1], &trace).is_err());
+    assert!(check_parcel(&facts, &packed, &trace[..trace.len() - 1]).is_err());
 }
 
 #[test]
-fn each_kind_is_what_it_says() {
-    let stl = tetrahedron();
-    assert!(check(ParcelKind::Mesh, toy(), &[]).is_err());
-    assert!(check(ParcelKind::Volume, &stl, &[]).is_err());
-    assert!(check(ParcelKind::Volume, toy(), &stl).is_err());
-    let facts = facts_of(ParcelKind::Mesh, &stl, &[]);
-    let other_hash = UploadFacts { stl_hash: ContentHash([1; 32]), ..facts };
-    assert!(check_parcel(&other_hash, &deflate(&stl), &[]).is_err());
-    let other_side = UploadFacts { side: 256, ..facts_of(ParcelKind::Volume, toy(), &[]) };
+fn each_file_is_what_its_head_says() {
+    assert!(check(TRACE, &[]).is_err());
+    assert!(check(toy(), toy()).is_err());
+    let other_side = UploadFacts { side: 256, ..facts_of(toy(), &[]) };
     assert!(check_parcel(&other_side, &deflate(toy()), &[]).is_err());
 }
 
@@ -133,7 +105,7 @@ proptest! {
     /// A byte that is another, packed or unpacked, is told, and nothing panics.
     #[test]
     fn spoilt_files_are_refused(place: prop::sample::Index, flip in 1..=255u8, is_packed: bool) {
-        let facts = facts_of(ParcelKind::Volume, toy(), &[]);
+        let facts = facts_of(toy(), &[]);
         let mut bytes = if is_packed { deflate(toy()) } else { toy().to_vec() };
         let place = place.index(bytes.len());
         bytes[place] ^= flip;
@@ -145,10 +117,9 @@ proptest! {
     }
 
     #[test]
-    fn noise_is_refused(noise in prop::collection::vec(any::<u8>(), 0..2000), is_mesh: bool) {
-        let kind = if is_mesh { ParcelKind::Mesh } else { ParcelKind::Volume };
-        prop_assert!(check_parcel(&facts_of(kind, toy(), &[]), &noise, &[]).is_err());
-        prop_assert!(check(kind, &noise, &[]).is_err());
-        prop_assert!(check(ParcelKind::Mesh, &tetrahedron(), &[&[0], &noise[..]].concat()).is_err());
+    fn noise_is_refused(noise in prop::collection::vec(any::<u8>(), 0..2000)) {
+        prop_assert!(check_parcel(&facts_of(toy(), &[]), &noise, &[]).is_err());
+        prop_assert!(check(&noise, &[]).is_err());
+        prop_assert!(check(toy(), &[&[0], &noise[..]].concat()).is_err());
     }
 }

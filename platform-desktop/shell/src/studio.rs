@@ -15,7 +15,6 @@ mod outgoing;
 mod pending_read;
 mod recorder;
 mod sculpture_files;
-mod sealing;
 mod session;
 
 use std::path::{Path, PathBuf};

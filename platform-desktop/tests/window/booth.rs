@@ -8,7 +8,6 @@ use std::time::{Duration, Instant};
 use paros_booth_process::{BoothProcess, find_booth};
 use paros_shell::outbox::Parcel;
 use paros_shell::require::{MissingDependency, require_or_skip};
-use sha2::{Digest as _, Sha256};
 
 use super::exhibition::{SETTINGS, choose_the_owl, cut_and_see_badge};
 use super::rig::{ScriptedWindow, XvfbDisplay, empty_folder, paros_command};
@@ -35,9 +34,9 @@ fn a_visitor_s_sculpture_is_kept_here_and_at_the_booth() -> Result<(), MissingDe
     choose_the_owl(&mut visit, &display);
     cut_and_see_badge(&mut visit, &display);
     let parcel = wait_for_parcel(&folder.join("booth/sculptures"));
-    let print = fs::read(folder.join("Paros/sculpture-001.stl")).expect("the visitor's print");
+    let volume = fs::read(folder.join("Paros/sculpture-001.rmap")).expect("the visitor's volume");
     let facts = parcel.facts();
-    assert_eq!(facts.stl_hash.0[..], Sha256::digest(&print)[..]);
+    assert_eq!(Parcel::pack(facts, &volume, None).expect("a volume").bytes(), parcel.bytes());
     let words = fs::read_to_string(folder.join("Paros/sculpture-001.txt")).expect("the badge");
     let badge = facts.badge.expect("a badge");
     assert!(words.contains(&format!("badge {}\n", badge.get())), "{words}");

@@ -54,7 +54,7 @@ impl Default for VisitOptions {
 #[must_use]
 pub fn send_plan(settings: &BoothSettings, visits: Option<&VisitOptions>) -> SendPlan {
     let languages = visits.map_or_else(|| vec![Language::English], |v| v.languages.clone());
-    SendPlan { kind: settings.kind(), sends_traces: settings.sends_traces, languages }
+    SendPlan { sends_traces: settings.sends_traces, languages }
 }
 
 impl Controls {

@@ -142,7 +142,7 @@ fn a_headset_that_a_restored_booth_has_forgotten_enrols_anew_and_loses_nothing()
             let courier = open_courier(&folder);
             assert_eq!(courier.headset(), 2, "the first one is another device now");
             // Both come as its own, under other ids.
-            wait_until("both are kept", || count_equal(&booth) == 2);
+            wait_until("both are kept", || count_made(&booth) == 2);
             for number in [1, 2] {
                 let id = SculptureId([number; 16]);
                 wait_until("a receipt", || courier.keeping(id) == Some(Keeping::KeptAtBooth));
@@ -185,10 +185,10 @@ fn enrol_another(booth: &BoothProcess, fleet: &FleetFile) {
     assert_eq!(enrolled.owner.headset, 1);
 }
 
-/// Sculptures that a booth keeps, whose meshes it has made anew to the same bytes.
-fn count_equal(booth: &BoothProcess) -> usize {
+/// Sculptures that a booth keeps, and has made the meshes of.
+fn count_made(booth: &BoothProcess) -> usize {
     let log = booth.read_log();
-    log.lines().filter(|line| line.contains("mesh compared") && line.contains("Equal")).count()
+    log.lines().filter(|line| line.contains("mesh made") && line.contains("Made")).count()
 }
 
 fn push_fleet_file(booth: &BoothProcess, folder: &Path) {

@@ -3,9 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::messages::{
-    AgeGroup, CommandKind, ContentHash, FinishCause, ParcelKind, SculptureId, UploadFacts,
-};
+use paros_core::outbox::messages::{AgeGroup, CommandKind, FinishCause, SculptureId, UploadFacts};
 use paros_core::session::SessionMode;
 
 /// A sculpture that somebody made.
@@ -77,34 +75,26 @@ impl Truth {
     }
 }
 
-/// The STL's hash, by which a sculpture is known whatever its id is: nobody looks at the STL.
-#[must_use]
-pub fn stl_hash_of(number: usize, is_poison: bool) -> ContentHash {
-    let mut hash = [0xee; 32];
-    hash[..8].copy_from_slice(&(number as u64).to_le_bytes());
-    hash[8] = u8::from(is_poison);
-    ContentHash(hash)
-}
+/// The height of a sculpture's print in tenths of a millimetre, and that of one that the booth is to find undecodable.
+const HEIGHT: u16 = 1200;
+const POISON_HEIGHT: u16 = 1201;
 
-/// The number of the sculpture with such facts.
+/// The number of the sculpture with such facts, whatever its id is: nobody looks at how long it took.
 #[must_use]
-pub fn number_of_facts(facts: &UploadFacts) -> usize {
-    let mut number = [0; 8];
-    number.copy_from_slice(&facts.stl_hash.0[..8]);
-    u64::from_le_bytes(number) as usize
+pub const fn number_of_facts(facts: &UploadFacts) -> usize {
+    facts.sculpting_seconds as usize
 }
 
 /// Whether the booth is to find it undecodable.
 #[must_use]
-pub fn is_poison(facts: &UploadFacts) -> bool {
-    facts.stl_hash.0[8] == 1
+pub const fn is_poison(facts: &UploadFacts) -> bool {
+    facts.height_mm_tenths == POISON_HEIGHT
 }
 
 /// Facts of a sculpture.
 #[must_use]
 pub fn facts_of(number: usize, made: &Made, headset: u32) -> UploadFacts {
     UploadFacts {
-        kind: ParcelKind::Volume,
         id: made.id,
         headset,
         badge: made.badge,
@@ -114,11 +104,9 @@ pub fn facts_of(number: usize, made: &Made, headset: u32) -> UploadFacts {
         language: *b"el",
         mode: SessionMode::FreeForm,
         age_group: AgeGroup::Unknown,
-        sculpting_seconds: 540,
+        sculpting_seconds: number as u32,
         finished_at: 1_790_000_000,
-        height_mm_tenths: 1200,
-        stl_hash: stl_hash_of(number, made.is_poison),
-        stl_bytes: 84,
+        height_mm_tenths: if made.is_poison { POISON_HEIGHT } else { HEIGHT },
         volume_bytes: 0,
         volume_raw_bytes: 0,
         trace_bytes: 0,

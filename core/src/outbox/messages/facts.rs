@@ -3,24 +3,13 @@
 use crate::badge::BadgeNumber;
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::limits::{
-    MAX_PACKED_SURPLUS, MAX_PARCEL_BYTES, MAX_PARCEL_MESH_BYTES, MAX_PARCEL_TRACE_BYTES,
-    MAX_PARCEL_VOLUME_BYTES,
+    MAX_PACKED_SURPLUS, MAX_PARCEL_BYTES, MAX_PARCEL_TRACE_BYTES, MAX_PARCEL_VOLUME_BYTES,
 };
+use crate::outbox::messages::SculptureId;
 use crate::outbox::messages::fields::{
     fixed_bytes, read_badge, read_headset, read_numbered, read_version, write_badge, write_version,
 };
-use crate::outbox::messages::{ContentHash, SculptureId};
 use crate::session::input::SessionMode;
-
-/// What a parcel's first file is.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-#[repr(u8)]
-pub enum ParcelKind {
-    /// The volume, an `.rmap`: the booth exports the mesh anew, to the same bytes.
-    Volume = 0,
-    /// The mesh, a binary STL.
-    Mesh = 1,
-}
 
 /// How a session ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -47,20 +36,18 @@ pub enum AgeGroup {
 }
 
 /// The head of a parcel. After it come, in this order and each packed by deflate (RFC 1951, no header):
-/// [`volume_bytes`](UploadFacts::volume_bytes) of the volume or mesh, and
+/// [`volume_bytes`](UploadFacts::volume_bytes) of the volume, an `.rmap`, and
 /// [`trace_bytes`](UploadFacts::trace_bytes) of the trace. The parcel's hash is the SHA-256 of all of it, the head
 /// too.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct UploadFacts {
-    /// What the first file is.
-    pub kind: ParcelKind,
     /// The sculpture's.
     pub id: SculptureId,
     /// Number of the headset, from 1.
     pub headset: u32,
     /// The badge that the visitor was shown.
     pub badge: Option<BadgeNumber>,
-    /// [`CORE_VERSION`](crate::codec::trace::CORE_VERSION) of the program that exported the STL.
+    /// [`CORE_VERSION`](crate::codec::trace::CORE_VERSION) of the program.
     pub core_version: u16,
     /// Voxels along a side of the grid: 128 or 256.
     pub side: u16,
@@ -78,32 +65,14 @@ pub struct UploadFacts {
     pub finished_at: u64,
     /// The print's height in tenths of a millimetre, from 1.
     pub height_mm_tenths: u16,
-    /// SHA-256 of the STL that the headset exported.
-    pub stl_hash: ContentHash,
-    /// Length of that STL in bytes: 84, and 50 a triangle.
-    pub stl_bytes: u64,
-    /// Length of the packed volume or mesh in bytes, from 1.
+    /// Length of the packed volume in bytes, from 1.
     pub volume_bytes: u32,
-    /// Its length unpacked, from 1. A mesh's is that of the STL.
+    /// Length of the volume unpacked, from 1.
     pub volume_raw_bytes: u32,
     /// Length of the packed trace in bytes; 0 where none is sent.
     pub trace_bytes: u32,
     /// Its length unpacked; 0 where none is sent.
     pub trace_raw_bytes: u32,
-}
-
-impl ParcelKind {
-    /// By number.
-    pub const ALL: [ParcelKind; 2] = [ParcelKind::Volume, ParcelKind::Mesh];
-
-    /// The most bytes that the first file has, unpacked.
-    #[must_use]
-    pub const fn max_raw_bytes(self) -> u32 {
-        match self {
-            ParcelKind::Volume => MAX_PARCEL_VOLUME_BYTES,
-            ParcelKind::Mesh => MAX_PARCEL_MESH_BYTES,
-        }
-    }
 }
 
 impl FinishCause {
@@ -121,7 +90,7 @@ fixed_bytes! { UploadFacts }
 
 impl UploadFacts {
     /// Length of the head in bytes.
-    pub const BYTES: usize = 106;
+    pub const BYTES: usize = 65;
 
     /// Length of the whole parcel in bytes.
     #[must_use]
@@ -131,7 +100,6 @@ impl UploadFacts {
 
     fn write(&self, to: &mut ByteWriter<'_>) {
         write_version(to);
-        to.u8(self.kind as u8);
         self.id.write(to);
         to.u32(self.headset);
         write_badge(to, self.badge);
@@ -144,8 +112,6 @@ impl UploadFacts {
         to.u32(self.sculpting_seconds);
         to.u64(self.finished_at);
         to.u16(self.height_mm_tenths);
-        self.stl_hash.write(to);
-        to.u64(self.stl_bytes);
         to.u32(self.volume_bytes);
         to.u32(self.volume_raw_bytes);
         to.u32(self.trace_bytes);
@@ -154,7 +120,6 @@ impl UploadFacts {
 
     fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
         read_version(from)?;
-        let kind = read_numbered(from, &ParcelKind::ALL, "0 for a volume, 1 for a mesh")?;
         let (id, headset) = (SculptureId::read(from)?, read_headset(from)?);
         let (badge, core_version) = (read_badge(from)?, from.u16()?);
         let bad = from.error_here("a grid's side, 128 or 256");
@@ -166,11 +131,9 @@ impl UploadFacts {
         let (sculpting_seconds, finished_at) = (from.u32()?, from.u64()?);
         let bad = from.error_here("a height, from 1");
         let height_mm_tenths = Some(from.u16()?).filter(|&height| height > 0).ok_or(bad)?;
-        let (stl_hash, stl_bytes) = (ContentHash::read(from)?, read_stl_bytes(from)?);
-        let bad = from.error_here("a first file's lengths, packed and unpacked, and the STL's");
+        let bad = from.error_here("a volume's lengths, packed and unpacked");
         let (volume_bytes, volume_raw_bytes) = (from.u32()?, from.u32()?);
-        let is_file = has_lengths_of_file(volume_bytes, volume_raw_bytes, kind.max_raw_bytes());
-        if !is_file || kind == ParcelKind::Mesh && u64::from(volume_raw_bytes) != stl_bytes {
+        if !has_lengths_of_file(volume_bytes, volume_raw_bytes, MAX_PARCEL_VOLUME_BYTES) {
             return Err(bad);
         }
         let bad =
@@ -178,7 +141,6 @@ impl UploadFacts {
         let (trace_bytes, trace_raw_bytes) = (from.u32()?, from.u32()?);
         let has_no_trace = (trace_bytes, trace_raw_bytes) == (0, 0);
         let facts = UploadFacts {
-            kind,
             id,
             headset,
             badge,
@@ -191,8 +153,6 @@ impl UploadFacts {
             sculpting_seconds,
             finished_at,
             height_mm_tenths,
-            stl_hash,
-            stl_bytes,
             volume_bytes,
             volume_raw_bytes,
             trace_bytes,
@@ -214,14 +174,6 @@ fn read_mode(from: &mut ByteReader<'_>) -> Result<SessionMode, BadBytes> {
     let bad = from.error_here("what a session starts from");
     let mode = SessionMode::from_bytes([from.u8()?, from.u8()?]);
     mode.filter(|&mode| mode != SessionMode::None).ok_or(bad)
-}
-
-/// Reads the length of a binary STL: a header, a count, and 50 bytes a triangle.
-fn read_stl_bytes(from: &mut ByteReader<'_>) -> Result<u64, BadBytes> {
-    let bad = from.error_here("an STL's length: 84, and 50 a triangle");
-    let bytes = from.u64()?;
-    let is_stl = bytes.checked_sub(84).is_some_and(|triangles| triangles.is_multiple_of(50));
-    if is_stl && bytes <= u64::from(MAX_PARCEL_MESH_BYTES) { Ok(bytes) } else { Err(bad) }
 }
 
 /// Whether a file can have these lengths: deflate adds little to what it can't make shorter.

@@ -23,7 +23,7 @@ mod receipt;
 
 pub use commands::{BoothCommand, CommandKind, CommandOutcome, CommandReport};
 pub use enrolment::{DeviceName, EnrolAnswer, FleetEnrolment};
-pub use facts::{AgeGroup, FinishCause, ParcelKind, UploadFacts};
+pub use facts::{AgeGroup, FinishCause, UploadFacts};
 pub(super) use fields::{
     read_badge, read_flags, read_headset, read_zeros, write_badge, write_zeros,
 };

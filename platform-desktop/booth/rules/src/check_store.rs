@@ -1,7 +1,7 @@
 //! What every store has to do: the suite that each one's tests call.
 
 use crate::records::{
-    Account, BadgeClaim, EnrolToken, LedgerSave, MailOrder, MailState, MeshComparison, Sculpture,
+    Account, BadgeClaim, EnrolToken, ExportState, LedgerSave, MailOrder, MailState, Sculpture,
     TABLES,
 };
 use crate::store::{Access, Query, RowOrder, Store, StoreError, Transaction, update, view};
@@ -50,7 +50,7 @@ fn sample_sculpture(number: u8) -> Sculpture {
         is_in_ledger: false,
         withdrawn_at: (number % 2 == 1).then_some(BoothTime(u64::from(number))),
         has_trace: false,
-        export: MeshComparison::Queued,
+        export: ExportState::Queued,
         link_generation: 0,
         is_link_revoked: false,
     }

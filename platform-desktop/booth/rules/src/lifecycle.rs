@@ -13,7 +13,7 @@ use crate::limits::{AUDIT_DAYS, MAX_WORKERS, OPEN_PARCEL_LIFE, SWEEP_BATCH};
 use crate::mail::withdraw_mails;
 use crate::parcel_files::{KeptName, KeptPart};
 use crate::prints::{remove_prints, withdraw_prints};
-use crate::records::{Announcement, MailOrder, MeshComparison, Sculpture, Tombstone, WorkKind};
+use crate::records::{Announcement, ExportState, MailOrder, Sculpture, Tombstone, WorkKind};
 use crate::refusal::Refusal;
 use crate::store::{Query, RowOrder, StoreError};
 use crate::time::BoothTime;
@@ -152,7 +152,7 @@ impl Booth {
     /// Those of the store.
     pub fn next_export(&self, now: BoothTime) -> Result<Option<Sculpture>, Refusal> {
         let queued = Query::all::<Sculpture>()
-            .equal("export", &MeshComparison::Queued)
+            .equal("export", &ExportState::Queued)
             .ordered("received_at", RowOrder::Ascending)
             .first(MAX_WORKERS);
         if self.view(|tx| tx.find_first::<Sculpture>(queued.clone()))?.is_none() {
@@ -172,7 +172,7 @@ impl Booth {
     ///
     /// # Errors
     /// Those of the store.
-    pub fn note_export(&self, id: &SculptureId, state: MeshComparison) -> Result<(), Refusal> {
+    pub fn note_export(&self, id: &SculptureId, state: ExportState) -> Result<(), Refusal> {
         self.update(|tx| {
             if let Some(mut sculpture) = tx.get::<Sculpture>(&[id.0.to_value()])? {
                 sculpture.export = state;

@@ -11,7 +11,7 @@ use crate::grants::is_granted;
 use crate::limits::{MAX_CHUNK_BYTES, MAX_OPEN_PARCELS};
 use crate::parcel_files::{KeptName, KeptPart, ParcelName};
 use crate::reason::Reason;
-use crate::records::{Announcement, BadgeClaim, Device, MeshComparison, Sculpture, Tombstone};
+use crate::records::{Announcement, BadgeClaim, Device, ExportState, Sculpture, Tombstone};
 use crate::refusal::Refusal;
 use crate::store::Query;
 use crate::time::BoothTime;
@@ -149,7 +149,7 @@ impl Booth {
                 is_in_ledger: false,
                 withdrawn_at: None,
                 has_trace: !trace.is_empty(),
-                export: MeshComparison::Queued,
+                export: ExportState::Queued,
                 link_generation: 0,
                 is_link_revoked: false,
             })?;

@@ -3,7 +3,7 @@
 mod common;
 
 use common::*;
-use paros_booth_rules::records::{MailOrder, MailState, MeshComparison, Tombstone};
+use paros_booth_rules::records::{ExportState, MailOrder, MailState, Tombstone};
 use paros_booth_rules::{BoothPlan, KeptPart, Query, update, view};
 use paros_core::outbox::messages::*;
 
@@ -155,12 +155,12 @@ fn meshes_are_compared_in_the_order_of_arrival() {
     for id in [1, 2, 3] {
         let next = rig.booth.next_export(START).unwrap().expect("one waits");
         assert_eq!(next.id, [id; 16]);
-        rig.booth.note_export(&SculptureId(next.id), MeshComparison::Equal).unwrap();
+        rig.booth.note_export(&SculptureId(next.id), ExportState::Made).unwrap();
     }
     assert_eq!(rig.booth.next_export(START).unwrap(), None);
-    rig.booth.note_export(&SculptureId([9; 16]), MeshComparison::Failed).expect("it was deleted");
+    rig.booth.note_export(&SculptureId([9; 16]), ExportState::Failed).expect("it was deleted");
     let newest = rig.booth.list_newest(9, START).unwrap();
-    assert!(newest.iter().all(|kept| kept.export == MeshComparison::Equal));
+    assert!(newest.iter().all(|kept| kept.export == ExportState::Made));
 }
 
 #[test]

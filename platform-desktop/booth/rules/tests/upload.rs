@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 use paros_booth_rules::limits::{MAX_CHUNK_BYTES, MAX_OPEN_PARCELS};
-use paros_booth_rules::records::{BadgeClaim, MeshComparison};
+use paros_booth_rules::records::{BadgeClaim, ExportState};
 use paros_booth_rules::{Chunk, FoundByBadge, ParcelFiles as _, ParcelName, ParcelProgress};
 use paros_core::badge::BadgeNumber;
 use paros_core::limits::MAX_PARCEL_BYTES;
@@ -31,7 +31,7 @@ fn a_parcel_is_signed_for_once_it_is_kept() {
     key.verify_strict(&expected.signed_bytes(), &signature).expect("the site's signature");
     let kept = rig.booth.find_sculpture(&parcel.id, START).expect("it is kept");
     assert_eq!((kept.facts.as_slice(), kept.hash), (&parcel.facts.to_bytes()[..], parcel.hash.0));
-    assert_eq!(kept.export, MeshComparison::Queued, "the receipt doesn't wait for the mesh");
+    assert_eq!(kept.export, ExportState::Queued, "the receipt doesn't wait for the mesh");
     assert_eq!(rig.booth.read_kept(&kept).expect("its file"), parcel.bytes);
     // Asked again, in any way: the same.
     assert_eq!(rig.upload(&device, &parcel, seconds(9)).unwrap(), signed);

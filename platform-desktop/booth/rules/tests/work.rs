@@ -7,7 +7,7 @@ use std::sync::Mutex;
 
 use common::*;
 use paros_booth_rules::limits::WORK_LIFE;
-use paros_booth_rules::records::{MeshComparison, WorkKind, WorkLease};
+use paros_booth_rules::records::{ExportState, WorkKind, WorkLease};
 use paros_booth_rules::{
     Booth, BoothTime, MailOutcome, PrintSize, PrintStep, PrintWish, PrinterTask, Query,
     SliceOutcome, view,
@@ -40,12 +40,12 @@ fn a_mesh_is_one_process_work_until_it_is_done_or_its_time_is_over() {
     assert_eq!(next_export(&one, START), Some(1));
     assert_eq!(next_export(&one, START), Some(1), "its own again, as after a failure of the disk");
     assert_eq!(next_export(&two, START), Some(2));
-    one.note_export(&SculptureId([1; 16]), MeshComparison::Equal).unwrap();
+    one.note_export(&SculptureId([1; 16]), ExportState::Made).unwrap();
     assert_eq!(next_export(&one, START), None);
     let last = BoothTime(START.after(WORK_LIFE).0 - 1);
     assert_eq!(next_export(&one, last), None);
     assert_eq!(next_export(&one, START.after(WORK_LIFE)), Some(2), "the other one is dead");
-    two.note_export(&SculptureId([2; 16]), MeshComparison::Equal).unwrap();
+    two.note_export(&SculptureId([2; 16]), ExportState::Made).unwrap();
     assert_eq!(count_leases(&rig), 0);
 }
 
@@ -196,7 +196,7 @@ fn each_mesh_is_compared_once() {
             scope.spawn(move || {
                 while let Some(id) = next_export(&booth, seconds(100)) {
                     done.lock().unwrap().push(id);
-                    booth.note_export(&SculptureId([id; 16]), MeshComparison::Equal).unwrap();
+                    booth.note_export(&SculptureId([id; 16]), ExportState::Made).unwrap();
                 }
             });
         }

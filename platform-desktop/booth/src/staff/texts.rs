@@ -1,7 +1,7 @@
 //! What the staff page says, in two languages.
 
 use axum::http::{HeaderMap, header};
-use paros_booth_rules::records::{BadgeClaim, CommandState, MailState, MeshComparison, Sculpture};
+use paros_booth_rules::records::{BadgeClaim, CommandState, ExportState, MailState, Sculpture};
 use paros_core::badge::Language;
 use paros_core::outbox::messages::CommandKind;
 
@@ -58,7 +58,7 @@ pub(crate) struct Texts {
     pub(crate) other_code: &'static str,
     commands: [&'static str; 5],
     command_states: [&'static str; 5],
-    exports: [&'static str; 4],
+    exports: [&'static str; 3],
     claims: [&'static str; 4],
     mail_states: [&'static str; 3],
 }
@@ -72,7 +72,7 @@ impl Texts {
         self.command_states[state as usize]
     }
 
-    pub(crate) const fn export(&self, state: MeshComparison) -> &'static str {
+    pub(crate) const fn export(&self, state: ExportState) -> &'static str {
         self.exports[state as usize]
     }
 
@@ -150,7 +150,7 @@ const ENGLISH: Texts = Texts {
     other_code: "el",
     commands: ["Which one is it?", "A minute more", "End", "Recentre", "Reset"],
     command_states: ["waiting", "sent", "done", "expired", "refused"],
-    exports: ["mesh not compared yet", "mesh is the headset's", "mesh differs", "no mesh"],
+    exports: ["mesh being made", "mesh ready", "no mesh"],
     claims: [
         "",
         "others may have this badge",
@@ -210,7 +210,7 @@ const GREEK: Texts = Texts {
     other_code: "en",
     commands: ["Ποια είναι;", "Ένα λεπτό ακόμη", "Τέλος", "Κεντράρισμα", "Επανεκκίνηση"],
     command_states: ["περιμένει", "στάλθηκε", "έγινε", "έληξε", "δεν γίνεται"],
-    exports: ["το πλέγμα δεν συγκρίθηκε", "ίδιο πλέγμα", "άλλο πλέγμα", "χωρίς πλέγμα"],
+    exports: ["το πλέγμα ετοιμάζεται", "πλέγμα έτοιμο", "χωρίς πλέγμα"],
     claims: [
         "",
         "ίσως και άλλοι έχουν αυτό το σήμα",

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use paros_booth::{check_parcel, internals};
 use paros_booth_rules::{BoothTime, Deletion};
-use paros_core::outbox::messages::{ContentHash, ParcelKind, SculptureId, UploadFacts};
+use paros_core::outbox::messages::{ContentHash, SculptureId, UploadFacts};
 use paros_tests_fuzz::engine::FuzzTarget;
 use paros_tests_fuzz::fuzz_tests;
 
@@ -22,7 +22,7 @@ fuzz_tests! { TARGETS => upload mesh estimate printer printers deletions backup 
 /// An input is a parcel whose files aren't packed: packed are they here, so that what is in them is tried.
 const UPLOAD: FuzzTarget = FuzzTarget {
     name: "upload",
-    seeds: || vec![upload_seed(ParcelKind::Volume), upload_seed(ParcelKind::Mesh)],
+    seeds: || vec![upload_seed()],
     words: &[b"\0\0\x80\x7f", b"\xff\xff\xff\xff", b"\x40\0", b"\x01\0"],
     longest: 8192,
     runs: 2000,

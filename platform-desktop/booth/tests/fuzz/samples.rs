@@ -57,17 +57,11 @@ pub(crate) fn tetrahedron() -> Vec<u8> {
     stl
 }
 
-/// A parcel's head, and its first file as it is before it is packed.
-pub(crate) fn upload_seed(kind: ParcelKind) -> Vec<u8> {
-    let first = match kind {
-        ParcelKind::Mesh => tetrahedron(),
-        ParcelKind::Volume => {
-            let maps = <paros_core::volume::Grid<128> as Resident<128, 2>>::lock_range_maps();
-            rmap::encode(&*maps)
-        }
-    };
+/// A parcel's head, and its volume as it is before it is packed.
+pub(crate) fn upload_seed() -> Vec<u8> {
+    let first =
+        rmap::encode(&<paros_core::volume::Grid<128> as Resident<128, 2>>::lock_range_maps());
     let facts = UploadFacts {
-        kind,
         id: SculptureId([1; 16]),
         headset: 17,
         badge: None,
@@ -80,8 +74,6 @@ pub(crate) fn upload_seed(kind: ParcelKind) -> Vec<u8> {
         sculpting_seconds: 540,
         finished_at: 1_790_000_000,
         height_mm_tenths: 1200,
-        stl_hash: paros_booth_rules::hash_of(&first),
-        stl_bytes: 134,
         volume_bytes: 20,
         volume_raw_bytes: first.len() as u32,
         trace_bytes: 0,

@@ -11,7 +11,7 @@ use crate::smtp_sink::wait_until;
 use crate::staff::Browser;
 
 #[test]
-fn a_demo_has_ten_sculptures_with_badges_whose_meshes_are_the_headsets() {
+fn a_demo_has_ten_sculptures_with_badges() {
     let folder = BoothFolder::new("demo");
     let mut booth = folder.start_with(&["--demo"]);
     let client = booth.client.clone();
@@ -19,7 +19,7 @@ fn a_demo_has_ten_sculptures_with_badges_whose_meshes_are_the_headsets() {
     wait_until(|| (client.metric("paros_booth_exports_queued") == 0).then_some(()));
     let browser = Browser::first(&client, &booth.first_code().expect("a code"));
     let page = browser.get("/staff");
-    assert_eq!(page.text().matches("mesh is the headset's").count(), 10, "{}", page.text());
+    assert_eq!(page.text().matches("mesh ready").count(), 10, "{}", page.text());
     assert_eq!(page.text().matches("<figcaption").count(), 10, "each has a badge");
     assert_eq!(folder.files("sculptures").iter().filter(|name| name.ends_with(".png")).count(), 10);
     let badges = || {

@@ -1,6 +1,8 @@
 //! What headsets say and send.
 
+use std::fs;
 use std::io::Write as _;
+use std::path::Path;
 use std::sync::OnceLock;
 
 use flate2::Compression;
@@ -8,6 +10,7 @@ use flate2::write::DeflateEncoder;
 use paros_booth_rules::hash_of;
 use paros_core::TickInput;
 use paros_core::badge::BadgeNumber;
+use paros_core::codec::trace::{HEADER_BYTES, RECORD_BYTES};
 use paros_core::limits::INTERVALS;
 use paros_core::outbox::messages::*;
 use paros_core::session::SessionMode;
@@ -42,12 +45,18 @@ pub(crate) fn heartbeat(headset: u32) -> Heartbeat {
     }
 }
 
+const SOME_TRACE: &[u8] = include_bytes!("../../../../core/examples/replay/groove.trace");
+
+/// Where a trace's head has its number of ticks.
+const TICKS_AT: usize = 12;
+
+/// What a long trace has at least: several pieces of an upload.
+const LARGE_TRACE_BYTES: usize = 3 << 20;
+
 /// A sculpture's files.
 pub(crate) struct Figure {
     pub(crate) rmap: Vec<u8>,
     pub(crate) stl: Vec<u8>,
-    /// Taken once, as a headset does: a crowd of them would be waited for.
-    stl_hash: ContentHash,
 }
 
 /// The toy that a creative session starts from.
@@ -58,10 +67,10 @@ pub(crate) fn figure() -> &'static Figure {
             runner.run_tick(&TickInput { start: SessionMode::Creative, ..TickInput::default() });
             let volume = runner.world().volume();
             let mut buffers = <Grid<128> as Resident<128, INTERVALS>>::lock_stl_buffers();
-            let mut exporter = StlExporter::new(&mut buffers, 120.0).expect("a height");
+            let mut exporter = StlExporter::of_default_height(&mut buffers);
             exporter.begin_export(volume.rows(), runner.world().mask());
             let stl = exporter.run_export_to_end().expect("a mesh").bytes;
-            Figure { rmap: rmap::encode(volume.maps()), stl_hash: hash_of(&stl), stl }
+            Figure { rmap: rmap::encode(volume.maps()), stl }
         })
     })
 }
@@ -75,14 +84,12 @@ pub(crate) struct Parcel {
 }
 
 impl Parcel {
-    /// The same sculpture, under another id; as a volume, or as the mesh.
-    pub(crate) fn new(headset: u32, id: u32, kind: ParcelKind) -> Self {
-        let Figure { rmap, stl, stl_hash } = figure();
-        let first = if kind == ParcelKind::Volume { rmap } else { stl };
+    /// The same sculpture, under another id.
+    pub(crate) fn volume(headset: u32, id: u32) -> Self {
+        let rmap = &figure().rmap;
         let mut bytes = [7; 16];
         bytes[..4].copy_from_slice(&id.to_le_bytes());
         let facts = UploadFacts {
-            kind,
             id: SculptureId(bytes),
             headset,
             badge: BadgeNumber::new(id),
@@ -95,28 +102,41 @@ impl Parcel {
             sculpting_seconds: 300,
             finished_at: 1_790_000_000,
             height_mm_tenths: 1200,
-            stl_hash: *stl_hash,
-            stl_bytes: stl.len() as u64,
             volume_bytes: 0,
-            volume_raw_bytes: first.len() as u32,
+            volume_raw_bytes: rmap.len() as u32,
             trace_bytes: 0,
             trace_raw_bytes: 0,
         };
-        // Packed once: a mesh takes a while.
-        static PACKED: [OnceLock<Vec<u8>>; 2] = [OnceLock::new(), OnceLock::new()];
-        let packed = PACKED[kind as usize].get_or_init(|| deflate(first));
+        static PACKED: OnceLock<Vec<u8>> = OnceLock::new();
+        let packed = PACKED.get_or_init(|| deflate(rmap));
         Parcel::of_packed(UploadFacts { volume_bytes: packed.len() as u32, ..facts }, packed, &[])
     }
 
-    pub(crate) fn volume(headset: u32, id: u32) -> Self {
-        Parcel::new(headset, id, ParcelKind::Volume)
+    /// With a trace that takes a megabyte, as it isn't made shorter.
+    pub(crate) fn large(headset: u32, id: u32) -> Self {
+        static TRACE: OnceLock<[Vec<u8>; 2]> = OnceLock::new();
+        let [raw, stored] = TRACE.get_or_init(|| {
+            let (head, records) = SOME_TRACE.split_at(HEADER_BYTES);
+            let times = LARGE_TRACE_BYTES.div_ceil(records.len());
+            let ticks = (times * records.len() / RECORD_BYTES) as u32;
+            let mut raw = [head, &records.repeat(times)].concat();
+            raw[TICKS_AT..][..4].copy_from_slice(&ticks.to_le_bytes());
+            let stored = deflate_by(&raw, Compression::none());
+            [raw, stored]
+        });
+        let Parcel { facts, bytes, .. } = Parcel::volume(headset, id);
+        let facts = UploadFacts {
+            trace_bytes: stored.len() as u32,
+            trace_raw_bytes: raw.len() as u32,
+            ..facts
+        };
+        Parcel::of_packed(facts, &bytes[UploadFacts::BYTES..], stored)
     }
 
     /// With the trace of some session.
     pub(crate) fn with_trace(headset: u32, id: u32) -> Self {
         let facts = Parcel::volume(headset, id).facts;
-        let trace = include_bytes!("../../../../core/examples/replay/groove.trace");
-        Parcel::pack(facts, &figure().rmap, trace)
+        Parcel::pack(facts, &figure().rmap, SOME_TRACE)
     }
 
     /// Packs files, and says so in the head.
@@ -132,6 +152,15 @@ impl Parcel {
         Parcel::of_packed(facts, &first, &packed_trace)
     }
 
+    /// Whether a booth's folder has its two files.
+    pub(crate) fn is_kept_in(&self, folder: &Path) -> bool {
+        let read = |end| {
+            let name = format!("{}-{}.{end}", self.facts.id, self.hash);
+            fs::read(folder.join(name)).unwrap_or_default()
+        };
+        [read("sculpture"), read("trace")].concat() == self.bytes
+    }
+
     pub(crate) fn of_packed(facts: UploadFacts, first: &[u8], trace: &[u8]) -> Self {
         let bytes = [&facts.to_bytes()[..], first, trace].concat();
         Parcel { facts, hash: hash_of(&bytes), bytes }
@@ -139,6 +168,10 @@ impl Parcel {
 }
 
 pub(crate) fn deflate(bytes: &[u8]) -> Vec<u8> {
-    let mut encoder = DeflateEncoder::new(Vec::new(), Compression::fast());
+    deflate_by(bytes, Compression::fast())
+}
+
+fn deflate_by(bytes: &[u8], level: Compression) -> Vec<u8> {
+    let mut encoder = DeflateEncoder::new(Vec::new(), level);
     encoder.write_all(bytes).and_then(|()| encoder.finish()).expect("memory")
 }

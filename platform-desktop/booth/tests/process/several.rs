@@ -81,10 +81,10 @@ fn send(clients: &[Client; 2], headset: &Headset, parcel: &Parcel) -> SignedRece
     }
 }
 
-/// The sculptures whose meshes were compared, as a booth's log has them.
-fn compared(folder: &BoothFolder) -> Vec<String> {
+/// The sculptures whose meshes were made, as a booth's log has them.
+fn made_meshes(folder: &BoothFolder) -> Vec<String> {
     let log = folder.log();
-    let lines = log.lines().filter(|line| line.contains("mesh compared"));
+    let lines = log.lines().filter(|line| line.contains("mesh made"));
     lines.filter_map(|line| Some(line.split("id=").nth(1)?.split(' ').next()?.to_owned())).collect()
 }
 
@@ -107,12 +107,9 @@ fn two_share_the_load_and_one_that_is_killed_loses_nothing() {
             scope.spawn(move || {
                 for k in 0..PARCELS_EACH {
                     let number = headset.number * PARCELS_EACH + k;
-                    let kind = if number.is_multiple_of(10) {
-                        ParcelKind::Mesh
-                    } else {
-                        ParcelKind::Volume
-                    };
-                    let parcel = Parcel::new(headset.number, number, kind);
+                    let make =
+                        if number.is_multiple_of(10) { Parcel::large } else { Parcel::volume };
+                    let parcel = make(headset.number, number);
                     let receipt = send(clients, headset, &parcel);
                     signed.lock().unwrap().insert(number, (parcel, receipt));
                     receipts.fetch_add(1, Ordering::Relaxed);
@@ -140,19 +137,18 @@ fn two_share_the_load_and_one_that_is_killed_loses_nothing() {
         let headset = headsets.iter().find(|headset| headset.number == parcel.facts.headset);
         let answer = headset.expect("its own").put(&three.client, parcel, 0, &[]).unwrap();
         assert_eq!((answer.status, answer.body), (200, receipt.to_bytes().into()));
-        let name = format!("site/sculptures/{}-{}.sculpture", parcel.facts.id, parcel.hash);
-        let kept = std::fs::read(shared.bucket.folder(&name)).expect("it is kept");
-        assert!(kept == parcel.bytes, "{name}");
+        let kept = shared.bucket.folder("site/sculptures");
+        assert!(parcel.is_kept_in(&kept), "{}", parcel.facts.id);
     }
     check_exports(&folders);
     println!("{} receipts in {seconds:.1} s", signed.len());
 }
 
-/// Meshes are compared by both, each by one of them.
+/// Meshes are made by both, each by one of them.
 fn check_exports(folders: &[BoothFolder; 2]) {
-    let (start, before) = (Instant::now(), compared(&folders[1]).len());
+    let (start, before) = (Instant::now(), made_meshes(&folders[1]).len());
     let mut all = loop {
-        let [one, two] = [compared(&folders[0]), compared(&folders[1])];
+        let [one, two] = [made_meshes(&folders[0]), made_meshes(&folders[1])];
         // The one that was started last has done some too.
         if one.len() >= 8 && two.len() >= before + 4 {
             break [one, two].concat();
@@ -163,7 +159,7 @@ fn check_exports(folders: &[BoothFolder; 2]) {
     all.sort();
     let count = all.len();
     all.dedup();
-    assert_eq!(all.len(), count, "one was compared twice");
+    assert_eq!(all.len(), count, "one was made twice");
 }
 
 /// A slicer takes minutes of a processor: none slices what the other one does.
@@ -209,7 +205,7 @@ fn a_booth_alone_may_keep_its_files_in_a_bucket() {
     let folder = folder.sharing(&["--files", "s3://booth/site"], bucket.settings());
     let booth = folder.start();
     let headset = Headset::enrol(&booth.client, folder.fleet_token(), 1);
-    let parcel = Parcel::new(headset.number, 1, ParcelKind::Volume);
+    let parcel = Parcel::volume(headset.number, 1);
     let receipt = headset.upload(&booth.client, &parcel).unwrap().expect("a receipt");
     let name = format!("site/sculptures/{}-{}.sculpture", parcel.facts.id, parcel.hash);
     assert!(std::fs::read(bucket.folder(&name)).expect("it is kept") == parcel.bytes);

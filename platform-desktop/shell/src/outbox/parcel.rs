@@ -1,4 +1,4 @@
-//! Parcels: a head with the facts, a packed volume or mesh, a packed trace.
+//! Parcels: a head with the facts, a packed volume, a packed trace.
 
 use std::fmt;
 
@@ -48,21 +48,21 @@ impl Parcel {
     /// Where the booth would refuse it: a file that is empty or too long, or other facts that no sculpture has.
     pub fn pack(
         facts: &UploadFacts,
-        first_file: &[u8],
+        volume: &[u8],
         trace: Option<&[u8]>,
     ) -> Result<Self, ParcelFault> {
-        let packed = compress_to_vec(first_file, LEVEL);
+        let packed = compress_to_vec(volume, LEVEL);
         let trace = trace.unwrap_or_default();
         let packed_trace =
             if trace.is_empty() { Vec::new() } else { compress_to_vec(trace, LEVEL) };
-        let found = (first_file.len() + trace.len()) as u64;
+        let found = (volume.len() + trace.len()) as u64;
         let length = |len: usize| {
             let told = ParcelFault::Length { told: MAX_PARCEL_BYTES, found };
             u32::try_from(len).map_err(|_| told)
         };
         let facts = UploadFacts {
             volume_bytes: length(packed.len())?,
-            volume_raw_bytes: length(first_file.len())?,
+            volume_raw_bytes: length(volume.len())?,
             trace_bytes: length(packed_trace.len())?,
             trace_raw_bytes: length(trace.len())?,
             ..*facts

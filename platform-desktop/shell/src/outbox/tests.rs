@@ -9,8 +9,8 @@ use std::path::PathBuf;
 use ed25519_dalek::{Signer, SigningKey};
 use paros_core::badge::LeaseReport;
 use paros_core::outbox::messages::{
-    AgeGroup, ContentHash, FinishCause, HeatLevel, ParcelKind, Receipt, ReceiptKey, ReceiptOutcome,
-    SculptureId, SignedReceipt, SiteId, UploadFacts,
+    AgeGroup, FinishCause, HeatLevel, Receipt, ReceiptKey, ReceiptOutcome, SculptureId,
+    SignedReceipt, SiteId, UploadFacts,
 };
 use paros_core::outbox::{EntryState, HeadsetStatus, OutboxOwner, OutboxSettings};
 use paros_core::session::SessionMode;
@@ -120,7 +120,6 @@ impl Drop for Folder {
 
 fn parcel(number: u8) -> Parcel {
     let facts = UploadFacts {
-        kind: ParcelKind::Volume,
         id: SculptureId([number; 16]),
         headset: OWNER.headset,
         badge: None,
@@ -133,8 +132,6 @@ fn parcel(number: u8) -> Parcel {
         sculpting_seconds: 1,
         finished_at: 1,
         height_mm_tenths: 1200,
-        stl_hash: ContentHash([1; 32]),
-        stl_bytes: 84,
         volume_bytes: 0,
         volume_raw_bytes: 0,
         trace_bytes: 0,
@@ -290,8 +287,8 @@ fn nothing_but_the_sites_signature_is_a_receipt() {
         answer(&mut driver, &mut host, status, b"what".to_vec());
         assert_eq!(state(&driver, &parcel), Some(EntryState::Sending { held: 0 }), "{status}");
     }
-    answer(&mut driver, &mut host, 202, 100u64.to_le_bytes().to_vec());
-    assert_eq!(state(&driver, &parcel), Some(EntryState::Sending { held: 100 }));
+    answer(&mut driver, &mut host, 202, 70u64.to_le_bytes().to_vec());
+    assert_eq!(state(&driver, &parcel), Some(EntryState::Sending { held: 70 }));
     for (status, event) in [(401, OutboxEvent::UnknownToken), (403, OutboxEvent::ShutOut)] {
         answer(&mut driver, &mut host, status, Vec::new());
         assert!(host.events.contains(&event), "{status}");

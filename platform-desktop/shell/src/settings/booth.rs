@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use paros_core::outbox::OutboxSettings;
-use paros_core::outbox::messages::ParcelKind;
 
 use crate::outbox::enrolment::enrolment_file;
 
@@ -12,8 +11,6 @@ use crate::outbox::enrolment::enrolment_file;
 pub struct BoothSettings {
     /// The file that an enrolment left; the one beside the saved sessions if not set.
     pub enrolment: Option<PathBuf>,
-    /// Whether the mesh is sent instead of the volume.
-    pub sends_mesh: bool,
     /// Whether traces are sent.
     pub sends_traces: bool,
     /// Days for which a sculpture stays here after its receipt.
@@ -25,25 +22,13 @@ pub struct BoothSettings {
 impl BoothSettings {
     /// Before any setting is stored.
     pub(super) const fn unset() -> Self {
-        BoothSettings {
-            enrolment: None,
-            sends_mesh: false,
-            sends_traces: false,
-            grace_days: 0,
-            space_mb: 0,
-        }
+        BoothSettings { enrolment: None, sends_traces: false, grace_days: 0, space_mb: 0 }
     }
 
     /// Where the enrolment is kept, beside saved sessions in `sessions` unless the setting is absolute.
     #[must_use]
     pub fn enrolment_path(&self, sessions: &Path) -> PathBuf {
         self.enrolment.as_ref().map_or_else(|| enrolment_file(sessions), |path| sessions.join(path))
-    }
-
-    /// What a parcel's first file is.
-    #[must_use]
-    pub const fn kind(&self) -> ParcelKind {
-        if self.sends_mesh { ParcelKind::Mesh } else { ParcelKind::Volume }
     }
 
     /// As the outbox takes them.

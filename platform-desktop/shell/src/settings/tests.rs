@@ -32,7 +32,6 @@ fn the_defaults_are_those_that_hold_without_a_file() {
         visits: None,
         booth: BoothSettings {
             enrolment: None,
-            sends_mesh: false,
             sends_traces: false,
             grace_days: 3,
             space_mb: 1024,
@@ -48,7 +47,7 @@ fn the_defaults_are_those_that_hold_without_a_file() {
 fn every_setting_has_a_place_of_its_own() {
     let text = "size = 256\nmode = \"cat\"\nhandover_seconds = 120\nsteady_mm = 20\nsnap_heights = false\n\
         refresh_rate_hz = 90\nfoveation = \"medium\"\nleast_resolution_percent = 90\nsamples = 2\nsubmit_depth = true\nsound_percent = 0\nrecord = \"a\"\n\
-        kiosk = true\nkiosk_seconds = 60\nbooth_enrolment = \"e\"\nbooth_send = \"stl\"\nbooth_traces = true\n\
+        kiosk = true\nkiosk_seconds = 60\nbooth_enrolment = \"e\"\nbooth_traces = true\n\
         booth_grace_days = 0\nbooth_space_mb = 64\n";
     // Those of visits have a test of their own.
     let visits = |setting: &&Setting| setting.name == "visits" || setting.name == "email_from_age";
@@ -74,7 +73,6 @@ fn every_setting_has_a_place_of_its_own() {
         visits: None,
         booth: BoothSettings {
             enrolment: Some("e".into()),
-            sends_mesh: true,
             sends_traces: true,
             grace_days: 0,
             space_mb: 64,

@@ -6,9 +6,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use paros_core::badge::{BadgeNumber, Language};
 use paros_core::codec::trace::CORE_VERSION;
 use paros_core::limits::INTERVALS;
-use paros_core::outbox::messages::{
-    AgeGroup, ContentHash, FinishCause, ParcelKind, SculptureId, UploadFacts,
-};
+use paros_core::outbox::messages::{AgeGroup, ContentHash, FinishCause, SculptureId, UploadFacts};
 use paros_core::session::{SessionMode, SessionState, TICK_RATE};
 use paros_core::visit::{PlanSetting, VisitPhase};
 use paros_core::volume::{Grid, Size};
@@ -28,8 +26,6 @@ const PARCEL_TIMEOUT: Duration = Duration::from_secs(2);
 /// What is sent.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct SendPlan {
-    /// A parcel's first file.
-    pub kind: ParcelKind,
     /// Whether traces are sent.
     pub sends_traces: bool,
     /// The visits' languages, by their numbers; a session that is no visit's has the first.
@@ -97,7 +93,6 @@ impl Outgoing {
         let language = self.plan.languages.get(usize::from(world.visit().language()));
         let language = language.or(self.plan.languages.first()).copied().unwrap_or_default();
         UploadFacts {
-            kind: self.plan.kind,
             id,
             headset: self.courier.headset(),
             badge: None,
@@ -113,8 +108,6 @@ impl Outgoing {
             sculpting_seconds: self.sculpting_ticks / TICK_RATE,
             finished_at: now.as_secs(),
             height_mm_tenths: ((height_mm * 10.0).round() as u16).max(1),
-            stl_hash: ContentHash([0; 32]),
-            stl_bytes: 0,
             volume_bytes: 0,
             volume_raw_bytes: 0,
             trace_bytes: 0,

@@ -6,12 +6,11 @@ use std::thread;
 
 use paros_core::badge::{BadgeNumber, Language, write_words};
 use paros_core::limits::INTERVALS;
-use paros_core::outbox::messages::{ParcelKind, UploadFacts};
+use paros_core::outbox::messages::UploadFacts;
 use paros_core::volume::{Grid, Size};
 use paros_core::{RangeMaps, World};
 
 use super::DrawPicture;
-use super::sealing::{SealedStl, StlSeal, StlState};
 use crate::outbox::courier::ParcelDraft;
 use crate::rmap;
 use crate::stl_export::{FinishedStl, StlExporter};
@@ -19,10 +18,10 @@ use crate::stl_export::{FinishedStl, StlExporter};
 /// Each file's extension and bytes.
 pub(super) type FilesByExtension = Vec<(&'static str, Vec<u8>)>;
 
-/// What is sent of a sculpture beside its volume or mesh.
+/// What is sent of a sculpture beside its volume.
 #[derive(Debug)]
 pub(super) struct SentSculpture {
-    /// What is known of it, but for its print and its badge.
+    /// What is known of it, but for its badge.
     pub(super) facts: UploadFacts,
     /// The trace, where it is sent.
     pub(super) trace: Option<Vec<u8>>,
@@ -42,7 +41,8 @@ pub(super) struct MadeSculpture {
 /// The parts made so far.
 #[derive(Debug)]
 pub(super) struct SculptureFiles {
-    stl: StlState,
+    /// The print, once it is made.
+    stl: Option<FinishedStl>,
     picture: PictureState,
     rmap: Vec<u8>,
     /// Of a visit: the badge by which the sculpture is found.
@@ -74,8 +74,7 @@ impl SculptureFiles {
             let _ = tell.send(draw_picture(&copy));
         });
         let picture = PictureState::Drawing(drawing);
-        let stl = StlState::Making;
-        SculptureFiles { stl, picture, rmap: rmap::encode(maps), badge: None, sent: None }
+        SculptureFiles { stl: None, picture, rmap: rmap::encode(maps), badge: None, sent: None }
     }
 
     /// Has a parcel made too. Before the print is.
@@ -88,12 +87,9 @@ impl SculptureFiles {
         &self.rmap
     }
 
-    /// Keeps the STL file, if it is finished.
+    /// Keeps the STL file, if it is finished. The first one counts.
     pub(super) fn keep_stl(&mut self, stl: Option<FinishedStl>) {
-        let sends_copy = self.sent.as_ref().map(|sent| sent.facts.kind == ParcelKind::Mesh);
-        if let Some(stl) = stl {
-            self.stl.keep(stl, sends_copy);
-        }
+        self.stl = self.stl.take().or(stl);
     }
 
     /// Notes the badge that the visitor is shown.
@@ -112,9 +108,8 @@ impl SculptureFiles {
         self.wait_for_picture();
     }
 
-    /// Waits for what threads make: the picture, and the print's hash.
+    /// Waits for the picture, which a thread makes.
     pub(super) fn wait_for_picture(&mut self) {
-        self.stl.wait();
         if let PictureState::Drawing(drawing) = &self.picture {
             let drawn = drawing.recv().unwrap_or_else(|_| Err("no picture was drawn".into()));
             self.picture = PictureState::Drawn(drawn);
@@ -133,18 +128,17 @@ impl SculptureFiles {
             };
         }
         let PictureState::Drawn(drawn) = &mut self.picture else { return None };
-        let Some(SealedStl { stl, seal }) = self.stl.take_done()? else {
-            return Some(Err("the print's hash could not be made".into()));
-        };
+        let stl = self.stl.take()?;
         if stl.triangle_count == 0 {
             return Some(Err("nothing is left to print".into()));
         }
         let sent = self.sent.take();
         let is_written = sent.as_ref().is_some_and(|sent| sent.is_written);
-        let bytes = stl.bytes.len() as u64;
-        let draft = sent
-            .zip(seal)
-            .map(|(sent, seal)| make_draft(sent, (seal, bytes), self.badge, &self.rmap));
+        let draft = sent.map(|sent| ParcelDraft {
+            facts: UploadFacts { badge: self.badge, ..sent.facts },
+            volume: self.rmap.clone(),
+            trace: sent.trace,
+        });
         if is_written {
             return Some(Ok(MadeSculpture { files: Vec::new(), draft }));
         }
@@ -158,17 +152,6 @@ impl SculptureFiles {
         }
         Some(Ok(MadeSculpture { files, draft }))
     }
-}
-
-fn make_draft(
-    sent: SentSculpture,
-    (seal, stl_bytes): (StlSeal, u64),
-    badge: Option<BadgeNumber>,
-    rmap: &[u8],
-) -> ParcelDraft {
-    let facts = UploadFacts { badge, stl_hash: seal.hash, stl_bytes, ..sent.facts };
-    let first_file = seal.copy.unwrap_or_else(|| rmap.to_vec());
-    ParcelDraft { facts, first_file, trace: sent.trace }
 }
 
 /// A badge's words in a line for each language, and its number, for who looks for a sculpture among files.

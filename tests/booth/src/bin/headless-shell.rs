@@ -14,7 +14,6 @@ use glam::Vec3;
 use paros_core::TickInput;
 use paros_core::badge::Language;
 use paros_core::edit::Pose;
-use paros_core::outbox::messages::ParcelKind;
 use paros_core::session::{BenchItem, PointerCommand, SessionMode, SessionState, Tool};
 use paros_core::visit::{PanelAction, PlanSetting, Presence, VisitCommand, VisitInput, VisitPhase};
 use paros_core::volume::Grid;
@@ -58,7 +57,7 @@ fn run(folder: &Path, visits: u32, seed: u64) -> ExitCode {
     match Courier::open_enrolled(&settings, &sessions, read_clock_ms, open_link) {
         Ok(Some(courier)) => {
             let languages = vec![Language::Greek];
-            let plan = SendPlan { kind: ParcelKind::Volume, sends_traces: false, languages };
+            let plan = SendPlan { sends_traces: false, languages };
             studio.set_courier(courier, plan);
         }
         Ok(None) => {

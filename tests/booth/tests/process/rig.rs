@@ -1,6 +1,5 @@
 //! Folders of a booth and a shell, and their processes.
 
-use std::collections::BTreeSet;
 use std::fs;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -9,13 +8,12 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use paros_booth_process::BoothProcess;
-use paros_core::outbox::messages::{ContentHash, DeviceName};
+use paros_core::outbox::messages::{DeviceName, UploadFacts};
 use paros_outbox_link::HttpsCaller;
 use paros_shell::outbox::Parcel;
 use paros_shell::outbox::enrolment::{
     ENROL_TIMEOUT, FleetFile, NewDevice, enrol_by_fleet, enrolment_file,
 };
-use sha2::{Digest as _, Sha256};
 
 /// How long anything may take.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -122,13 +120,18 @@ impl Place {
         kept.map(|path| Parcel::read(fs::read(path).expect("a file")).expect("whole")).collect()
     }
 
-    /// SHA-256 of the prints in the shell's folder.
-    pub(crate) fn print_hashes(&self) -> BTreeSet<ContentHash> {
+    /// The volumes in the shell's folder.
+    pub(crate) fn volumes(&self) -> Vec<Vec<u8>> {
         let names = fs::read_dir(self.shell_folder().join("sculptures")).expect("a folder");
         let paths = names.map(|entry| entry.expect("a file").path());
-        let prints = paths.filter(|path| path.extension() == Some("stl".as_ref()));
-        prints.map(|path| ContentHash(Sha256::digest(fs::read(path).unwrap()).into())).collect()
+        let volumes = paths.filter(|path| path.extension() == Some("rmap".as_ref()));
+        volumes.map(|path| fs::read(path).expect("a file")).collect()
     }
+}
+
+/// A parcel's volume, as it is packed.
+pub(crate) fn packed_volume(parcel: &Parcel) -> &[u8] {
+    &parcel.bytes()[UploadFacts::BYTES..][..parcel.facts().volume_bytes as usize]
 }
 
 /// Waits until a booth's log has a text so often.

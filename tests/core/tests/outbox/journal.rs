@@ -108,7 +108,7 @@ fn forgeries_are_refused() {
         (FIRST + 16, &[6], "where a sculpture stands"),
         (FIRST + 16, &[1], "where a sculpture stands"),
         (FIRST + 25, &[0; 32], "a parcel's hash"),
-        (FIRST + 57, &105u32.to_le_bytes(), "a parcel's hash"),
+        (FIRST + 57, &64u32.to_le_bytes(), "a parcel's hash"),
         (FIRST + 57, &u32::MAX.to_le_bytes(), "a parcel's hash"),
         (announced + 57, &200u32.to_le_bytes(), "a parcel's hash"),
         (announced + 16, &[1], "a parcel's hash"),

@@ -5,8 +5,8 @@ use paros_core::codec::BadBytes;
 use paros_core::outbox::messages::{
     AgeGroup, Announcement, AnnouncementState, Announcements, BoothCommand, CommandKind,
     CommandOutcome, CommandReport, ContentHash, DeviceHint, DeviceName, EnrolAnswer,
-    EnrolmentToken, FinishCause, FleetEnrolment, Heartbeat, HeartbeatAnswer, HeatLevel, ParcelKind,
-    Receipt, ReceiptKey, ReceiptOutcome, SculptureId, SignedReceipt, SiteId, UploadFacts,
+    EnrolmentToken, FinishCause, FleetEnrolment, Heartbeat, HeartbeatAnswer, HeatLevel, Receipt,
+    ReceiptKey, ReceiptOutcome, SculptureId, SignedReceipt, SiteId, UploadFacts,
 };
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
@@ -34,16 +34,10 @@ pub(crate) fn any_badge(dice: &mut RandomSource) -> Option<BadgeNumber> {
 }
 
 pub(crate) fn any_facts(dice: &mut RandomSource) -> UploadFacts {
-    let kind = pick(dice, &ParcelKind::ALL);
-    let stl_bytes = 84 + 50 * (dice.next_bits() % 100_000);
-    let volume_raw_bytes = match kind {
-        ParcelKind::Volume => 1 + dice.next_bits() as u32 % (2 << 20),
-        ParcelKind::Mesh => stl_bytes as u32,
-    };
+    let volume_raw_bytes = 1 + dice.next_bits() as u32 % (2 << 20);
     let has_trace = dice.next_bits() & 1 == 1;
     let trace_raw_bytes = if has_trace { 1 + dice.next_bits() as u32 % 1_000_000 } else { 0 };
     UploadFacts {
-        kind,
         id: SculptureId(bytes(dice)),
         headset: HEADSET,
         badge: any_badge(dice),
@@ -56,8 +50,6 @@ pub(crate) fn any_facts(dice: &mut RandomSource) -> UploadFacts {
         sculpting_seconds: dice.next_bits() as u32,
         finished_at: dice.next_bits(),
         height_mm_tenths: 1 + dice.next_bits() as u16 % 3000,
-        stl_hash: ContentHash(bytes(dice)),
-        stl_bytes,
         volume_bytes: 1 + dice.next_bits() as u32 % volume_raw_bytes,
         volume_raw_bytes,
         trace_bytes: if has_trace { 1 + dice.next_bits() as u32 % trace_raw_bytes } else { 0 },

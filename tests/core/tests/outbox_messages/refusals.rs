@@ -6,7 +6,7 @@ use paros_core::badge::{BadgeLease, BadgeLedger, BadgeNumber, DAY_SECONDS, Lease
 use paros_core::codec::BadBytes;
 use paros_core::outbox::messages::{
     Announcement, AnnouncementState, Announcements, BoothCommand, CommandKind, Heartbeat,
-    HeartbeatAnswer, ParcelKind, Receipt, SculptureId, SignedReceipt, UploadFacts,
+    HeartbeatAnswer, Receipt, SculptureId, SignedReceipt, UploadFacts,
 };
 use paros_models::random_visitor::RandomSource;
 
@@ -30,45 +30,37 @@ pub(crate) fn check_refused<T: Debug>(
 #[test]
 fn facts_that_no_headset_has_are_refused() {
     let facts = UploadFacts {
-        kind: ParcelKind::Mesh,
         volume_bytes: 50,
         volume_raw_bytes: 134,
-        stl_bytes: 134,
         trace_bytes: 0,
         trace_raw_bytes: 0,
         ..any_facts(&mut RandomSource::new(1))
     };
     let faults: &[(usize, &[u8], &str)] = &[
-        (1, &[2], "0 for a volume"),
-        (2, &[0; 16], "a sculpture's id"),
-        (18, &[0; 4], "a headset's number"),
-        (22, &BadgeNumber::COUNT.to_le_bytes(), "the number of a badge"),
-        (28, &[64, 0], "128 or 256"),
-        (30, &[3], "how a session ended"),
-        (31, b"En", "two small letters"),
-        (33, &[0, 0], "starts from"),
-        (33, &[1, 7], "starts from"),
-        (35, &[3], "an age group"),
-        (48, &[0, 0], "a height"),
-        (50, &[0; 32], "a SHA-256"),
-        (82, &[83, 0], "an STL's length"),
-        (82, &[135, 0], "an STL's length"),
-        (82, &[184, 0], "a first file's lengths"),
-        (90, &[0; 4], "a first file's lengths"),
-        (90, &199u32.to_le_bytes(), "a first file's lengths"),
-        (94, &133u32.to_le_bytes(), "a first file's lengths"),
-        (98, &[1], "a trace's lengths"),
-        (102, &[1], "a trace's lengths"),
-        (98, &[66, 0, 0, 0, 1, 0, 0, 0], "a trace's lengths"),
+        (1, &[0; 16], "a sculpture's id"),
+        (17, &[0; 4], "a headset's number"),
+        (21, &BadgeNumber::COUNT.to_le_bytes(), "the number of a badge"),
+        (27, &[64, 0], "128 or 256"),
+        (29, &[3], "how a session ended"),
+        (30, b"En", "two small letters"),
+        (32, &[0, 0], "starts from"),
+        (32, &[1, 7], "starts from"),
+        (34, &[3], "an age group"),
+        (47, &[0, 0], "a height"),
+        (49, &[0; 4], "a volume's lengths"),
+        (49, &199u32.to_le_bytes(), "a volume's lengths"),
+        (53, &[0; 4], "a volume's lengths"),
+        (57, &[1], "a trace's lengths"),
+        (61, &[1], "a trace's lengths"),
+        (57, &[66, 0, 0, 0, 1, 0, 0, 0], "a trace's lengths"),
     ];
     check_refused(&facts.to_bytes(), UploadFacts::from_bytes, faults);
-    let volume = UploadFacts { kind: ParcelKind::Volume, ..facts };
-    assert!(UploadFacts::from_bytes(&volume.to_bytes()).is_ok());
+    let volume = facts;
     let bomb = UploadFacts { volume_raw_bytes: (2 << 20) + 1, ..volume };
     assert!(UploadFacts::from_bytes(&bomb.to_bytes()).is_err(), "it unpacks to more than a volume");
     let whole = UploadFacts { trace_bytes: 33 << 20, trace_raw_bytes: 64 << 20, ..volume };
     assert!(UploadFacts::from_bytes(&whole.to_bytes()).is_err(), "it is larger than a parcel");
-    assert_eq!(volume.parcel_bytes(), 106 + 50);
+    assert_eq!(volume.parcel_bytes(), 65 + 50);
 }
 
 #[test]

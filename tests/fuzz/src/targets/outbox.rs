@@ -5,7 +5,7 @@ use paros_core::codec::BadBytes;
 use paros_core::internals::checksum;
 use paros_core::outbox::messages::{
     AgeGroup, ContentHash, EnrolAnswer, FinishCause, FleetEnrolment, Heartbeat, HeartbeatAnswer,
-    HeatLevel, ParcelKind, SculptureId, SignedReceipt, SiteId, UploadFacts,
+    HeatLevel, SculptureId, SignedReceipt, SiteId, UploadFacts,
 };
 use paros_core::outbox::{HeadsetStatus, Outbox, OutboxOwner, OutboxSettings};
 use paros_core::session::SessionMode;
@@ -60,7 +60,6 @@ const STATUS: HeadsetStatus = HeadsetStatus {
 };
 
 const FACTS: UploadFacts = UploadFacts {
-    kind: ParcelKind::Volume,
     id: SculptureId([1; 16]),
     headset: 17,
     badge: None,
@@ -73,8 +72,6 @@ const FACTS: UploadFacts = UploadFacts {
     sculpting_seconds: 540,
     finished_at: 1_790_000_000,
     height_mm_tenths: 1200,
-    stl_hash: ContentHash([3; 32]),
-    stl_bytes: 134,
     volume_bytes: 20,
     volume_raw_bytes: 30,
     trace_bytes: 0,

@@ -11,7 +11,7 @@ pub use devices::{Announcement, Command, CommandState, Device, EnrolToken, Ledge
 pub use grants::BlockGrant;
 pub use people::{Account, AuditEntry, MailOrder, MailState, StaffRole, StaffSession};
 pub use prints::{EstimateState, PrintOrder, PrintState};
-pub use sculptures::{BadgeClaim, MeshComparison, Sculpture, Tombstone};
+pub use sculptures::{BadgeClaim, ExportState, Sculpture, Tombstone};
 pub use work::{WorkKind, WorkLease};
 
 use crate::table::{Record, Table};

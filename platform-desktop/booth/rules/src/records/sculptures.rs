@@ -22,16 +22,14 @@ stored_enum! {
 }
 
 stored_enum! {
-    /// Whether the booth makes the same mesh of a volume as the headset.
-    pub enum MeshComparison {
+    /// Whether the booth can make a sculpture's mesh.
+    pub enum ExportState {
         /// It wasn't tried yet.
         Queued = 0,
-        /// It does, byte by byte.
-        Equal = 1,
-        /// It makes another, as other versions may.
-        Different = 2,
+        /// It can: the mesh is closed, and there is a picture.
+        Made = 1,
         /// It can't make one, or one that isn't closed or of a sane size.
-        Failed = 3,
+        Failed = 2,
     }
 }
 
@@ -61,7 +59,7 @@ record! {
         /// Whether the trace that came with it is here.
         pub has_trace: bool,
         /// What the booth makes of it.
-        pub export: MeshComparison,
+        pub export: ExportState,
         /// Which of its visitor's links is the valid one.
         pub link_generation: u32,
         /// Whether that one was taken back.

@@ -180,7 +180,6 @@ pub(crate) struct Parcel {
 impl Parcel {
     pub(crate) fn new(headset: u32, id: u8, badge: Option<BadgeNumber>) -> Self {
         Parcel::of_facts(UploadFacts {
-            kind: ParcelKind::Volume,
             id: SculptureId([id; 16]),
             headset,
             badge,
@@ -193,8 +192,6 @@ impl Parcel {
             sculpting_seconds: 300,
             finished_at: 1,
             height_mm_tenths: 1200,
-            stl_hash: ContentHash([1; 32]),
-            stl_bytes: 84 + 50,
             volume_bytes: 5000,
             volume_raw_bytes: 5000,
             trace_bytes: 0,

@@ -21,8 +21,8 @@ pub struct FinishedSculpture {
 pub struct ParcelDraft {
     /// Its facts, but for the lengths.
     pub facts: UploadFacts,
-    /// The volume or the mesh, as [`UploadFacts::kind`] says.
-    pub first_file: Vec<u8>,
+    /// The volume, an `.rmap`.
+    pub volume: Vec<u8>,
     /// The trace, where one is sent.
     pub trace: Option<Vec<u8>>,
 }

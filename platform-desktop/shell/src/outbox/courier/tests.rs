@@ -14,7 +14,6 @@ use super::{FinishedSculpture, Keeping, ParcelDraft};
 
 fn draft(id: SculptureId, badge: Option<BadgeNumber>) -> ParcelDraft {
     let facts = UploadFacts {
-        kind: ParcelKind::Volume,
         id,
         headset: OWNER.headset,
         badge,
@@ -27,14 +26,12 @@ fn draft(id: SculptureId, badge: Option<BadgeNumber>) -> ParcelDraft {
         sculpting_seconds: 60,
         finished_at: 1,
         height_mm_tenths: 1200,
-        stl_hash: ContentHash([4; 32]),
-        stl_bytes: 134,
         volume_bytes: 0,
         volume_raw_bytes: 0,
         trace_bytes: 0,
         trace_raw_bytes: 0,
     };
-    ParcelDraft { facts, first_file: b"a volume".to_vec(), trace: None }
+    ParcelDraft { facts, volume: b"a volume".to_vec(), trace: None }
 }
 
 fn parcels(folder: &Path) -> usize {

@@ -203,8 +203,8 @@ impl Work {
     }
 
     fn pack_and_keep(&mut self, draft: ParcelDraft) {
-        let ParcelDraft { facts, first_file, trace } = draft;
-        match Parcel::pack(&facts, &first_file, trace.as_deref()) {
+        let ParcelDraft { facts, volume, trace } = draft;
+        match Parcel::pack(&facts, &volume, trace.as_deref()) {
             Ok(parcel) => self.keep(parcel),
             Err(fault) => {
                 self.host.board().add_note(format!("sculpture {}: {fault}", facts.id));

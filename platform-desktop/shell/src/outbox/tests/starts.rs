@@ -28,7 +28,7 @@ fn a_journal_that_is_damaged_costs_nothing_but_receipts() {
         bytes[at] ^= 1;
         fs::write(&path, &bytes).expect("room on the disk");
     };
-    spoil(2, 130);
+    spoil(2, 80);
     let mut driver = folder.open();
     let mut host = Host::default();
     driver.step(&mut host);

@@ -3,10 +3,7 @@
 use super::{Setting, SettingScope};
 use crate::settings::value::{SettingDefault, SettingKind, SettingValue};
 
-/// The words of what is sent: a volume, from which the booth makes the mesh anew, or the mesh.
-pub(super) const SEND_WORDS: [&str; 2] = ["volume", "stl"];
-
-pub(super) const BOOTH_ROWS: [Setting; 5] = [
+pub(super) const BOOTH_ROWS: [Setting; 4] = [
     Setting {
         name: "booth_enrolment",
         kind: SettingKind::Path,
@@ -22,15 +19,6 @@ pub(super) const BOOTH_ROWS: [Setting; 5] = [
                 settings.booth.enrolment = Some(path);
             }
         },
-    },
-    Setting {
-        name: "booth_send",
-        kind: SettingKind::Words(&SEND_WORDS),
-        default: SettingDefault::Word(SEND_WORDS[0]),
-        scope: SettingScope::Both,
-        summary: "At a booth: what is sent of a sculpture, the volume or the STL file.",
-        reason: "a volume takes some 11 KB where a mesh takes megabytes, and the booth makes the same mesh of it",
-        store: |settings, value| settings.booth.sends_mesh = value.word() == Some(SEND_WORDS[1]),
     },
     Setting {
         name: "booth_traces",
@@ -57,7 +45,7 @@ pub(super) const BOOTH_ROWS: [Setting; 5] = [
         scope: SettingScope::Both,
         summary: "At a booth: megabytes that sculptures on their way may take in the device. Who hands it over is told when it is \
             nearly full.",
-        reason: "256 meshes of 4 MB, or five days of visits without the booth; what is signed for makes room first",
+        reason: "many times what five days of visits without the booth take, with traces; what is signed for makes room first",
         store: |settings, value| settings.booth.space_mb = value.number().unwrap_or(0),
     },
 ];
