@@ -26,7 +26,7 @@ stored_enum! {
     pub enum ExportState {
         /// It wasn't tried yet.
         Queued = 0,
-        /// It can: the mesh is closed, and there is a picture.
+        /// It can, and the mesh is closed.
         Made = 1,
         /// It can't make one, or one that isn't closed or of a sane size.
         Failed = 2,
