@@ -111,7 +111,7 @@ fn fill(booth: &Booth, now: BoothTime) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// What a headset would send of a volume.
+/// Returns the parcel that a headset would send of a volume.
 fn make_parcel(
     k: usize,
     volume: &[u8],

@@ -64,7 +64,7 @@ fn check_export(booth: &Booth, sculpture: &Sculpture) -> Result<(), Refusal> {
     booth.note_export(&id, state)
 }
 
-/// What a kept sculpture's mesh is.
+/// Makes the mesh of a kept sculpture and checks it.
 fn check_kept(kept: &[u8]) -> Result<MeshReport, String> {
     let stl = make_stl(kept)?;
     let mut check = MeshCheck::new();

@@ -54,7 +54,7 @@ impl PostgresStore {
     /// Connects, and makes tables where there are none.
     ///
     /// # Errors
-    /// What PostgreSQL says, or that another version made them.
+    /// PostgreSQL's error, or the tables have another version.
     pub fn open(address: PostgresAddress) -> Result<Self, StoreError> {
         let store = PostgresStore { address, idle: Mutex::default(), writers: Mutex::default() };
         let mut link = store.connect()?;

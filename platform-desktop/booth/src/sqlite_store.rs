@@ -42,7 +42,7 @@ impl SqliteStore {
     /// Opens the file, and makes it where there is none.
     ///
     /// # Errors
-    /// What SQLite says, or that another version wrote the file.
+    /// SQLite's error, or the file has another version.
     pub fn open(path: &Path) -> Result<Self, StoreError> {
         let mut writer = open_connection(path, OpenFlags::default())?;
         // First: a file of another version stays as it is.

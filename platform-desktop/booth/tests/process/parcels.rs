@@ -50,7 +50,7 @@ const SOME_TRACE: &[u8] = include_bytes!("../../../../core/examples/replay/groov
 /// Where a trace's head has its number of ticks.
 const TICKS_AT: usize = 12;
 
-/// What a long trace has at least: several pieces of an upload.
+/// The least length of a long trace in bytes: several pieces of an upload.
 const LARGE_TRACE_BYTES: usize = 3 << 20;
 
 /// A sculpture's files.
@@ -152,7 +152,7 @@ impl Parcel {
         Parcel::of_packed(facts, &first, &packed_trace)
     }
 
-    /// Whether a booth's folder has its two files.
+    /// Returns `true` if a booth's folder has the files of this parcel.
     pub(crate) fn is_kept_in(&self, folder: &Path) -> bool {
         let read = |end| {
             let name = format!("{}-{}.{end}", self.facts.id, self.hash);

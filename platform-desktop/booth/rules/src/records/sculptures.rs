@@ -22,7 +22,7 @@ stored_enum! {
 }
 
 stored_enum! {
-    /// Whether the booth can make a sculpture's mesh.
+    /// The state of a sculpture's mesh at the booth.
     pub enum ExportState {
         /// It wasn't tried yet.
         Queued = 0,
