@@ -1,17 +1,17 @@
 //! Errors that end the shell or a session.
 
-use std::fmt;
-
 use openxr as xr;
 use paros_shaders::gpu;
 use paros_shell::durable;
 
 /// What went wrong.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// There is nothing to run on: no loader, no runtime, no headset, or one that lacks something.
+    #[error("{0}")]
     Unavailable(String),
     /// A call of OpenXR failed.
+    #[error("OpenXR could not {action}: {result:?}")]
     Call {
         /// What the call was to do, an infinitive: "make a session".
         action: &'static str,
@@ -19,10 +19,13 @@ pub enum Error {
         result: xr::sys::Result,
     },
     /// The Vulkan device or its driver.
-    Gpu(gpu::Error),
+    #[error(transparent)]
+    Gpu(#[from] gpu::Error),
     /// A file can't be written.
-    File(durable::WriteError),
+    #[error(transparent)]
+    File(#[from] durable::WriteError),
     /// The input is wrong: an argument, or a file's contents.
+    #[error("{0}")]
     Input(String),
 }
 
@@ -54,31 +57,6 @@ impl Error {
             Error::Unavailable(_) | Error::File(_) | Error::Input(_) => return self.to_string(),
         };
         format!("{self}; {remedy}")
-    }
-}
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Error::Unavailable(why) | Error::Input(why) => f.write_str(why),
-            Error::Call { action, result } => write!(f, "OpenXR could not {action}: {result:?}"),
-            Error::Gpu(error) => error.fmt(f),
-            Error::File(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for Error {}
-
-impl From<gpu::Error> for Error {
-    fn from(error: gpu::Error) -> Self {
-        Error::Gpu(error)
-    }
-}
-
-impl From<durable::WriteError> for Error {
-    fn from(error: durable::WriteError) -> Self {
-        Error::File(error)
     }
 }
 

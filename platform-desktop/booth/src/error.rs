@@ -7,11 +7,13 @@ use std::process::ExitCode;
 use paros_booth_rules::{Refusal, StoreError};
 
 /// What failed, and whether input or the program is at fault.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// What was asked, or a file, is wrong: exit code 2.
+    #[error("{0}")]
     Input(String),
     /// Something failed: exit code 1.
+    #[error("{0}")]
     Failure(String),
 }
 
@@ -50,12 +52,3 @@ impl From<StoreError> for Error {
         Error::Failure(error.to_string())
     }
 }
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (Error::Input(why) | Error::Failure(why)) = self;
-        f.write_str(why)
-    }
-}
-
-impl std::error::Error for Error {}

@@ -1,6 +1,5 @@
 //! Errors of a command, the exit codes that say whose fault they are, and the end of a program.
 
-use std::error::Error as StdError;
 use std::fmt;
 use std::io::{self, ErrorKind, Write as _};
 use std::process::ExitCode;
@@ -10,11 +9,13 @@ use paros_shaders::gpu;
 use paros_shell::durable;
 
 /// Why a command did not do its work.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// What it was given is wrong: an argument, or what a file holds. Exit code 2.
+    #[error("{0}")]
     Input(String),
     /// What it was given is right, but the machine would not: a full disk, say. Exit code 1.
+    #[error("{0}")]
     Failure(String),
 }
 
@@ -38,15 +39,6 @@ impl Error {
         }
     }
 }
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (Error::Input(message) | Error::Failure(message)) = self;
-        f.write_str(message)
-    }
-}
-
-impl StdError for Error {}
 
 /// A place where no file can be is the argument's fault; a disk that refuses is not.
 impl From<durable::WriteError> for Error {

@@ -16,7 +16,8 @@ use names::{MAX_TEMPORARY_AGE, is_temporary_name};
 pub use warnings::{StorageLimit, StorageWarning, take_storage_warnings};
 
 /// Why a file could not be written. The target is as it was before.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("{}: cannot {action}: {source}", path.display())]
 pub struct WriteError {
     /// The file that was to be written.
     pub path: PathBuf,
@@ -24,18 +25,6 @@ pub struct WriteError {
     pub action: &'static str,
     /// The system's reason.
     pub source: io::Error,
-}
-
-impl std::fmt::Display for WriteError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}: cannot {}: {}", self.path.display(), self.action, self.source)
-    }
-}
-
-impl std::error::Error for WriteError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        Some(&self.source)
-    }
 }
 
 /// Opens a regular file for reading. Others are refused: a pipe or a device may never end.

@@ -1,6 +1,6 @@
 //! Replays of a trace without a display: the same ticks lead to the same digests on every machine.
 
-use std::fmt::{self, Write};
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use crate::durable::{self, WriteTarget};
@@ -11,13 +11,16 @@ use crate::{with_intervals, with_size};
 use paros_core::volume::{Grid, Size};
 
 /// Why a replay wrote no digests. Its text names the file.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
     /// The file is no trace.
+    #[error(transparent)]
     Trace(TraceError),
     /// The replay differs from what was recorded.
+    #[error("{path}: {1}", path = .0.display())]
     ReplayDivergence(PathBuf, ReplayDivergence),
     /// The digests can't be written.
+    #[error(transparent)]
     Write(durable::WriteError),
 }
 
@@ -55,17 +58,3 @@ where
     })?;
     Ok(digests)
 }
-
-impl fmt::Display for ReplayError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            ReplayError::Trace(error) => error.fmt(f),
-            ReplayError::ReplayDivergence(path, diverged) => {
-                write!(f, "{}: {diverged}", path.display())
-            }
-            ReplayError::Write(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for ReplayError {}

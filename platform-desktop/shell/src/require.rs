@@ -3,14 +3,15 @@
 //! that lists what was skipped, for who runs it again once the dependency is there.
 
 use std::env;
-use std::fmt::{self, Display};
+use std::fmt::Display;
 use std::fs::OpenOptions;
 use std::io::{self, Write};
 use std::path::Path;
 use std::thread;
 
 /// A required dependency is missing, or nobody could be told that it was. Holds the reason.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("{0}")]
 pub struct MissingDependency(pub String);
 
 /// The dependency, or `None` after a message `skipped: REASON` on standard error.
@@ -70,14 +71,6 @@ fn add_to_list(list: &Path) -> Result<(), MissingDependency> {
     let written = file.and_then(|mut file| file.write_all(line.as_bytes()));
     written.map_err(|error| MissingDependency(format!("{}: {error}", list.display())))
 }
-
-impl Display for MissingDependency {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for MissingDependency {}
 
 #[cfg(test)]
 mod tests {

@@ -1,6 +1,5 @@
 //! Trace files: read and checked as a whole before the first tick is replayed.
 
-use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -18,13 +17,16 @@ pub struct Trace {
 }
 
 /// Why a file is no trace.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum TraceError {
     /// The file can't be read.
+    #[error("{path}: cannot read: {1}", path = .0.display())]
     Read(PathBuf, io::Error),
     /// The header is wrong at a byte.
+    #[error("{}: no trace: expected {} at byte {}", .0.display(), .1.expected, .1.offset)]
     Header(PathBuf, BadBytes),
     /// A tick's record is wrong at a byte of the file.
+    #[error("{}: tick {tick}: expected {} at byte {}", path.display(), bad.expected, bad.offset)]
     Record {
         /// The file.
         path: PathBuf,
@@ -45,9 +47,10 @@ pub struct TraceFault {
 }
 
 /// Where a replay first differs from its trace.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum ReplayDivergence {
     /// Recorded at another size.
+    #[error("before tick 0: recorded at {recorded} voxels a side, played at {here}")]
     Size {
         /// Of the trace.
         recorded: u16,
@@ -55,6 +58,7 @@ pub enum ReplayDivergence {
         here: u16,
     },
     /// Recorded with another number of intervals a column.
+    #[error("before tick 0: intervals a column: {recorded} as recorded, {here} here")]
     Intervals {
         /// Of the trace.
         recorded: u16,
@@ -62,6 +66,9 @@ pub enum ReplayDivergence {
         here: u16,
     },
     /// Recorded on other start volumes.
+    #[error(
+        "before tick 0: recorded on other start volumes (digest {recorded:016x}, these have {here:016x})"
+    )]
     Starts {
         /// Their digest in the trace.
         recorded: u64,
@@ -69,6 +76,9 @@ pub enum ReplayDivergence {
         here: u64,
     },
     /// Recorded from another state of the world.
+    #[error(
+        "before tick 0: recorded from another state (digest {recorded:016x}, this one has {here:016x})"
+    )]
     State {
         /// Its digest in the trace.
         recorded: u64,
@@ -76,6 +86,9 @@ pub enum ReplayDivergence {
         here: u64,
     },
     /// The first tick that led to another state.
+    #[error(
+        "tick {tick}: another state of {part} (digest {here:016x}, the trace has {recorded:016x})"
+    )]
     Tick {
         /// The tick, from 0.
         tick: usize,
@@ -148,57 +161,3 @@ impl ReplayDivergence {
         ReplayDivergence::Intervals { recorded: header.intervals, here: INTERVALS as u16 }
     }
 }
-
-impl fmt::Display for TraceError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            TraceError::Read(path, e) => write!(f, "{}: cannot read: {e}", path.display()),
-            TraceError::Header(path, bad) => write!(
-                f,
-                "{}: no trace: expected {} at byte {}",
-                path.display(),
-                bad.expected,
-                bad.offset
-            ),
-            TraceError::Record { path, tick, bad } => write!(
-                f,
-                "{}: tick {tick}: expected {} at byte {}",
-                path.display(),
-                bad.expected,
-                bad.offset
-            ),
-        }
-    }
-}
-
-impl std::error::Error for TraceError {}
-
-impl fmt::Display for ReplayDivergence {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            ReplayDivergence::Size { recorded, here } => {
-                write!(f, "before tick 0: recorded at {recorded} voxels a side, played at {here}")
-            }
-            ReplayDivergence::Intervals { recorded, here } => {
-                write!(f, "before tick 0: intervals a column: {recorded} as recorded, {here} here")
-            }
-            ReplayDivergence::Starts { recorded, here } => write!(
-                f,
-                "before tick 0: recorded on other start volumes \
-                 (digest {recorded:016x}, these have {here:016x})"
-            ),
-            ReplayDivergence::State { recorded, here } => write!(
-                f,
-                "before tick 0: recorded from another state \
-                 (digest {recorded:016x}, this one has {here:016x})"
-            ),
-            ReplayDivergence::Tick { tick, part, recorded, here } => write!(
-                f,
-                "tick {tick}: another state of {part} \
-                 (digest {here:016x}, the trace has {recorded:016x})"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for ReplayDivergence {}

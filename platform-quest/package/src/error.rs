@@ -4,11 +4,13 @@ use std::fmt;
 use std::process::ExitCode;
 
 /// Why there is no package.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub(crate) enum PackageError {
     /// What the program was given is wrong. Exit code 2.
+    #[error("{0}")]
     Input(String),
     /// The machine lacks something, or would not, or what was built is not fit. Exit code 1.
+    #[error("{0}")]
     Failure(String),
 }
 
@@ -29,12 +31,5 @@ impl PackageError {
             PackageError::Input(_) => ExitCode::from(2),
             PackageError::Failure(_) => ExitCode::FAILURE,
         }
-    }
-}
-
-impl fmt::Display for PackageError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (PackageError::Input(message) | PackageError::Failure(message)) = self;
-        f.write_str(message)
     }
 }

@@ -1,7 +1,6 @@
 //! The calls into the libraries of runtimes and loaders.
 
 use std::ffi::c_void;
-use std::fmt;
 
 use libloading::Library;
 use openxr as xr;
@@ -18,17 +17,22 @@ use super::negotiation::{NegotiationError, negotiate_interface};
 const PROC_ADDR_FUNCTION: &str = "xrGetInstanceProcAddr";
 
 /// Why a library is no use.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum LibraryError {
     /// It can't be opened, for the linker's reason.
+    #[error("can't be opened: {0}")]
     Open(String),
     /// It lacks this function, and so is no runtime or loader.
+    #[error("is no OpenXR runtime: it has no {0}")]
     NoFunction(String),
     /// [`INITIALIZE_FUNCTION`] failed.
+    #[error("{name} failed: {0:?}", name = INITIALIZE_FUNCTION)]
     Initialization(XrResult),
     /// The negotiation failed.
+    #[error("{0}")]
     Refused(NegotiationError),
     /// It lacks a function that every runtime has.
+    #[error("lacks a function of OpenXR: {0:?}")]
     Call(XrResult),
 }
 
@@ -206,19 +210,3 @@ unsafe fn find_symbol<F: Copy>(library: &Library, name: &str) -> Option<F> {
     // SAFETY: as the caller says.
     unsafe { library.get::<F>(name.as_bytes()) }.ok().map(|symbol| *symbol)
 }
-
-impl fmt::Display for LibraryError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            LibraryError::Open(why) => write!(f, "can't be opened: {why}"),
-            LibraryError::NoFunction(name) => write!(f, "is no OpenXR runtime: it has no {name}"),
-            LibraryError::Initialization(result) => {
-                write!(f, "{INITIALIZE_FUNCTION} failed: {result:?}")
-            }
-            LibraryError::Refused(refusal) => refusal.fmt(f),
-            LibraryError::Call(result) => write!(f, "lacks a function of OpenXR: {result:?}"),
-        }
-    }
-}
-
-impl std::error::Error for LibraryError {}

@@ -1,7 +1,5 @@
 //! The negotiation of interface versions between loader and runtime, before the first call.
 
-use std::fmt;
-
 use openxr::sys::pfn::{GetInstanceProcAddr, NegotiateLoaderRuntimeInterface};
 use openxr::sys::{NegotiateLoaderInfo, NegotiateRuntimeRequest, Result as XrResult, Version};
 
@@ -9,31 +7,20 @@ use openxr::sys::{NegotiateLoaderInfo, NegotiateRuntimeRequest, Result as XrResu
 const INTERFACE_VERSION: u32 = 1;
 
 /// Why a negotiation failed.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum NegotiationError {
     /// The runtime returned this result: it needs another interface or version.
+    #[error("refused OpenXR 1: {0}")]
     Result(XrResult),
     /// The runtime chose an interface version that it was not offered.
+    #[error("speaks loader interface {0}, expected {expected}", expected = INTERFACE_VERSION)]
     Interface(u32),
     /// The runtime implements another major version of OpenXR.
+    #[error("is made for OpenXR {0}, expected 1")]
     Version(Version),
     /// The runtime returned no functions.
+    #[error("gave no functions")]
     NoFunctions,
-}
-
-impl fmt::Display for NegotiationError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            NegotiationError::Result(result) => write!(f, "refused OpenXR 1: {result}"),
-            NegotiationError::Interface(number) => {
-                write!(f, "speaks loader interface {number}, expected {INTERFACE_VERSION}")
-            }
-            NegotiationError::Version(version) => {
-                write!(f, "is made for OpenXR {version}, expected 1")
-            }
-            NegotiationError::NoFunctions => f.write_str("gave no functions"),
-        }
-    }
 }
 
 /// Negotiates with a runtime for OpenXR 1 of any minor version. Returns its `xrGetInstanceProcAddr`.

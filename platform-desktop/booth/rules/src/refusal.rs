@@ -1,27 +1,33 @@
 //! Why the booth doesn't do what was asked.
 
-use std::fmt;
 use std::io;
 
 use crate::reason::{Expected, Reason};
 use crate::store::StoreError;
 
 /// Why a request is refused. Nothing was changed.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum Refusal {
     /// The message isn't one.
+    #[error("{0}")]
     BadRequest(String),
     /// What a person filled in isn't what it should be.
+    #[error("{0}")]
     Unfit(Expected),
     /// No headset, account or enrolment has this token.
+    #[error("no such token, or not any more")]
     UnknownToken,
     /// Who asks is known, and may not do this.
+    #[error("{}", .0.text())]
     Forbidden(Reason),
     /// There is no such thing, or not any more.
+    #[error("{}", .0.text())]
     NotFound(Reason),
     /// It contradicts what is kept.
+    #[error("{}", .0.text())]
     Conflict(Reason),
     /// It is more than is taken.
+    #[error("{what}: at most {most} are taken")]
     TooLarge {
         /// What is.
         what: &'static str,
@@ -29,8 +35,10 @@ pub enum Refusal {
         most: u64,
     },
     /// What arrived is whole and is no sculpture.
+    #[error("no sculpture: {0}")]
     Undecodable(String),
     /// Too much at once: again after so many seconds.
+    #[error("too many {what}; again in {retry_after} s")]
     Busy {
         /// What there is too much of.
         what: &'static str,
@@ -38,14 +46,17 @@ pub enum Refusal {
         retry_after: u32,
     },
     /// All that may wait here waits: again after so many seconds.
+    #[error("the booth is busy; again in {retry_after} s")]
     Overloaded {
         /// Seconds.
         retry_after: u32,
     },
     /// The database failed.
-    Store(StoreError),
+    #[error(transparent)]
+    Store(#[from] StoreError),
     /// The disk failed.
-    Files(io::Error),
+    #[error("the booth's files: {0}")]
+    Files(#[from] io::Error),
 }
 
 impl Refusal {
@@ -83,40 +94,3 @@ impl Refusal {
         }
     }
 }
-
-impl From<StoreError> for Refusal {
-    fn from(error: StoreError) -> Self {
-        Refusal::Store(error)
-    }
-}
-
-impl From<io::Error> for Refusal {
-    fn from(error: io::Error) -> Self {
-        Refusal::Files(error)
-    }
-}
-
-impl fmt::Display for Refusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Refusal::BadRequest(why) => f.write_str(why),
-            Refusal::UnknownToken => f.write_str("no such token, or not any more"),
-            Refusal::Unfit(expected) => write!(f, "{expected}"),
-            Refusal::Forbidden(why) | Refusal::NotFound(why) | Refusal::Conflict(why) => {
-                f.write_str(why.text())
-            }
-            Refusal::TooLarge { what, most } => write!(f, "{what}: at most {most} are taken"),
-            Refusal::Undecodable(why) => write!(f, "no sculpture: {why}"),
-            Refusal::Busy { what, retry_after } => {
-                write!(f, "too many {what}; again in {retry_after} s")
-            }
-            Refusal::Overloaded { retry_after } => {
-                write!(f, "the booth is busy; again in {retry_after} s")
-            }
-            Refusal::Store(error) => write!(f, "{error}"),
-            Refusal::Files(error) => write!(f, "the booth's files: {error}"),
-        }
-    }
-}
-
-impl std::error::Error for Refusal {}

@@ -1,7 +1,5 @@
 //! Where records are kept: a database of transactions, of which this crate needs to know no more than this.
 
-use std::fmt;
-
 use crate::table::{Record, Row, Table};
 use crate::value::{Field, Value};
 
@@ -107,11 +105,13 @@ pub enum RowOrder {
 }
 
 /// Why a store failed.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum StoreError {
     /// Another transaction changed what this one is about: it is tried again.
+    #[error("others changed the same records too often")]
     Conflict,
     /// A row that was kept is no record.
+    #[error("table {table}, column {column}: a value that was never kept there")]
     BadRow {
         /// Where.
         table: &'static str,
@@ -119,6 +119,7 @@ pub enum StoreError {
         column: &'static str,
     },
     /// What the database says.
+    #[error("the database: {0}")]
     Failed(Box<dyn std::error::Error + Send + Sync>),
 }
 
@@ -254,17 +255,3 @@ pub fn view<T, E: From<StoreError>>(
 fn read_record<R: Record>(row: &[Value]) -> Result<R, StoreError> {
     R::from_row(row).map_err(|column| StoreError::BadRow { table: R::TABLE.name, column })
 }
-
-impl fmt::Display for StoreError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            StoreError::Conflict => f.write_str("others changed the same records too often"),
-            StoreError::BadRow { table, column } => {
-                write!(f, "table {table}, column {column}: a value that was never kept there")
-            }
-            StoreError::Failed(error) => write!(f, "the database: {error}"),
-        }
-    }
-}
-
-impl std::error::Error for StoreError {}

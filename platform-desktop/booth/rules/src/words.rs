@@ -1,8 +1,6 @@
 //! Badges as people say them: "green: owl, kite, anchor, bell", or in Greek, without accents, with a slip, in another
 //! order, or without what was forgotten.
 
-use std::fmt;
-
 use paros_core::badge::{Badge, BadgeColour, Language, Pictogram};
 
 use crate::limits::{LEAST_HEARD, MAX_SLIPS};
@@ -17,13 +15,16 @@ pub struct HeardBadge {
 }
 
 /// Why words are no badge.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum WordsFault {
     /// A word that is neither a colour nor a pictogram, and too few that are.
+    #[error("\"{0}\" is no colour and no picture of a badge")]
     UnknownWord(String),
     /// More than one colour.
+    #[error("{0} colours; expected one")]
     Colours(usize),
     /// Not three or four pictograms.
+    #[error("{0} pictures; expected four, or three")]
     Pictograms(usize),
 }
 
@@ -224,17 +225,3 @@ fn fold(word: &str) -> String {
     };
     word.chars().flat_map(char::to_lowercase).map(without_accent).collect()
 }
-
-impl fmt::Display for WordsFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            WordsFault::UnknownWord(word) => {
-                write!(f, "\"{word}\" is no colour and no picture of a badge")
-            }
-            WordsFault::Colours(count) => write!(f, "{count} colours; expected one"),
-            WordsFault::Pictograms(count) => write!(f, "{count} pictures; expected four, or three"),
-        }
-    }
-}
-
-impl std::error::Error for WordsFault {}

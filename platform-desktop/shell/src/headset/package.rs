@@ -26,13 +26,16 @@ pub const FIGURES_ASSET: &str = "figures.txt";
 pub const FIGURES_FOLDER: &str = "figures/";
 
 /// Why the start volumes of a package can't be used.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum AssetError {
     /// The package lacks the asset of this name.
+    #[error("{0}: missing in the package")]
     Missing(String),
     /// The asset of this name is damaged at a byte.
+    #[error("{0}: byte {at}: {fault}", at = .1.offset, fault = .1.fault)]
     Damaged(String, RmapFaultAt),
     /// The list of the operator's own figures is none, and why.
+    #[error("{file}: {0}", file = FIGURES_ASSET)]
     BadList(String),
 }
 
@@ -105,20 +108,6 @@ where
     let Some(bytes) = open_asset(&name) else { return Err(AssetError::Missing(name)) };
     rmap::decode(&bytes, maps).map_err(|found| AssetError::Damaged(name, found))
 }
-
-impl std::fmt::Display for AssetError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            AssetError::Missing(name) => write!(f, "{name}: missing in the package"),
-            AssetError::Damaged(name, RmapFaultAt { offset, fault }) => {
-                write!(f, "{name}: byte {offset}: {fault}")
-            }
-            AssetError::BadList(why) => write!(f, "{FIGURES_ASSET}: {why}"),
-        }
-    }
-}
-
-impl std::error::Error for AssetError {}
 
 #[cfg(test)]
 mod tests {

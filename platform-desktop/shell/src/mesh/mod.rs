@@ -56,7 +56,8 @@ pub enum MeshFormat {
 }
 
 /// Why a file gives no mesh.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {fault}", path.display())]
 pub struct MeshError {
     /// The file.
     pub path: PathBuf,
@@ -65,13 +66,16 @@ pub struct MeshError {
 }
 
 /// What is wrong with a mesh.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum MeshFault {
     /// The file can't be read.
+    #[error("cannot read: {0}")]
     Unreadable(io::Error),
     /// The name ends in none of [`EXTENSIONS`].
+    #[error("unknown kind of mesh; expected a name in {known}", known = EXTENSIONS)]
     UnknownKind,
     /// The bytes are not what the kind asks for.
+    #[error("not a whole {kind} file: {what}")]
     Malformed {
         /// The kind that the name says.
         kind: MeshFormat,
@@ -79,6 +83,7 @@ pub enum MeshFault {
         what: String,
     },
     /// There are more than [`MAX_TRIANGLES`] or [`MAX_VERTICES`].
+    #[error("becomes {count} {what} or more; expected at most {most}")]
     TooLarge {
         /// What there are too many of.
         what: &'static str,
@@ -88,10 +93,13 @@ pub enum MeshFault {
         most: usize,
     },
     /// No triangle.
+    #[error("holds no triangle; expected at least one")]
     Empty,
     /// No triangle has area.
+    #[error("holds only degenerate triangles; expected at least one with area")]
     NoArea,
     /// A coordinate is not a number, infinite, or outside [`COORDINATE_BOUND`].
+    #[error("vertex {vertex} has the coordinate {value}; expected a number of at most {bound:e} either way", bound = COORDINATE_BOUND)]
     Coordinate {
         /// Index of the vertex.
         vertex: usize,
@@ -99,6 +107,9 @@ pub enum MeshFault {
         value: f32,
     },
     /// A triangle names a vertex that isn't there.
+    #[error(
+        "triangle {triangle} names vertex {index}; expected less than {vertices}, the number of vertices"
+    )]
     Index {
         /// Index of the triangle.
         triangle: usize,
@@ -266,49 +277,5 @@ impl fmt::Display for MeshFormat {
             MeshFormat::Ply => "PLY",
             MeshFormat::Gltf => "glTF",
         })
-    }
-}
-
-impl fmt::Display for MeshFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            MeshFault::Unreadable(error) => write!(f, "cannot read: {error}"),
-            MeshFault::UnknownKind => {
-                write!(f, "unknown kind of mesh; expected a name in {EXTENSIONS}")
-            }
-            MeshFault::Malformed { kind, what } => write!(f, "not a whole {kind} file: {what}"),
-            MeshFault::TooLarge { what, count, most } => {
-                write!(f, "becomes {count} {what} or more; expected at most {most}")
-            }
-            MeshFault::Empty => f.write_str("holds no triangle; expected at least one"),
-            MeshFault::NoArea => {
-                f.write_str("holds only degenerate triangles; expected at least one with area")
-            }
-            MeshFault::Coordinate { vertex, value } => write!(
-                f,
-                "vertex {vertex} has the coordinate {value}; expected a number of at most \
-                 {COORDINATE_BOUND:e} either way"
-            ),
-            MeshFault::Index { triangle, index, vertices } => write!(
-                f,
-                "triangle {triangle} names vertex {index}; expected less than {vertices}, the \
-                 number of vertices"
-            ),
-        }
-    }
-}
-
-impl fmt::Display for MeshError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.path.display(), self.fault)
-    }
-}
-
-impl std::error::Error for MeshError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match &self.fault {
-            MeshFault::Unreadable(error) => Some(error),
-            _ => None,
-        }
     }
 }

@@ -64,13 +64,16 @@ pub struct NewDevice {
 }
 
 /// Why a device isn't enrolled.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum EnrolError {
     /// A file: which, where in it, and what was expected.
+    #[error("{0}")]
     File(String),
     /// There is no answer.
+    #[error("{}", tell_fault(*.0))]
     Link(LinkFault),
     /// The booth answered something else.
+    #[error("the booth refuses ({status}): {why}")]
     Refused {
         /// The status of HTTP.
         status: u16,
@@ -78,13 +81,17 @@ pub enum EnrolError {
         why: String,
     },
     /// An answer that is none.
+    #[error("the booth's answer, byte {}: expected {}", .0.offset, .0.expected)]
     BadAnswer(BadBytes),
     /// The booth isn't the one that the fleet's file is of, or its authority isn't the one that it shows.
+    #[error("the booth is another site's: expected the keys that it told first")]
     AnotherSite,
     /// The system has no random bits.
+    #[error("the system has no random bits")]
     NoRandomBits,
     /// It can't be kept.
-    Write(WriteError),
+    #[error(transparent)]
+    Write(#[from] WriteError),
 }
 
 impl Secret {
@@ -318,9 +325,11 @@ fn parse_hex(text: &str) -> Option<Vec<u8>> {
     Some(digits.chunks(2).map(|pair| pair[0] << 4 | pair[1]).collect())
 }
 
-impl From<WriteError> for EnrolError {
-    fn from(error: WriteError) -> Self {
-        EnrolError::Write(error)
+impl EnrolError {
+    /// Whether a file or an argument is at fault, and not what is there now.
+    #[must_use]
+    pub const fn is_input(&self) -> bool {
+        matches!(self, EnrolError::File(_))
     }
 }
 
@@ -330,38 +339,13 @@ impl From<BadBytes> for EnrolError {
     }
 }
 
-impl EnrolError {
-    /// Whether a file or an argument is at fault, and not what is there now.
-    #[must_use]
-    pub const fn is_input(&self) -> bool {
-        matches!(self, EnrolError::File(_))
+const fn tell_fault(fault: LinkFault) -> &'static str {
+    match fault {
+        LinkFault::Unreachable => "the booth isn't reached",
+        LinkFault::TimedOut => "the booth doesn't answer",
+        LinkFault::Untrusted => "who answers isn't the booth: expected a certificate of its site",
     }
 }
-
-impl fmt::Display for EnrolError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            EnrolError::File(why) => f.write_str(why),
-            EnrolError::Link(LinkFault::Unreachable) => f.write_str("the booth isn't reached"),
-            EnrolError::Link(LinkFault::TimedOut) => f.write_str("the booth doesn't answer"),
-            EnrolError::Link(LinkFault::Untrusted) => {
-                f.write_str("who answers isn't the booth: expected a certificate of its site")
-            }
-            EnrolError::Refused { status, why } => write!(f, "the booth refuses ({status}): {why}"),
-            EnrolError::BadAnswer(bad) => {
-                let (offset, expected) = (bad.offset, bad.expected);
-                write!(f, "the booth's answer, byte {offset}: expected {expected}")
-            }
-            EnrolError::AnotherSite => {
-                f.write_str("the booth is another site's: expected the keys that it told first")
-            }
-            EnrolError::NoRandomBits => f.write_str("the system has no random bits"),
-            EnrolError::Write(error) => write!(f, "{error}"),
-        }
-    }
-}
-
-impl std::error::Error for EnrolError {}
 
 /// Where an enrolment is kept beside a shell's saved sessions.
 #[must_use]

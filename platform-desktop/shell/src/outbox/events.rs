@@ -1,6 +1,5 @@
 //! What a driver tells the shell around it, and asks it.
 
-use std::fmt;
 use std::io;
 
 use paros_core::badge::{LeaseAnswer, LeaseReport};
@@ -68,11 +67,13 @@ pub enum OutboxEvent {
 }
 
 /// Why a driver doesn't do what it was asked. Nothing has changed.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum OutboxError {
     /// The outbox refused.
-    Refused(OutboxRefusal),
+    #[error(transparent)]
+    Refused(#[from] OutboxRefusal),
     /// The disk did.
+    #[error("the outbox's {name}: {source}")]
     Disk {
         /// The file.
         name: String,
@@ -80,31 +81,6 @@ pub enum OutboxError {
         source: io::Error,
     },
     /// The site's key is no Ed25519 key.
+    #[error("the site's key: expected one of Ed25519")]
     BadKey,
-}
-
-impl From<OutboxRefusal> for OutboxError {
-    fn from(refusal: OutboxRefusal) -> Self {
-        OutboxError::Refused(refusal)
-    }
-}
-
-impl fmt::Display for OutboxError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            OutboxError::Refused(refusal) => write!(f, "{refusal}"),
-            OutboxError::Disk { name, source } => write!(f, "the outbox's {name}: {source}"),
-            OutboxError::BadKey => f.write_str("the site's key: expected one of Ed25519"),
-        }
-    }
-}
-
-impl std::error::Error for OutboxError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            OutboxError::Disk { source, .. } => Some(source),
-            OutboxError::Refused(refusal) => Some(refusal),
-            OutboxError::BadKey => None,
-        }
-    }
 }

@@ -1,7 +1,5 @@
 //! Parcels: a head with the facts, a packed volume, a packed trace.
 
-use std::fmt;
-
 use miniz_oxide::deflate::compress_to_vec;
 use paros_core::codec::BadBytes;
 use paros_core::limits::MAX_PARCEL_BYTES;
@@ -26,11 +24,13 @@ pub struct Parcel {
 pub(super) const MAX_FILE_BYTES: u64 = MAX_PARCEL_BYTES + ContentHash::BYTES as u64;
 
 /// Why bytes are no parcel.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum ParcelFault {
     /// The head is none.
+    #[error("at byte {} of a parcel's head: expected {}", .0.offset, .0.expected)]
     Head(BadBytes),
     /// The head tells another length.
+    #[error("a parcel has {found} bytes; expected {told}")]
     Length {
         /// As the head tells it; of all files where that is no parcel's.
         told: u64,
@@ -38,6 +38,7 @@ pub enum ParcelFault {
         found: u64,
     },
     /// The file's hash is of other bytes.
+    #[error("a parcel's file: expected the hash of its bytes")]
     Damaged,
 }
 
@@ -142,19 +143,3 @@ impl Parcel {
         u32::try_from(self.bytes.len()).unwrap_or(u32::MAX)
     }
 }
-
-impl fmt::Display for ParcelFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            ParcelFault::Head(bad) => {
-                write!(f, "at byte {} of a parcel's head: expected {}", bad.offset, bad.expected)
-            }
-            ParcelFault::Length { told, found } => {
-                write!(f, "a parcel has {found} bytes; expected {told}")
-            }
-            ParcelFault::Damaged => f.write_str("a parcel's file: expected the hash of its bytes"),
-        }
-    }
-}
-
-impl std::error::Error for ParcelFault {}

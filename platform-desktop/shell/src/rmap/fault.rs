@@ -12,9 +12,10 @@ use crate::sizes::GRID_SIDE_NAMES;
 use super::{SIZES, VERSION_OF_MORE, VERSION_OF_ONE};
 
 /// Why a file was not read.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum RmapError {
     /// The system could not read it.
+    #[error("{}: cannot read: {source}", path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,
@@ -22,6 +23,7 @@ pub enum RmapError {
         source: io::Error,
     },
     /// Its bytes are wrong.
+    #[error("{}: at byte {offset}: {fault}", path.display())]
     Bad {
         /// The file.
         path: PathBuf,
@@ -125,28 +127,6 @@ pub enum RmapFault {
         /// The lowest such voxel.
         voxel: [usize; 3],
     },
-}
-
-impl fmt::Display for RmapError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            RmapError::Unreadable { path, source } => {
-                write!(f, "{}: cannot read: {source}", path.display())
-            }
-            RmapError::Bad { path, offset, fault } => {
-                write!(f, "{}: at byte {offset}: {fault}", path.display())
-            }
-        }
-    }
-}
-
-impl std::error::Error for RmapError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            RmapError::Unreadable { source, .. } => Some(source),
-            RmapError::Bad { .. } => None,
-        }
-    }
 }
 
 impl fmt::Display for RmapFaultAt {
