@@ -12,7 +12,6 @@ use crate::support::TestFolder;
 
 const FLEET: &str = "address = \"https://127.0.0.1:1\"\n\
     site = \"07070707070707070707070707070707\"\n\
-    receipt_key = \"0808080808080808080808080808080808080808080808080808080808080808\"\n\
     enrolment_token = \"0909090909090909090909090909090909090909090909090909090909090909\"\n\
     ca = \"\"\"\n-----BEGIN CERTIFICATE-----\nMAA=\n-----END CERTIFICATE-----\n\"\"\"\n";
 

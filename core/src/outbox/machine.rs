@@ -206,7 +206,7 @@ impl Outbox {
         self.apply(id, EntryEvent::ParcelMissing)
     }
 
-    /// Takes a receipt whose signature the shell has checked. It may be late, and may be there twice.
+    /// Takes a receipt. It may be late, and may be there twice.
     ///
     /// # Errors
     /// `UnknownId`; `WrongReceipt` where it isn't this parcel's; `WrongState` where one was taken, or no parcel is

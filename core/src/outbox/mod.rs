@@ -25,7 +25,7 @@
 //! outbox.keep(id, None, hash, 11_000)?;
 //! let request = outbox.begin_upload(0).expect("something to send");
 //! let OutboxOwner { site, headset } = owner;
-//! // The booth's receipt, whose signature the shell has checked.
+//! // The booth's receipt.
 //! let receipt = Receipt { site, headset, id, hash, badge: None, outcome: ReceiptOutcome::Kept };
 //! outbox.take_upload_answer(request.number, UploadAnswer::Receipt(receipt), 0)?;
 //! assert_eq!(outbox.find(id).map(|entry| entry.state), Some(EntryState::Receipted { seconds: 0 }));

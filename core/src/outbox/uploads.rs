@@ -34,7 +34,7 @@ pub enum UploadAnswer {
         /// From the parcel's start.
         bytes: u64,
     },
-    /// The booth signed, and the shell has checked the signature.
+    /// The booth has the parcel, or deleted it.
     Receipt(Receipt),
     /// The booth can't take this parcel: it is too large, or not to be read.
     Refused,

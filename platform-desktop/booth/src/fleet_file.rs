@@ -43,10 +43,9 @@ pub(crate) fn make_fleet_file(
     let keys = booth.keys();
     Ok(format!(
         "# Lets {uses} headsets enrol within {days} days. Whoever has it can enrol one: keep it to yourself.\n\
-         address = \"{address}\"\nsite = \"{}\"\nreceipt_key = \"{}\"\n\
+         address = \"{address}\"\nsite = \"{}\"\n\
          enrolment_token = \"{}\"\nca = \"\"\"\n{ca_pem}\"\"\"\n",
         keys.site,
-        keys.receipt_key(),
         bits.reveal(),
     ))
 }

@@ -1,4 +1,4 @@
-//! What makes a site this one: its name, the key of its receipts, the secret of its links, its certificate authority.
+//! What makes a site this one: its name, the secret of its links, its certificate authority.
 //! All are drawn at the first start, and lie in files that only their owner reads.
 
 use std::fs::{self, DirBuilder};
@@ -18,10 +18,10 @@ use crate::error::Error;
 use crate::random::random_bytes;
 
 /// The first bytes of the file of secrets; the last one is its version.
-const SECRETS_MAGIC: [u8; 8] = *b"PBSITE\0\x01";
+const SECRETS_MAGIC: [u8; 8] = *b"PBSITE\0\x02";
 
-/// A site's name, the seed of its receipts' key, the secret of its links.
-const SECRETS_BYTES: usize = 8 + 16 + 32 + 32;
+/// A site's name, the secret of its links.
+const SECRETS_BYTES: usize = 8 + 16 + 32;
 
 /// The keys of a site.
 pub(crate) struct BoothKeys {
@@ -77,7 +77,7 @@ fn draw(folder: &Path) -> Result<(), Error> {
     let ca = ca_params(&site).self_signed(&ca_key).map_err(fail)?;
     let mut secrets = SECRETS_MAGIC.to_vec();
     secrets.extend(site.0);
-    secrets.extend(random_bytes::<64>().map_err(random)?);
+    secrets.extend(random_bytes::<32>().map_err(random)?);
     for (name, bytes) in [
         ("ca.key", ca_key.serialize_pem().as_bytes()),
         ("ca.pem", ca.pem().as_bytes()),
@@ -99,11 +99,10 @@ fn load(folder: &Path) -> Result<BoothKeys, Error> {
     };
     let (path, secrets) = read("site.key")?;
     if secrets.len() != SECRETS_BYTES || secrets[..8] != SECRETS_MAGIC {
-        return bad(&path, "88 bytes that begin with PBSITE");
+        return bad(&path, "56 bytes that begin with PBSITE, and version 2");
     }
     let site = SiteId(secrets[8..24].try_into().unwrap_or_default());
-    let seed: [u8; 32] = secrets[24..56].try_into().unwrap_or_default();
-    let link_secret = secrets[56..].try_into().unwrap_or_default();
+    let link_secret = secrets[24..].try_into().unwrap_or_default();
     let (path, ca_pem) = read("ca.pem")?;
     let Ok(ca) = CertificateDer::from_pem_slice(&ca_pem) else {
         return bad(&path, "a certificate in PEM");
@@ -114,6 +113,6 @@ fn load(folder: &Path) -> Result<BoothKeys, Error> {
     let Ok(ca_key) = KeyPair::from_pem(&String::from_utf8_lossy(&key)) else {
         return bad(&path, "a private key in PEM");
     };
-    let site = SiteKeys::new(site, ca_hash, &seed, link_secret);
+    let site = SiteKeys::new(site, ca_hash, link_secret);
     Ok(BoothKeys { site, ca_pem, ca_key })
 }

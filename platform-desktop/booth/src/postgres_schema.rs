@@ -21,8 +21,6 @@ const DIALECT: Dialect = Dialect {
 pub(crate) struct SiteRow {
     /// The site's name.
     pub(crate) site: Vec<u8>,
-    /// By which receipts are checked.
-    pub(crate) receipt_key: Vec<u8>,
     /// SHA-256 of the authority's certificate.
     pub(crate) ca_hash: Vec<u8>,
     /// As the command line names it.
@@ -39,7 +37,7 @@ pub(crate) fn make_tables(client: &mut Client) -> Result<(), SchemaError> {
     transaction.batch_execute(
         "CREATE TABLE IF NOT EXISTS paros_booth (
             is_only BOOLEAN PRIMARY KEY DEFAULT true CHECK (is_only), version BIGINT NOT NULL,
-            site BYTEA, receipt_key BYTEA, ca_hash BYTEA, files TEXT)",
+            site BYTEA, ca_hash BYTEA, files TEXT)",
     )?;
     let row = transaction.query_opt("SELECT version FROM paros_booth", &[])?;
     match row.map(|row| row.try_get::<_, i64>(0)).transpose()? {
@@ -57,22 +55,17 @@ pub(crate) fn make_tables(client: &mut Client) -> Result<(), SchemaError> {
 pub(crate) fn read_site(
     client: &mut impl GenericClient,
 ) -> Result<Option<SiteRow>, postgres::Error> {
-    let query = "SELECT site, receipt_key, ca_hash, files FROM paros_booth WHERE site IS NOT NULL";
+    let query = "SELECT site, ca_hash, files FROM paros_booth WHERE site IS NOT NULL";
     let Some(row) = client.query_opt(query, &[])? else { return Ok(None) };
-    Ok(Some(SiteRow {
-        site: row.try_get(0)?,
-        receipt_key: row.try_get(1)?,
-        ca_hash: row.try_get(2)?,
-        files: row.try_get(3)?,
-    }))
+    Ok(Some(SiteRow { site: row.try_get(0)?, ca_hash: row.try_get(1)?, files: row.try_get(2)? }))
 }
 
 /// Claims the records for a site unless one has, and returns whose they are.
 pub(crate) fn claim_site(client: &mut Client, site: &SiteRow) -> Result<SiteRow, postgres::Error> {
-    let SiteRow { site: name, receipt_key, ca_hash, files } = site;
-    let claim = "UPDATE paros_booth SET site = $1, receipt_key = $2, ca_hash = $3, files = $4
+    let SiteRow { site: name, ca_hash, files } = site;
+    let claim = "UPDATE paros_booth SET site = $1, ca_hash = $2, files = $3
         WHERE site IS NULL";
-    client.execute(claim, &[name, receipt_key, ca_hash, files])?;
+    client.execute(claim, &[name, ca_hash, files])?;
     Ok(read_site(client)?.unwrap_or_else(|| site.clone()))
 }
 

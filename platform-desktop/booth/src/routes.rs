@@ -182,11 +182,11 @@ async fn put_parcel(
                 app.booth.finish_parcel(&device, (id, hash), &check_parcel, booth_time())
             })
             .await?;
-        info!(headset, %id, kept = matches!(progress, ParcelProgress::Signed(_)), "parcel");
+        info!(headset, %id, kept = matches!(progress, ParcelProgress::Done(_)), "parcel");
         app.wakers.exports.wake();
     }
     Ok(match progress {
-        ParcelProgress::Signed(receipt) => {
+        ParcelProgress::Done(receipt) => {
             app.metrics.receipts.add(1);
             bytes_answer(StatusCode::OK, &receipt.to_bytes())
         }

@@ -109,7 +109,6 @@ impl SharedOptions {
 fn site_row(keys: &SiteKeys, files: &str) -> SiteRow {
     SiteRow {
         site: keys.site.0.to_vec(),
-        receipt_key: keys.receipt_key().0.to_vec(),
         ca_hash: keys.ca_hash.0.to_vec(),
         files: files.trim_end_matches('/').to_owned(),
     }

@@ -21,10 +21,10 @@ fn folder(name: &str) -> PathBuf {
 }
 
 fn fleet_text() -> String {
-    let (site, key, token) = ("1a".repeat(16), "2b".repeat(32), "3c".repeat(32));
+    let (site, token) = ("1a".repeat(16), "3c".repeat(32));
     format!(
         "# Keep it to yourself.\naddress = \"https://booth.test:8443\"\nsite = \"{site}\"\n\
-         receipt_key = \"{key}\"\nenrolment_token = \"{token}\"\n\
+         enrolment_token = \"{token}\"\n\
          ca = \"\"\"\n-----BEGIN CERTIFICATE-----\nMIIB\n-----END CERTIFICATE-----\n\"\"\"\n"
     )
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::sync::Mutex;
 
-use paros_core::outbox::messages::{EnrolAnswer, ReceiptKey, SiteId};
+use paros_core::outbox::messages::{EnrolAnswer, SiteId};
 use paros_shell::outbox::{HttpAnswer, HttpRequest, LinkError, LinkFault};
 
 use super::*;
@@ -32,8 +32,7 @@ fn answer(status: u16, body: &[u8]) -> Answer {
 }
 
 fn accepted() -> Answer {
-    let (site, receipt_key) = (SiteId([7; 16]), ReceiptKey([8; 32]));
-    answer(200, &EnrolAnswer { headset: 5, site, receipt_key }.to_bytes())
+    answer(200, &EnrolAnswer { headset: 5, site: SiteId([7; 16]) }.to_bytes())
 }
 
 fn folder(name: &str) -> PathBuf {
@@ -44,9 +43,9 @@ fn folder(name: &str) -> PathBuf {
 }
 
 fn fleet_text(address: &str) -> String {
-    let (site, key, token) = ("07".repeat(16), "08".repeat(32), "09".repeat(32));
+    let (site, token) = ("07".repeat(16), "09".repeat(32));
     format!(
-        "address = \"{address}\"\nsite = \"{site}\"\nreceipt_key = \"{key}\"\n\
+        "address = \"{address}\"\nsite = \"{site}\"\n\
          enrolment_token = \"{token}\"\n\
          ca = \"\"\"\n-----BEGIN CERTIFICATE-----\nMIIB\n-----END CERTIFICATE-----\n\"\"\"\n"
     )

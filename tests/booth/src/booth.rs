@@ -314,7 +314,7 @@ impl SimBooth {
             }
         };
         Ok(match progress {
-            ParcelProgress::Signed(receipt) => (200, receipt.to_bytes().to_vec()),
+            ParcelProgress::Done(receipt) => (200, receipt.to_bytes().to_vec()),
             ParcelProgress::Held(held) => (202, held.to_le_bytes().to_vec()),
             ParcelProgress::Whole => (202, u64::MAX.to_le_bytes().to_vec()),
         })
@@ -322,7 +322,7 @@ impl SimBooth {
 }
 
 fn make_booth(store: &Arc<SimStore>, files: &Arc<SimFiles>) -> Booth {
-    let keys = SiteKeys::new(SITE, ContentHash([6; 32]), &[7; 32], [8; 32]);
+    let keys = SiteKeys::new(SITE, ContentHash([6; 32]), [8; 32]);
     Booth::new(store.clone(), files.clone(), keys, BoothPlan::default())
 }
 

@@ -120,8 +120,7 @@ impl Exhibition {
 
     pub(crate) fn power_up(&mut self, h: usize) {
         if self.headsets[h].driver.is_none() {
-            let key = self.booth.booth.keys().receipt_key();
-            self.headsets[h].power_up(SITE, key);
+            self.headsets[h].power_up(SITE);
             self.note(&format!("headset {h} starts: {:?}", self.headsets[h].list_files()));
         }
     }

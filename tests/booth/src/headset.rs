@@ -5,13 +5,11 @@ use std::collections::BTreeSet;
 use std::rc::Rc;
 
 use paros_core::badge::{AnswerOutcome, BadgeLease, BadgeNumber, LeaseAnswer, LeaseReport};
-use paros_core::outbox::messages::{HeatLevel, ReceiptKey, SiteId};
+use paros_core::outbox::messages::{HeatLevel, SiteId};
 use paros_core::outbox::{HeadsetStatus, OutboxOwner, OutboxSettings};
 use paros_core::visit::VisitPhase;
 use paros_models::random_visitor::RandomSource;
-use paros_shell::outbox::{
-    OutboxDriver, OutboxEnrolment, OutboxEvent, OutboxFolder, OutboxHost, Parcel,
-};
+use paros_shell::outbox::{OutboxDriver, OutboxEvent, OutboxFolder, OutboxHost, Parcel};
 
 use crate::disk::{SimDisk, SimFolder};
 use crate::network::{SimLink, Wire};
@@ -153,7 +151,7 @@ impl SimHeadset {
     }
 
     /// Starts its program. The power is back.
-    pub fn power_up(&mut self, site: SiteId, receipt_key: ReceiptKey) {
+    pub fn power_up(&mut self, site: SiteId) {
         self.disk.borrow_mut().power_up();
         self.start += 1;
         self.boot_id = self.host.dice.next_bits() | 1;
@@ -161,9 +159,8 @@ impl SimHeadset {
         self.host.session_id = self.host.dice.below(2) * self.host.dice.next_bits();
         self.host.load_lease(self.number);
         let owner = OutboxOwner { site, headset: self.number };
-        let enrolment = OutboxEnrolment { owner, receipt_key };
         let (folder, link) = (SimFolder(self.disk.clone()), SimLink(self.wire.clone()));
-        let opened = OutboxDriver::open(folder, link, &enrolment, self.settings, self.boot_id);
+        let opened = OutboxDriver::open(folder, link, owner, self.settings, self.boot_id);
         self.driver = opened.ok();
         self.see_whether_it_is_dead();
     }

@@ -2,7 +2,7 @@
 
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::outbox::messages::fields::{fixed_bytes, read_headset, read_version, write_version};
-use crate::outbox::messages::{ContentHash, DeviceHint, EnrolmentToken, ReceiptKey, SiteId};
+use crate::outbox::messages::{ContentHash, DeviceHint, EnrolmentToken, SiteId};
 
 /// What staff call a device: up to 32 bytes of UTF-8, without control characters. May be empty.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -28,8 +28,6 @@ pub struct EnrolAnswer {
     pub headset: u32,
     /// The booth's site.
     pub site: SiteId,
-    /// By which its receipts are checked.
-    pub receipt_key: ReceiptKey,
 }
 
 impl DeviceName {
@@ -101,5 +99,5 @@ field_by_field! {
     FleetEnrolment, 113, {
         enrolment_token: EnrolmentToken, token_hash: ContentHash, hint: DeviceHint, name: DeviceName
     };
-    EnrolAnswer, 53, { headset: Headset, site: SiteId, receipt_key: ReceiptKey };
+    EnrolAnswer, 21, { headset: Headset, site: SiteId };
 }

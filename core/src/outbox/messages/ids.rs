@@ -104,8 +104,6 @@ byte_names! {
     SiteId, 16;
     /// A SHA-256: of a parcel, an STL file, a token, a certificate.
     ContentHash, 32;
-    /// The public half of the key with which a site signs receipts (Ed25519).
-    ReceiptKey, 32;
     /// What a device remembers itself by (Android's `ANDROID_ID`, or random bits). A hint by which staff find a wiped
     /// headset again, never a credential.
     DeviceHint, 16;
@@ -115,12 +113,11 @@ byte_names! {
     EnrolmentToken, 32;
 }
 
-shown_as_hex! { SculptureId SiteId ContentHash ReceiptKey DeviceHint }
+shown_as_hex! { SculptureId SiteId ContentHash DeviceHint }
 in_messages! {
     SculptureId, "a sculpture's id, not all zeros";
     SiteId, "a site's id, not all zeros";
     ContentHash, "a SHA-256, not all zeros";
-    ReceiptKey, "an Ed25519 key, not all zeros";
     DeviceHint, "a device's hint, not all zeros";
     EnrolmentToken, "an enrolment token, not all zeros";
 }

@@ -5,7 +5,7 @@
 //! | message | goes | carries |
 //! |---|---|---|
 //! | [`UploadFacts`] | to the booth, before a parcel's files | whose sculpture it is, and what follows |
-//! | [`SignedReceipt`] | to the headset | that a parcel is the booth's now, or was deleted there |
+//! | [`Receipt`] | to the headset | that a parcel is the booth's now, or was deleted there |
 //! | [`Heartbeat`], [`HeartbeatAnswer`] | both ways, every two seconds | state, announcements, leases, a command |
 //! | [`FleetEnrolment`], [`EnrolAnswer`] | both ways, once | a token of the fleet, by which a device is let in |
 //!
@@ -29,7 +29,5 @@ pub(super) use fields::{
 };
 pub use heartbeat::{Announcement, AnnouncementState, Announcements, Heartbeat, HeatLevel};
 pub use heartbeat_answer::HeartbeatAnswer;
-pub use ids::{
-    ContentHash, DeviceHint, DeviceToken, EnrolmentToken, ReceiptKey, SculptureId, SiteId,
-};
-pub use receipt::{Receipt, ReceiptOutcome, SignedReceipt};
+pub use ids::{ContentHash, DeviceHint, DeviceToken, EnrolmentToken, SculptureId, SiteId};
+pub use receipt::{Receipt, ReceiptOutcome};

@@ -1,4 +1,4 @@
-//! The booth's signed word that a sculpture is its own now.
+//! The booth's word that a sculpture is its own now.
 
 use crate::badge::BadgeNumber;
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
@@ -17,7 +17,8 @@ pub enum ReceiptOutcome {
     Deleted = 1,
 }
 
-/// What the booth signs for.
+/// The booth's answer once a parcel is on its disk, or was deleted there. TLS proves that it is the booth's: its
+/// certificate is of the site's authority.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Receipt {
     /// The booth's site.
@@ -34,38 +35,16 @@ pub struct Receipt {
     pub outcome: ReceiptOutcome,
 }
 
-/// A receipt and its signature, which core can't check: shells do, by the site's [`ReceiptKey`](super::ReceiptKey).
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct SignedReceipt {
-    /// What is signed.
-    pub receipt: Receipt,
-    /// Ed25519, of [`Receipt::signed_bytes`].
-    pub signature: [u8; 64],
-}
-
 impl ReceiptOutcome {
     /// By number.
     pub const ALL: [ReceiptOutcome; 2] = [ReceiptOutcome::Kept, ReceiptOutcome::Deleted];
 }
 
-fixed_bytes! { Receipt SignedReceipt }
+fixed_bytes! { Receipt }
 
 impl Receipt {
     /// Length of a written receipt in bytes.
     pub const BYTES: usize = 74;
-
-    /// What stands before a receipt where it is signed, so that no other signed bytes are a receipt's.
-    pub const CONTEXT: &'static [u8; 17] = b"paros receipt v1\0";
-
-    /// The bytes that are signed: [`Receipt::CONTEXT`] and the receipt.
-    #[must_use]
-    pub fn signed_bytes(&self) -> [u8; Self::CONTEXT.len() + Self::BYTES] {
-        let mut bytes = [0; Self::CONTEXT.len() + Self::BYTES];
-        let mut to = ByteWriter::new(&mut bytes);
-        to.bytes(Self::CONTEXT);
-        self.write(&mut to);
-        bytes
-    }
 
     fn write(&self, to: &mut ByteWriter<'_>) {
         write_version(to);
@@ -87,22 +66,5 @@ impl Receipt {
             badge: read_badge(from)?,
             outcome: read_numbered(from, &ReceiptOutcome::ALL, "0 for kept, 1 for deleted")?,
         })
-    }
-}
-
-impl SignedReceipt {
-    /// Length of a written receipt with its signature, in bytes.
-    pub const BYTES: usize = Receipt::BYTES + 64;
-
-    fn write(&self, to: &mut ByteWriter<'_>) {
-        self.receipt.write(to);
-        to.bytes(&self.signature);
-    }
-
-    fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
-        let receipt = Receipt::read(from)?;
-        let mut signature = [0; 64];
-        signature.copy_from_slice(from.bytes(64)?);
-        Ok(SignedReceipt { receipt, signature })
     }
 }

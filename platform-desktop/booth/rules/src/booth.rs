@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use ed25519_dalek::{Signer as _, SigningKey};
-use paros_core::outbox::messages::{ContentHash, Receipt, ReceiptKey, SignedReceipt, SiteId};
+use paros_core::outbox::messages::{ContentHash, SiteId};
 use sha2::{Digest as _, Sha256};
 
 use crate::parcel_files::ParcelFiles;
@@ -30,7 +29,6 @@ pub struct SiteKeys {
     pub site: SiteId,
     /// SHA-256 of its certificate authority's certificate.
     pub ca_hash: ContentHash,
-    receipt_key: SigningKey,
     pub(crate) link_secret: [u8; 32],
 }
 
@@ -93,26 +91,10 @@ impl Booth {
 }
 
 impl SiteKeys {
-    /// Of random bits: a site's name, the seed of the key that signs receipts, and the secret behind visitors' links.
+    /// Of random bits: a site's name, and the secret behind visitors' links.
     #[must_use]
-    pub fn new(
-        site: SiteId,
-        ca_hash: ContentHash,
-        receipt_seed: &[u8; 32],
-        link_secret: [u8; 32],
-    ) -> Self {
-        SiteKeys { site, ca_hash, receipt_key: SigningKey::from_bytes(receipt_seed), link_secret }
-    }
-
-    /// By which receipts are checked.
-    #[must_use]
-    pub fn receipt_key(&self) -> ReceiptKey {
-        ReceiptKey(self.receipt_key.verifying_key().to_bytes())
-    }
-
-    pub(crate) fn sign(&self, receipt: Receipt) -> SignedReceipt {
-        let signature = self.receipt_key.sign(&receipt.signed_bytes()).to_bytes();
-        SignedReceipt { receipt, signature }
+    pub const fn new(site: SiteId, ca_hash: ContentHash, link_secret: [u8; 32]) -> Self {
+        SiteKeys { site, ca_hash, link_secret }
     }
 }
 

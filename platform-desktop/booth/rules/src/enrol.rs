@@ -94,8 +94,7 @@ impl Booth {
             note(tx, now, None, action, subject)?;
             Ok(headset)
         })?;
-        let (site, receipt_key) = (self.keys.site, self.keys.receipt_key());
-        Ok(EnrolAnswer { headset, site, receipt_key })
+        Ok(EnrolAnswer { headset, site: self.keys.site })
     }
 }
 

@@ -3,7 +3,7 @@
 use paros_core::badge::BadgeNumber;
 use paros_core::limits::MAX_PARCEL_BYTES;
 use paros_core::outbox::messages::{
-    ContentHash, Receipt, ReceiptOutcome, SculptureId, SignedReceipt, UploadFacts,
+    ContentHash, Receipt, ReceiptOutcome, SculptureId, UploadFacts,
 };
 
 use crate::booth::{Booth, Tx, hash_of};
@@ -40,7 +40,7 @@ pub enum ParcelProgress {
     /// All bytes are here: [`Booth::finish_parcel`] is next.
     Whole,
     /// It was kept or deleted before.
-    Signed(SignedReceipt),
+    Done(Receipt),
 }
 
 /// Checks that a parcel's files are what its head says: the packed volume or mesh, and the packed trace. Takes no more
@@ -61,7 +61,7 @@ impl Booth {
         check_sizes(chunk)?;
         let name = ParcelName { headset: device.headset, id: chunk.id, hash: chunk.hash };
         if let Some(receipt) = self.view_receipt(&name)? {
-            return Ok(ParcelProgress::Signed(receipt));
+            return Ok(ParcelProgress::Done(receipt));
         }
         let held = self.files.held_bytes(&name)?;
         let end = chunk.offset + chunk.bytes.len() as u64;
@@ -96,7 +96,7 @@ impl Booth {
     ) -> Result<ParcelProgress, Refusal> {
         let name = ParcelName { headset: device.headset, id, hash };
         if let Some(receipt) = self.view_receipt(&name)? {
-            return Ok(ParcelProgress::Signed(receipt));
+            return Ok(ParcelProgress::Done(receipt));
         }
         let parcel = self.files.read_parcel(&name)?;
         if hash_of(&parcel) != hash {
@@ -115,7 +115,7 @@ impl Booth {
         let receipt = self.keep_parcel(&name, &facts, &parcel, now)?;
         // It is kept: what is left of the parcel is swept some day.
         let _ = self.files.drop_parcel(&name);
-        Ok(ParcelProgress::Signed(receipt))
+        Ok(ParcelProgress::Done(receipt))
     }
 
     /// Files first, then the record: what the record says is there.
@@ -125,7 +125,7 @@ impl Booth {
         facts: &UploadFacts,
         parcel: &[u8],
         now: BoothTime,
-    ) -> Result<SignedReceipt, Refusal> {
+    ) -> Result<Receipt, Refusal> {
         let ParcelName { headset, id, hash } = *name;
         let (first, trace) = parcel.split_at(UploadFacts::BYTES + facts.volume_bytes as usize);
         self.files.keep(&KeptName { id, hash, part: KeptPart::Sculpture }, first)?;
@@ -154,9 +154,9 @@ impl Booth {
                 is_link_revoked: false,
             })?;
             tx.remove::<Announcement>(&[headset.to_value(), id.0.to_value()])?;
-            Ok(self.sign_receipt(name, facts.badge, ReceiptOutcome::Kept))
+            Ok(self.make_receipt(name, facts.badge, ReceiptOutcome::Kept))
         })?;
-        if receipt.receipt.outcome == ReceiptOutcome::Deleted {
+        if receipt.outcome == ReceiptOutcome::Deleted {
             // It was deleted while it was kept a second time.
             self.files.remove_kept(&KeptName { id, hash, part: KeptPart::Sculpture })?;
             self.files.remove_kept(&KeptName { id, hash, part: KeptPart::Trace })?;
@@ -164,16 +164,12 @@ impl Booth {
         Ok(receipt)
     }
 
-    fn view_receipt(&self, name: &ParcelName) -> Result<Option<SignedReceipt>, Refusal> {
+    fn view_receipt(&self, name: &ParcelName) -> Result<Option<Receipt>, Refusal> {
         crate::store::view(self.store.as_ref(), |tx| self.find_receipt(tx, name))
     }
 
     /// The receipt of a parcel that was kept or deleted.
-    fn find_receipt(
-        &self,
-        tx: &mut Tx<'_>,
-        name: &ParcelName,
-    ) -> Result<Option<SignedReceipt>, Refusal> {
+    fn find_receipt(&self, tx: &mut Tx<'_>, name: &ParcelName) -> Result<Option<Receipt>, Refusal> {
         let key = [name.id.0.to_value()];
         let (headset, hash, badge, outcome) = if let Some(kept) = tx.get::<Sculpture>(&key)? {
             (kept.headset, kept.hash, kept.badge, ReceiptOutcome::Kept)
@@ -188,17 +184,17 @@ impl Booth {
         if hash != name.hash.0 {
             return Err(Refusal::Conflict(Reason::OtherParcel));
         }
-        Ok(Some(self.sign_receipt(name, badge.and_then(BadgeNumber::new), outcome)))
+        Ok(Some(self.make_receipt(name, badge.and_then(BadgeNumber::new), outcome)))
     }
 
-    fn sign_receipt(
+    const fn make_receipt(
         &self,
         name: &ParcelName,
         badge: Option<BadgeNumber>,
         outcome: ReceiptOutcome,
-    ) -> SignedReceipt {
+    ) -> Receipt {
         let ParcelName { headset, id, hash } = *name;
-        self.keys.sign(Receipt { site: self.keys.site, headset, id, hash, badge, outcome })
+        Receipt { site: self.keys.site, headset, id, hash, badge, outcome }
     }
 }
 

@@ -112,7 +112,7 @@ fn what_was_signed_for_and_is_not_there_is_asked_for() {
     assert_eq!(ask(seconds(7)).as_slice(), [missed]);
     let of_device = |row: &MissingSculpture| row.announcement.headset == device.headset;
     assert!(!rig.booth.list_missing(9).unwrap().iter().any(of_device));
-    let receipt = rig.upload(&device, &parcel, seconds(8)).unwrap().receipt;
+    let receipt = rig.upload(&device, &parcel, seconds(8)).unwrap();
     assert_eq!(receipt.outcome, ReceiptOutcome::Deleted);
     // Its device, once it is another headset, would bring it as a new one: it keeps it until its grace is over.
     for later in [rig.enrol(3), other] {

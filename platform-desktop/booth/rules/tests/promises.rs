@@ -58,7 +58,7 @@ struct Play {
     /// Where each headset believes its parcel to be.
     offsets: [u64; SCULPTURES as usize],
     announced: Vec<u8>,
-    signed: BTreeMap<u8, SignedReceipt>,
+    signed: BTreeMap<u8, Receipt>,
     now: BoothTime,
 }
 
@@ -131,7 +131,7 @@ impl Play {
         match self.rig.booth.take_chunk(device, &chunk).expect("its own") {
             ParcelProgress::Held(held) => self.offsets[usize::from(k)] = held,
             ParcelProgress::Whole => {}
-            ParcelProgress::Signed(receipt) => self.take_receipt(k, receipt),
+            ParcelProgress::Done(receipt) => self.take_receipt(k, receipt),
         }
     }
 
@@ -143,16 +143,16 @@ impl Play {
             let whole = (parcel.id, parcel.hash);
             let done = self.rig.booth.finish_parcel(device, whole, &decode, self.now);
             match done.expect("a sculpture") {
-                ParcelProgress::Signed(receipt) => self.take_receipt(k, receipt),
+                ParcelProgress::Done(receipt) => self.take_receipt(k, receipt),
                 other => panic!("{other:?}"),
             }
         }
     }
 
     /// What was signed once is signed the same, or was deleted.
-    fn take_receipt(&mut self, k: u8, receipt: SignedReceipt) {
+    fn take_receipt(&mut self, k: u8, receipt: Receipt) {
         if let Some(before) = self.signed.insert(k, receipt) {
-            let is_deleted = receipt.receipt.outcome == ReceiptOutcome::Deleted;
+            let is_deleted = receipt.outcome == ReceiptOutcome::Deleted;
             assert!(before == receipt || is_deleted, "{before:?} {receipt:?}");
         }
     }

@@ -17,7 +17,7 @@ use paros_core::outbox::messages::*;
 
 /// A booth of the same site on a copy, whose sculptures' files are the same.
 fn restored(store: MemoryStore, files: Arc<MemoryFiles>) -> Rig {
-    let keys = SiteKeys::new(SITE, ContentHash([6; 32]), &[7; 32], [8; 32]);
+    let keys = SiteKeys::new(SITE, ContentHash([6; 32]), [8; 32]);
     let plan = BoothPlan { retention_days: 30, ..BoothPlan::default() };
     let store = Arc::new(store);
     Rig { booth: Booth::new(store.clone(), files.clone(), keys, plan), store, files }
@@ -52,7 +52,7 @@ fn what_was_deleted_since_is_deleted_and_the_rest_is_as_it_was() {
     let again_kept = again.booth.find_sculpture(&parcels[0].id, seconds(60)).unwrap();
     assert_eq!(again_kept, Sculpture { is_in_ledger: true, ..kept });
     for (parcel, outcome) in parcels.iter().zip([true, false, true, false]) {
-        let receipt = again.upload(&device, parcel, seconds(70)).unwrap().receipt;
+        let receipt = again.upload(&device, parcel, seconds(70)).unwrap();
         assert_eq!(receipt.outcome == ReceiptOutcome::Kept, outcome, "{:?}", parcel.id);
         assert_eq!(receipt.badge, parcel.facts.badge);
     }
@@ -143,7 +143,7 @@ fn no_file_goes_before_its_deletion_is_logged() {
     let device = rig.enrol(1);
     let parcel = Parcel::with_trace(device.headset, 1);
     rig.upload(&device, &parcel, START).unwrap();
-    let keys = SiteKeys::new(SITE, ContentHash([6; 32]), &[7; 32], [8; 32]);
+    let keys = SiteKeys::new(SITE, ContentHash([6; 32]), [8; 32]);
     let no_log = Arc::new(NoLog(rig.files.clone()));
     let booth = Booth::new(rig.store.clone(), no_log, keys, BoothPlan::default());
     assert_eq!(status(booth.delete(&parcel.id, "ana", START)), 503);

@@ -67,7 +67,7 @@ fn back_up_under_way(
         let sent = scope.spawn(move || {
             for parcel in parcels.iter().cycle().take_while(|_| !is_over.load(Ordering::Relaxed)) {
                 let receipt = headset.upload(&booth.client, parcel).unwrap().expect("a receipt");
-                if receipt.receipt.outcome == ReceiptOutcome::Kept {
+                if receipt.outcome == ReceiptOutcome::Kept {
                     delete(booth, cookie, parcel);
                 }
             }
@@ -117,7 +117,7 @@ fn a_backup_while_it_serves_comes_back_without_what_was_deleted_since() {
         assert_eq!(headset.put(client, parcel, 0, &[]).unwrap().body, receipt.to_bytes());
     }
     for parcel in &parcels[..2] {
-        let receipt = headset.upload(client, parcel).unwrap().expect("a receipt").receipt;
+        let receipt = headset.upload(client, parcel).unwrap().expect("a receipt");
         assert_eq!(receipt.outcome, ReceiptOutcome::Deleted);
     }
     // What came after the backup isn't known here. A headset that has it still may send it, and hears the same.

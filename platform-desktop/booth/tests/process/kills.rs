@@ -22,7 +22,7 @@ fn scramble(seed: u64) -> u64 {
 }
 
 /// What was signed for, by parcel.
-type Signed = Mutex<BTreeMap<u32, (Parcel, SignedReceipt)>>;
+type Signed = Mutex<BTreeMap<u32, (Parcel, Receipt)>>;
 
 #[test]
 fn killed_at_any_moment_it_loses_nothing_and_keeps_nothing_twice() {

@@ -59,10 +59,10 @@ fn kill(id: u32) {
 }
 
 /// What was signed for, by the sculpture's number.
-type Signed = Mutex<BTreeMap<u32, (Parcel, SignedReceipt)>>;
+type Signed = Mutex<BTreeMap<u32, (Parcel, Receipt)>>;
 
 /// Sends a parcel, each piece to another booth, as a balancer of load does, and around the one that is dead.
-fn send(clients: &[Client; 2], headset: &Headset, parcel: &Parcel) -> SignedReceipt {
+fn send(clients: &[Client; 2], headset: &Headset, parcel: &Parcel) -> Receipt {
     let (mut offset, mut tries) = (0, 0);
     loop {
         tries += 1;
@@ -72,7 +72,7 @@ fn send(clients: &[Client; 2], headset: &Headset, parcel: &Parcel) -> SignedRece
         let client = &clients[(headset.number as usize + tries) % 2];
         let Ok(answer) = headset.put(client, parcel, offset as u64, piece) else { continue };
         match answer.status {
-            200 => return headset.verify(parcel, &answer.body),
+            200 => return headset.check_receipt(parcel, &answer.body),
             202 => offset = u64::from_le_bytes(answer.body[..].try_into().unwrap()) as usize,
             // What one does that is killed the other finds half done; and a line has its end.
             429 | 503 => std::thread::sleep(Duration::from_millis(200)),

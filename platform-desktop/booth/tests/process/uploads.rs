@@ -33,7 +33,7 @@ fn volumes_and_traces_are_kept_and_their_meshes_made() {
     let large = Parcel::large(headset.number, 2);
     let traced = Parcel::with_trace(headset.number, 3);
     for parcel in [&volume, &large, &traced] {
-        let receipt = headset.upload(client, parcel).unwrap().expect("a receipt").receipt;
+        let receipt = headset.upload(client, parcel).unwrap().expect("a receipt");
         assert_eq!(receipt.outcome, ReceiptOutcome::Kept);
     }
     assert_eq!(client.metric("paros_booth_sculptures"), 3);
@@ -149,7 +149,7 @@ fn send_parcels(client: &Client, headset: &Headset, load: &Load) {
             let answer = read_answer(&mut stream).expect("an answer");
             match answer.status {
                 200 => {
-                    headset.verify(&parcel, &answer.body);
+                    headset.check_receipt(&parcel, &answer.body);
                     break;
                 }
                 202 => offset = u64::from_le_bytes(answer.body[..].try_into().unwrap()) as usize,

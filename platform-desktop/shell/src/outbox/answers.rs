@@ -35,7 +35,7 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
         if sent.is_some() {
             self.sent = None;
         }
-        let upload = match (read_put_answer(result, &self.key), sent) {
+        let upload = match (read_put_answer(result), sent) {
             (PutAnswer::Upload(upload), _) => upload,
             // What is late says nothing of the request under way.
             (_, None) => return,

@@ -3,10 +3,9 @@
 use std::io;
 use std::mem;
 
-use ed25519_dalek::VerifyingKey;
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::messages::{CommandOutcome, ReceiptKey, SculptureId};
-use paros_core::outbox::{Outbox, OutboxOwner, OutboxRefusal, UploadAnswer, UploadRequest};
+use paros_core::outbox::messages::{CommandOutcome, SculptureId};
+use paros_core::outbox::{Outbox, OutboxRefusal, UploadAnswer, UploadRequest};
 
 use super::events::{OutboxError, OutboxEvent, OutboxHost};
 use super::folder::OutboxFolder;
@@ -29,22 +28,12 @@ pub(super) fn damaged_name(id: SculptureId) -> String {
     format!("{id}.damaged")
 }
 
-/// What an enrolment gave.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct OutboxEnrolment {
-    /// Whose outbox it is.
-    pub owner: OutboxOwner,
-    /// By which receipts are checked.
-    pub receipt_key: ReceiptKey,
-}
-
 /// An outbox with its folder and its link to the booth.
 #[derive(Debug)]
 pub struct OutboxDriver<F, L> {
     pub(super) outbox: Box<Outbox>,
     pub(super) folder: F,
     link: L,
-    pub(super) key: VerifyingKey,
     /// The part that is under way.
     pub(super) sent: Option<UploadRequest>,
     /// The parcel that is being sent.
@@ -69,14 +58,12 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
         outbox: Box<Outbox>,
         folder: F,
         link: L,
-        key: VerifyingKey,
         events: Vec<OutboxEvent>,
     ) -> Self {
         OutboxDriver {
             outbox,
             folder,
             link,
-            key,
             sent: None,
             read: None,
             given_up: Vec::new(),

@@ -11,12 +11,11 @@ use std::time::Duration;
 
 use paros_core::codec::BadBytes;
 use paros_core::outbox::OutboxOwner;
+use paros_core::outbox::messages::SiteId;
 use paros_core::outbox::messages::{ContentHash, DeviceHint, DeviceName, DeviceToken};
-use paros_core::outbox::messages::{ReceiptKey, SiteId};
 use sha2::{Digest as _, Sha256};
 use toml::de::{DeTable, DeValue};
 
-use super::driver::OutboxEnrolment;
 use super::http::{BoothAddress, BoothCaller, HttpRequest};
 use super::link::{HttpAnswer, LinkFault};
 use crate::durable::{self, WriteError};
@@ -42,8 +41,6 @@ pub struct Enrolment {
     pub ca: Vec<u8>,
     /// By which the booth knows the device.
     pub token: Secret,
-    /// By which the booth's receipts are checked.
-    pub receipt_key: ReceiptKey,
     /// Whose headset it is now.
     pub owner: OutboxOwner,
 }
@@ -147,16 +144,10 @@ impl Enrolment {
         BoothAddress { url, ca, token: self.token.token() }
     }
 
-    /// What the outbox takes of it.
-    #[must_use]
-    pub const fn for_outbox(&self) -> OutboxEnrolment {
-        OutboxEnrolment { owner: self.owner, receipt_key: self.receipt_key }
-    }
-
     /// The same at the address and with the authority that a fleet's file tells, where the file is of the same site.
     #[must_use]
     pub fn moved_to(&self, fleet: &FleetFile) -> Option<Self> {
-        let is_same = (self.owner.site, self.receipt_key) == (fleet.site, fleet.receipt_key);
+        let is_same = self.owner.site == fleet.site;
         let (address, ca) = (fleet.address.clone(), fleet.ca.clone());
         is_same.then(|| Enrolment { address, ca, ..self.clone() })
     }
@@ -200,7 +191,6 @@ impl Enrolment {
             address: fields.address()?,
             ca: ca.ok_or_else(|| fields.expect("ca", "a certificate in hexadecimal digits"))?,
             token: token?,
-            receipt_key: fields.receipt_key()?,
             owner: OutboxOwner { site: fields.site()?, headset },
         })
     }
@@ -208,11 +198,11 @@ impl Enrolment {
     /// What such a file has.
     #[must_use]
     pub fn to_toml(&self) -> String {
-        let Enrolment { address, ca, token, receipt_key, owner } = self;
+        let Enrolment { address, ca, token, owner } = self;
         let ca: String = ca.iter().map(|byte| format!("{byte:02x}")).collect();
         format!(
             "# By this the booth knows this device: whoever has it is taken for it.\n\
-             address = \"{address}\"\nsite = \"{}\"\nheadset = {}\nreceipt_key = \"{receipt_key}\"\n\
+             address = \"{address}\"\nsite = \"{}\"\nheadset = {}\n\
              token = \"{}\"\nca = \"{ca}\"\n",
             owner.site,
             owner.headset,
@@ -303,10 +293,6 @@ impl Fields {
 
     fn site(&self) -> Result<SiteId, EnrolError> {
         self.hex("site", "32 hexadecimal digits", SiteId::parse_hex)
-    }
-
-    fn receipt_key(&self) -> Result<ReceiptKey, EnrolError> {
-        self.hex("receipt_key", "64 hexadecimal digits", ReceiptKey::parse_hex)
     }
 }
 

@@ -80,7 +80,4 @@ pub enum OutboxError {
         /// The system's reason.
         source: io::Error,
     },
-    /// The site's key is no Ed25519 key.
-    #[error("the site's key: expected one of Ed25519")]
-    BadKey,
 }

@@ -1,8 +1,7 @@
 //! What the network is asked, and how its answers are read.
 
-use ed25519_dalek::{Signature, VerifyingKey};
 use paros_core::outbox::UploadAnswer;
-use paros_core::outbox::messages::{ContentHash, Heartbeat, SculptureId, SignedReceipt};
+use paros_core::outbox::messages::{ContentHash, Heartbeat, Receipt, SculptureId};
 
 /// A link to the booth. It asks and never waits: answers are polled. What is asked may be lost; an answer comes late,
 /// or not at all.
@@ -123,17 +122,14 @@ pub(super) enum PutAnswer {
 }
 
 /// Reads an answer to a `PUT`. Whatever isn't the booth's own is a failure, as a portal's page is.
-pub(super) fn read_put_answer(
-    result: &Result<HttpAnswer, LinkFault>,
-    key: &VerifyingKey,
-) -> PutAnswer {
+pub(super) fn read_put_answer(result: &Result<HttpAnswer, LinkFault>) -> PutAnswer {
     let failed = PutAnswer::Upload(UploadAnswer::Failed);
     let Ok(HttpAnswer { status, retry_after, body }) = result else { return failed };
     let retry_after_seconds = retry_after.unwrap_or(0);
     match status {
-        200 => match read_receipt(body, key) {
-            Some(receipt) => PutAnswer::Upload(UploadAnswer::Receipt(receipt.receipt)),
-            None => failed,
+        200 => match Receipt::from_bytes(body) {
+            Ok(receipt) => PutAnswer::Upload(UploadAnswer::Receipt(receipt)),
+            Err(_) => failed,
         },
         202 => match <[u8; 8]>::try_from(&body[..]) {
             Ok(held) => PutAnswer::Upload(UploadAnswer::Held { bytes: u64::from_le_bytes(held) }),
@@ -146,12 +142,4 @@ pub(super) fn read_put_answer(
         429 | 503 => PutAnswer::Upload(UploadAnswer::Busy { retry_after_seconds }),
         _ => failed,
     }
-}
-
-/// A receipt whose signature is the site's.
-fn read_receipt(body: &[u8], key: &VerifyingKey) -> Option<SignedReceipt> {
-    let signed = SignedReceipt::from_bytes(body).ok()?;
-    let signature = Signature::from_bytes(&signed.signature);
-    key.verify_strict(&signed.receipt.signed_bytes(), &signature).ok()?;
-    Some(signed)
 }

@@ -25,7 +25,7 @@ mod link;
 mod parcel;
 mod reconcile;
 
-pub use driver::{OutboxDriver, OutboxEnrolment};
+pub use driver::OutboxDriver;
 pub use events::{OutboxError, OutboxEvent, OutboxHost};
 pub use folder::{DiskFolder, OutboxFolder};
 pub use http::{

@@ -4,11 +4,10 @@ use std::collections::HashSet;
 use std::io;
 use std::mem;
 
-use ed25519_dalek::VerifyingKey;
 use paros_core::outbox::messages::SculptureId;
-use paros_core::outbox::{EntryState, Outbox, OutboxEntry, OutboxSettings};
+use paros_core::outbox::{EntryState, Outbox, OutboxEntry, OutboxOwner, OutboxSettings};
 
-use super::driver::{JOURNAL, OutboxDriver, OutboxEnrolment, damaged_name, parcel_name};
+use super::driver::{JOURNAL, OutboxDriver, damaged_name, parcel_name};
 use super::events::{OutboxError, OutboxEvent};
 use super::folder::OutboxFolder;
 use super::link::BoothLink;
@@ -18,19 +17,16 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
     /// Opens the outbox in a folder. `boot_id` is random bits of this start, not 0.
     ///
     /// # Errors
-    /// `BadKey`; `Disk` where the folder can't be listed.
+    /// `Disk` where the folder can't be listed.
     pub fn open(
         folder: F,
         link: L,
-        enrolment: &OutboxEnrolment,
+        owner: OutboxOwner,
         settings: OutboxSettings,
         boot_id: u64,
     ) -> Result<Self, OutboxError> {
-        let key = VerifyingKey::from_bytes(&enrolment.receipt_key.0);
-        let key = key.map_err(|_| OutboxError::BadKey)?;
         let disk_error = |source| OutboxError::Disk { name: "folder".into(), source };
         let names = folder.list().map_err(disk_error)?;
-        let owner = enrolment.owner;
         let mut events = Vec::new();
         let outbox = match folder.read(JOURNAL, Outbox::JOURNAL_BYTES as u64) {
             Ok(bytes) => Outbox::load(&bytes, owner, settings, boot_id).ok().map(Box::new),
@@ -45,7 +41,7 @@ impl<F: OutboxFolder, L: BoothLink> OutboxDriver<F, L> {
             outbox.note_not_wiped();
             outbox
         });
-        let mut driver = OutboxDriver::new(outbox, folder, link, key, events);
+        let mut driver = OutboxDriver::new(outbox, folder, link, events);
         driver.compare_with_folder(&names);
         driver.renew_foreign();
         // Where it fails, the first step says so.

@@ -6,7 +6,7 @@ use paros_core::outbox::messages::{
     AgeGroup, Announcement, AnnouncementState, Announcements, BoothCommand, CommandKind,
     CommandOutcome, CommandReport, ContentHash, DeviceHint, DeviceName, EnrolAnswer,
     EnrolmentToken, FinishCause, FleetEnrolment, Heartbeat, HeartbeatAnswer, HeatLevel, Receipt,
-    ReceiptKey, ReceiptOutcome, SculptureId, SignedReceipt, SiteId, UploadFacts,
+    ReceiptOutcome, SculptureId, SiteId, UploadFacts,
 };
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
@@ -57,16 +57,15 @@ pub(crate) fn any_facts(dice: &mut RandomSource) -> UploadFacts {
     }
 }
 
-pub(crate) fn any_receipt(dice: &mut RandomSource) -> SignedReceipt {
-    let receipt = Receipt {
+pub(crate) fn any_receipt(dice: &mut RandomSource) -> Receipt {
+    Receipt {
         site: SiteId(bytes(dice)),
         headset: HEADSET,
         id: SculptureId(bytes(dice)),
         hash: ContentHash(bytes(dice)),
         badge: any_badge(dice),
         outcome: pick(dice, &ReceiptOutcome::ALL),
-    };
-    SignedReceipt { receipt, signature: bytes(dice) }
+    }
 }
 
 pub(crate) fn any_announcements(dice: &mut RandomSource) -> Announcements {
@@ -155,18 +154,17 @@ pub(crate) fn list_messages(dice: &mut RandomSource) -> Vec<Written> {
         DeviceName::new(pick(dice, &["", "Red 3", "Γραμμή 3", "a name of 32 bytes, no one more"]));
     let (name, hint) = (name.expect("a name"), DeviceHint(bytes(dice)));
     let hash = ContentHash(bytes(dice));
-    let (site, key) = (SiteId(bytes(dice)), ReceiptKey(bytes(dice)));
+    let site = SiteId(bytes(dice));
     let fleet = EnrolmentToken(bytes(dice));
     vec![
         written!(any_facts(dice), UploadFacts),
-        written!(any_receipt(dice).receipt, Receipt),
-        written!(any_receipt(dice), SignedReceipt),
+        written!(any_receipt(dice), Receipt),
         written!(any_heartbeat(dice), Heartbeat),
         written!(any_answer(dice), HeartbeatAnswer),
         written!(
             FleetEnrolment { enrolment_token: fleet, token_hash: hash, hint, name },
             FleetEnrolment
         ),
-        written!(EnrolAnswer { headset: HEADSET, site, receipt_key: key }, EnrolAnswer),
+        written!(EnrolAnswer { headset: HEADSET, site }, EnrolAnswer),
     ]
 }

@@ -8,8 +8,8 @@ use crate::engine::FuzzTarget;
 pub(super) const ENROLMENT: FuzzTarget = FuzzTarget {
     name: "enrolment",
     seeds: || {
-        let site = "address = \"https://10.0.0.7:8443\"\nsite = \"07070707070707070707070707070707\"\n\
-            receipt_key = \"0808080808080808080808080808080808080808080808080808080808080808\"\n";
+        let site =
+            "address = \"https://10.0.0.7:8443\"\nsite = \"07070707070707070707070707070707\"\n";
         let secret = "0909090909090909090909090909090909090909090909090909090909090909";
         let own = format!("{site}headset = 3\ntoken = \"{secret}\"\nca = \"308200\"\n");
         let ca = "-----BEGIN CERTIFICATE-----\nMAA=\n-----END CERTIFICATE-----\n";

@@ -5,7 +5,7 @@ use paros_core::codec::BadBytes;
 use paros_core::internals::checksum;
 use paros_core::outbox::messages::{
     AgeGroup, ContentHash, EnrolAnswer, FinishCause, FleetEnrolment, Heartbeat, HeartbeatAnswer,
-    HeatLevel, SculptureId, SignedReceipt, SiteId, UploadFacts,
+    HeatLevel, Receipt, SculptureId, SiteId, UploadFacts,
 };
 use paros_core::outbox::{HeadsetStatus, Outbox, OutboxOwner, OutboxSettings};
 use paros_core::session::SessionMode;
@@ -88,7 +88,7 @@ macro_rules! messages {
 }
 
 const MESSAGES: [ReadAgain; 6] = messages! {
-    UploadFacts SignedReceipt Heartbeat HeartbeatAnswer FleetEnrolment EnrolAnswer
+    UploadFacts Receipt Heartbeat HeartbeatAnswer FleetEnrolment EnrolAnswer
 };
 
 fn outbox() -> Box<Outbox> {
@@ -105,7 +105,7 @@ fn outbox() -> Box<Outbox> {
 
 fn message_seeds() -> Vec<Vec<u8>> {
     let heartbeat = outbox().begin_heartbeat(&STATUS, None, 0);
-    let lengths = [SignedReceipt::BYTES, HeartbeatAnswer::BYTES, FleetEnrolment::BYTES];
+    let lengths = [Receipt::BYTES, HeartbeatAnswer::BYTES, FleetEnrolment::BYTES];
     let ones = lengths.iter().zip([1, 3, 4]).map(|(&len, kind)| {
         let mut seed = vec![1; 1 + len];
         seed[0] = kind;

@@ -65,7 +65,7 @@ impl Rig {
 
     pub(crate) fn with_plan(plan: BoothPlan) -> Self {
         let (store, files) = (crate::new_store(), Arc::new(MemoryFiles::new()));
-        let keys = SiteKeys::new(SITE, ContentHash([6; 32]), &[7; 32], [8; 32]);
+        let keys = SiteKeys::new(SITE, ContentHash([6; 32]), [8; 32]);
         let booth = Booth::new(store.clone(), files.clone(), keys, plan);
         booth.add_enrol_token(&FLEET, (100, days(1000)), "all", None, START).expect("room");
         Rig { booth, store, files }
@@ -84,16 +84,16 @@ impl Rig {
         parcel: &Parcel,
         piece: usize,
         now: BoothTime,
-    ) -> Result<SignedReceipt, Refusal> {
+    ) -> Result<Receipt, Refusal> {
         for (k, bytes) in parcel.bytes.chunks(piece).enumerate() {
             match self.booth.take_chunk(device, &parcel.chunk((k * piece) as u64, bytes))? {
-                ParcelProgress::Signed(receipt) => return Ok(receipt),
+                ParcelProgress::Done(receipt) => return Ok(receipt),
                 ParcelProgress::Held(held) => assert_eq!(held, (k * piece + bytes.len()) as u64),
                 ParcelProgress::Whole => break,
             }
         }
         match self.booth.finish_parcel(device, (parcel.id, parcel.hash), &decode, now)? {
-            ParcelProgress::Signed(receipt) => Ok(receipt),
+            ParcelProgress::Done(receipt) => Ok(receipt),
             other => panic!("{other:?}"),
         }
     }
@@ -103,7 +103,7 @@ impl Rig {
         device: &Device,
         parcel: &Parcel,
         now: BoothTime,
-    ) -> Result<SignedReceipt, Refusal> {
+    ) -> Result<Receipt, Refusal> {
         self.upload_in(device, parcel, 1000, now)
     }
 

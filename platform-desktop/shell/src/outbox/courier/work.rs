@@ -109,10 +109,10 @@ impl Work {
         folder: DiskFolder,
         link: CourierLink,
     ) -> Result<Self, OutboxError> {
-        let enrolment = plan.enrolment.for_outbox();
+        let owner = plan.enrolment.owner;
         let boot_id = getrandom::u64().unwrap_or_default() | 1;
-        let driver = OutboxDriver::open(folder, link, &enrolment, plan.settings, boot_id)?;
-        let lease = LeaseKeeper::open(&plan.folder, enrolment.owner);
+        let driver = OutboxDriver::open(folder, link, owner, plan.settings, boot_id)?;
+        let lease = LeaseKeeper::open(&plan.folder, owner);
         let host =
             CourierHost { board: Arc::new(Mutex::new(Board::new())), clock: plan.clock, lease };
         let mark_path = mark::path_in(&plan.folder);

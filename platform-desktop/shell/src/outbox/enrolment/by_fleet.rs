@@ -22,15 +22,14 @@ pub fn enrol_by_fleet(
         name: device.name,
     };
     let body = ask(link, "/v1/enrol/fleet", &asked.to_bytes())?;
-    let EnrolAnswer { headset, site, receipt_key } = EnrolAnswer::from_bytes(&body)?;
-    if (site, receipt_key) != (fleet.site, fleet.receipt_key) {
+    let EnrolAnswer { headset, site } = EnrolAnswer::from_bytes(&body)?;
+    if site != fleet.site {
         return Err(EnrolError::AnotherSite);
     }
     Ok(Enrolment {
         address: fleet.address.clone(),
         ca: fleet.ca.clone(),
         token: device.token,
-        receipt_key,
         owner: OutboxOwner { site, headset },
     })
 }

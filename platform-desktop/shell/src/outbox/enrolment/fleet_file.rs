@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use base64ct::{Base64, Encoding as _};
-use paros_core::outbox::messages::{EnrolmentToken, ReceiptKey, SiteId};
+use paros_core::outbox::messages::{EnrolmentToken, SiteId};
 use rustls_pki_types::CertificateDer;
 use rustls_pki_types::pem::PemObject as _;
 
@@ -19,8 +19,6 @@ pub struct FleetFile {
     pub address: String,
     /// The booth's site.
     pub site: SiteId,
-    /// By which its receipts are checked.
-    pub receipt_key: ReceiptKey,
     /// What lets a device in.
     pub enrolment_token: EnrolmentToken,
     /// The certificate of the site's authority, DER.
@@ -67,7 +65,6 @@ impl FleetFile {
         Ok(FleetFile {
             address: fields.address()?,
             site: fields.site()?,
-            receipt_key: fields.receipt_key()?,
             enrolment_token: fields.hex(
                 "enrolment_token",
                 "64 hexadecimal digits",

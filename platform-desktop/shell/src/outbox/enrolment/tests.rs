@@ -38,7 +38,6 @@ fn file(name: &str) -> PathBuf {
 }
 
 const SITE: SiteId = SiteId([7; 16]);
-const KEY: ReceiptKey = ReceiptKey([8; 32]);
 
 #[test]
 fn what_is_written_is_read_again_and_is_its_owners_alone() {
@@ -47,7 +46,6 @@ fn what_is_written_is_read_again_and_is_its_owners_alone() {
         address: "https://10.0.0.7:8443".into(),
         ca: vec![0x30, 0x82, 0, 0xff],
         token: device().token,
-        receipt_key: KEY,
         owner: OutboxOwner { site: SITE, headset: 3 },
     };
     assert!(Enrolment::read(&path).expect("no file is no fault").is_none());
@@ -76,11 +74,10 @@ fn a_fleet_enrols_at_its_own_site_alone() {
     let fleet = FleetFile {
         address: "https://booth.test:1".into(),
         site: SITE,
-        receipt_key: KEY,
         enrolment_token: EnrolmentToken([1; 32]),
         ca: vec![1, 2],
     };
-    let answer = |site| EnrolAnswer { headset: 4, site, receipt_key: KEY }.to_bytes().to_vec();
+    let answer = |site| EnrolAnswer { headset: 4, site }.to_bytes().to_vec();
     let enrolled = enrol_by_fleet(&mut booth([answer(SITE)]), &fleet, &device());
     assert_eq!(enrolled.expect("its site").owner, OutboxOwner { site: SITE, headset: 4 });
     let other = enrol_by_fleet(&mut booth([answer(SiteId([9; 16]))]), &fleet, &device());
@@ -96,7 +93,6 @@ fn an_address_is_of_https_and_ends_in_no_slash() {
 }
 
 const FLEET: &str = "address = \"https://10.0.0.7:8443/\"\nsite = \"07070707070707070707070707070707\"\n\
-    receipt_key = \"0808080808080808080808080808080808080808080808080808080808080808\"\n\
     enrolment_token = \"0909090909090909090909090909090909090909090909090909090909090909\"\n\
     ca = \"\"\"\n-----BEGIN CERTIFICATE-----\nMIIB\n-----END CERTIFICATE-----\n\"\"\"\n";
 
@@ -127,15 +123,12 @@ fn an_enrolment_moves_with_its_booth_and_not_to_another_site() {
         address: "https://10.0.0.6:8443".into(),
         ca: vec![1],
         token: device().token,
-        receipt_key: KEY,
         owner: OutboxOwner { site: SITE, headset: 3 },
     };
     let moved = kept.moved_to(&fleet).expect("the same site");
     let (address, ca) = (fleet.address.clone(), fleet.ca.clone());
     assert_eq!(moved, Enrolment { address, ca, ..kept.clone() });
-    let of_other = FleetFile { site: SiteId([1; 16]), ..fleet.clone() };
-    assert_eq!(kept.moved_to(&of_other), None);
-    let of_other = FleetFile { receipt_key: ReceiptKey([1; 32]), ..fleet };
+    let of_other = FleetFile { site: SiteId([1; 16]), ..fleet };
     assert_eq!(kept.moved_to(&of_other), None);
 }
 

@@ -7,8 +7,7 @@ use paros_core::outbox::messages::{Heartbeat, SculptureId};
 use paros_core::outbox::{EntryState, OutboxOwner};
 
 use super::{
-    BoothRequest, DiskFolder, Folder, Host, OWNER, OutboxEvent, answer, parcel, receipt_of,
-    site_key, state,
+    BoothRequest, DiskFolder, Folder, Host, OWNER, OutboxEvent, answer, parcel, receipt_of, state,
 };
 
 #[test]
@@ -71,7 +70,7 @@ fn an_id_that_is_anothers_is_exchanged_for_the_same_one_each_time() {
     driver.step(&mut host);
     assert_eq!(driver.outbox().entries().len(), 1);
     assert_eq!(folder.names(), [format!("{new}.parcel"), "outbox.journal".into()]);
-    let sent = answer(&mut driver, &mut host, 200, receipt_of(&renewed, &site_key()));
+    let sent = answer(&mut driver, &mut host, 200, receipt_of(&renewed));
     assert!(matches!(sent, BoothRequest::Put { id, .. } if id == new));
     assert!(host.events.contains(&OutboxEvent::KeptAtBooth(new)));
 }
@@ -101,7 +100,7 @@ fn what_goes_on_under_another_id_is_made_again_where_it_is_damaged() {
         assert_eq!(fs::read(&new).expect("it is made again"), renewed.to_file());
         assert!(!old.exists(), "{damage:?}");
         assert!(!host.events.contains(&OutboxEvent::Lost(renewed.facts().id)));
-        answer(&mut driver, &mut host, 200, receipt_of(&renewed, &site_key()));
+        answer(&mut driver, &mut host, 200, receipt_of(&renewed));
         assert!(host.events.contains(&OutboxEvent::KeptAtBooth(renewed.facts().id)));
     }
 }
@@ -113,7 +112,7 @@ fn what_is_owed_from_before_another_number_is_told_of_under_its_new_id_alone() {
     let mut host = Host::default();
     let mut driver = folder.open();
     driver.keep(&parcels[0]).expect("room");
-    answer(&mut driver, &mut host, 200, receipt_of(&parcels[0], &site_key()));
+    answer(&mut driver, &mut host, 200, receipt_of(&parcels[0]));
     driver.keep(&parcels[1]).expect("room");
     driver.step(&mut host);
     drop(driver);
