@@ -35,7 +35,7 @@ use super::clock::time_ms;
 use super::row::{Measured, ReportRow};
 
 /// How many of the slowest ticks are counted.
-const SLOWEST: usize = 1000;
+const SLOWEST: usize = 300;
 
 /// One tick in so many is counted whatever it does: a prime, so that nothing periodic keeps step.
 const SAMPLED: usize = 41;
