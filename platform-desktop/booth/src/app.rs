@@ -25,7 +25,7 @@ use crate::staff::LoginGate;
 use crate::worker::Waker;
 
 /// Heartbeats and tokens that are at the store at once. They have places of their own: each takes a moment, and
-/// doesn't wait behind pieces of parcels that are synced to the disk.
+/// doesn't wait behind parcels that are synced to the disk.
 const MAX_SMALL: usize = 4;
 
 /// Other requests that are at the store or the disk at once: more only wait there, each with its memory.
@@ -50,10 +50,17 @@ pub(crate) const WORK_THREADS: usize = MAX_SMALL + MAX_WORK;
 /// took, and that was a third of the booth's memory where any thread might get it.
 pub(crate) const WHOLE_THREADS: usize = MAX_DECODES + MAX_MODELS;
 
-/// Pieces of parcels that are read from the network at once, all and of a headset: each has up to a quarter of a
-/// megabyte, and a slow radio takes its time.
-const MAX_PIECES: usize = 32;
-const MAX_PIECES_OF_ONE: usize = 2;
+/// Bytes of a parcel that is small: a hundred times what a volume usually takes.
+pub(crate) const SMALL_PARCEL_BYTES: u64 = 1 << 20;
+
+/// Small parcels that are in memory at once: 32 MiB at most.
+const MAX_SMALL_PARCELS: usize = 32;
+
+/// Larger parcels, with traces, that are in memory at once. A slow one holds up no small one.
+const MAX_LARGE_PARCELS: usize = 1;
+
+/// Parcels of a headset at once: one, and one that its headset gave up.
+const MAX_PARCELS_OF_ONE: usize = 2;
 
 /// Requests that wait for one of these: about as many as connections may be open; whoever waits holds little.
 const MAX_WAITING: usize = 640;
@@ -81,8 +88,9 @@ pub(crate) struct BoothApp {
     pub(crate) logins: LoginGate,
     pub(crate) of_device: RateLimiter<u32>,
     pub(crate) of_stranger: RateLimiter<IpAddr>,
-    pub(crate) pieces: Gate,
-    pub(crate) pieces_of_device: Arc<Places<u32>>,
+    pub(crate) small_parcels: Gate,
+    pub(crate) large_parcels: Gate,
+    pub(crate) parcels_of_device: Arc<Places<u32>>,
     small: Gate,
     work: Gate,
     decodes: Gate,
@@ -163,15 +171,14 @@ impl BoothApp {
             public_address,
             facts,
             logins,
-            // A mesh of 5 MB comes in 20 pieces.
             of_device: RateLimiter::new(200, 50.0),
             // A wall of headsets that enrol at once, behind one address.
             of_stranger: RateLimiter::new(250, 2.0),
-            pieces: Gate::new(MAX_PIECES, MAX_WAITING, LONGEST_WAIT),
-            pieces_of_device: Arc::new(Places::new(usize::MAX, MAX_PIECES_OF_ONE)),
+            small_parcels: Gate::new(MAX_SMALL_PARCELS, MAX_WAITING, LONGEST_WAIT),
+            large_parcels: Gate::new(MAX_LARGE_PARCELS, MAX_WAITING, LONGEST_WAIT),
+            parcels_of_device: Arc::new(Places::new(usize::MAX, MAX_PARCELS_OF_ONE)),
             small: Gate::new(MAX_SMALL, MAX_WAITING, LONGEST_WAIT),
             work: Gate::new(MAX_WORK, MAX_WAITING, LONGEST_WAIT),
-            // What waits here is on the disk, whole, and takes no memory.
             decodes: Gate::new(MAX_DECODES, MAX_WAITING, LONGEST_WAIT),
             models: Gate::new(MAX_MODELS, MAX_WAITING_MODELS, LONGEST_WAIT_FOR_MODEL),
             of_wholes,

@@ -10,22 +10,39 @@ use std::time::Duration;
 
 use axum::body::{Body, Bytes};
 use hyper::body::{Body as HttpBody, Frame, SizeHint};
-use paros_booth_rules::limits::MAX_CHUNK_BYTES;
-use tokio::time::{Sleep, sleep};
+use tokio::time::{Instant, Sleep, sleep};
 
-/// A body that has to be there within a time.
+/// Bytes of a request's body at most, but for a parcel's.
+pub(crate) const MAX_REQUEST_BYTES: usize = 256 << 10;
+
+/// The times of a request's body.
+#[derive(Clone, Copy)]
+pub(crate) struct BodyTimes {
+    /// From when it is first read to its end.
+    pub(crate) whole: Duration,
+    /// Without progress.
+    pub(crate) idle: Duration,
+}
+
+/// A body that has to be there within its times.
 struct TimedBody {
     body: Body,
-    longest: Duration,
-    /// From when on it is too late, once somebody reads it.
-    deadline: Option<Pin<Box<Sleep>>>,
+    times: BodyTimes,
+    /// When it is too late, once somebody reads it.
+    deadlines: Option<Deadlines>,
     is_late: Arc<AtomicBool>,
 }
 
-/// A body that has so long from when it is first read; and whether it came too late.
-pub(crate) fn bound_body(body: Body, longest: Duration) -> (Body, Arc<AtomicBool>) {
+/// When a body is too late: in all, and without progress.
+struct Deadlines {
+    end: Pin<Box<Sleep>>,
+    idle: Pin<Box<Sleep>>,
+}
+
+/// A body with times, and a flag that says whether it came too late.
+pub(crate) fn bound_body(body: Body, times: BodyTimes) -> (Body, Arc<AtomicBool>) {
     let is_late = Arc::new(AtomicBool::new(false));
-    let timed = TimedBody { body, longest, deadline: None, is_late: is_late.clone() };
+    let timed = TimedBody { body, times, deadlines: None, is_late: is_late.clone() };
     (Body::new(timed), is_late)
 }
 
@@ -37,13 +54,18 @@ impl HttpBody for TimedBody {
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
     ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+        let BodyTimes { whole, idle: longest_idle } = self.times;
         let polled = Pin::new(&mut self.body).poll_frame(context);
-        if polled.is_ready() {
+        let Deadlines { end, idle } = self.deadlines.get_or_insert_with(|| Deadlines {
+            end: Box::pin(sleep(whole)),
+            idle: Box::pin(sleep(longest_idle)),
+        });
+        let is_over = end.as_mut().poll(context).is_ready();
+        if polled.is_ready() && !is_over {
+            idle.as_mut().reset(Instant::now() + longest_idle);
             return polled;
         }
-        let longest = self.longest;
-        let deadline = self.deadline.get_or_insert_with(|| Box::pin(sleep(longest)));
-        if deadline.as_mut().poll(context).is_pending() {
+        if !is_over && idle.as_mut().poll(context).is_pending() {
             return Poll::Pending;
         }
         self.is_late.store(true, Ordering::Relaxed);
@@ -62,7 +84,7 @@ impl HttpBody for TimedBody {
 
 /// Takes what comes of a body and forgets it: who is still sending when the connection is closed doesn't hear why.
 pub(crate) async fn pass_over(mut body: Body) {
-    let mut left = MAX_CHUNK_BYTES;
+    let mut left = MAX_REQUEST_BYTES;
     let mut body = Pin::new(&mut body);
     while let Some(Ok(frame)) =
         std::future::poll_fn(|context| body.as_mut().poll_frame(context)).await
@@ -72,5 +94,39 @@ pub(crate) async fn pass_over(mut body: Body) {
             Some(rest) => left = rest,
             None => return,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::convert::Infallible;
+
+    use futures_util::{StreamExt as _, stream};
+
+    use super::*;
+
+    /// Whether a body comes too late that sends so many pieces, each after so many milliseconds.
+    async fn is_late(pieces: usize, each_ms: u64, times: BodyTimes) -> bool {
+        let pieces = stream::iter(0..pieces).then(move |_| async move {
+            sleep(Duration::from_millis(each_ms)).await;
+            Ok::<_, Infallible>(Bytes::from_static(b"x"))
+        });
+        let (body, is_late) = bound_body(Body::from_stream(pieces), times);
+        let read = axum::body::to_bytes(body, 1000).await;
+        assert_eq!(read.is_err(), is_late.load(Ordering::Relaxed));
+        read.is_err()
+    }
+
+    #[test]
+    fn a_body_has_so_long_in_all_and_without_progress() {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build();
+        runtime.expect("a thread").block_on(async {
+            let [long, short] = [60_000, 400].map(Duration::from_millis);
+            let idle = BodyTimes { whole: long, idle: short };
+            assert!(!is_late(20, 40, idle).await, "each piece is progress");
+            assert!(is_late(2, 1500, idle).await, "there is none");
+            let whole = BodyTimes { whole: short, idle: long };
+            assert!(is_late(100, 40, whole).await, "progress buys no time");
+        });
     }
 }

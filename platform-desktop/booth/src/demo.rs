@@ -4,7 +4,7 @@ use std::fs::{self, DirBuilder};
 use std::os::unix::fs::DirBuilderExt as _;
 use std::path::{Path, PathBuf};
 
-use paros_booth_rules::{Booth, BoothTime, Chunk, ParcelProgress, Refusal, hash_of};
+use paros_booth_rules::{Booth, BoothTime, Refusal, hash_of};
 use paros_core::badge::{BadgeLease, BadgeNumber};
 use paros_core::codec::trace::CORE_VERSION;
 use paros_core::outbox::messages::{
@@ -99,14 +99,10 @@ fn fill(booth: &Booth, now: BoothTime) -> Result<(), Refusal> {
         let badge = lease.take_number(k as u32);
         let before = VISIT_SECONDS * (SHAPES.len() - k) as u64;
         let finished_at = BoothTime(now.0.saturating_sub(1000 * before));
-        let parcel = make_parcel(k, &make_volume(shape), (device.headset, badge), finished_at)
+        let parcel = make_parcel(k, &make_volume(shape), badge, finished_at)
             .map_err(Refusal::Undecodable)?;
-        let (id, hash) = (parcel.facts().id, parcel.hash());
-        let bytes = parcel.bytes();
-        let chunk = Chunk { id, hash, parcel_bytes: bytes.len() as u64, offset: 0, bytes };
-        if booth.take_chunk(&device, &chunk)? == ParcelProgress::Whole {
-            booth.finish_parcel(&device, (id, hash), &check_parcel, finished_at)?;
-        }
+        let id = parcel.facts().id;
+        booth.take_parcel(&device, id, parcel.file_bytes(), &check_parcel, finished_at)?;
     }
     Ok(())
 }
@@ -115,7 +111,7 @@ fn fill(booth: &Booth, now: BoothTime) -> Result<(), Refusal> {
 fn make_parcel(
     k: usize,
     volume: &[u8],
-    (headset, badge): (u32, BadgeNumber),
+    badge: BadgeNumber,
     finished_at: BoothTime,
 ) -> Result<Parcel, String> {
     let ContentHash(hash) = hash_of(format!("sculpture {k} of the demo").as_bytes());
@@ -123,7 +119,6 @@ fn make_parcel(
     id.copy_from_slice(&hash[..16]);
     let facts = UploadFacts {
         id: SculptureId(id),
-        headset,
         badge: Some(badge),
         core_version: CORE_VERSION,
         side: SIDE as u16,
@@ -181,9 +176,10 @@ mod tests {
             let volume = make_volume(shape);
             assert_eq!(make_volume(shape), volume, "the same each time");
             let badge = BadgeNumber::new(k as u32).expect("a number");
-            let parcel = make_parcel(k, &volume, (1, badge), BoothTime(1)).expect("a parcel");
+            let parcel = make_parcel(k, &volume, badge, BoothTime(1)).expect("a parcel");
             let facts = parcel.facts();
-            check_parcel(facts, &parcel.bytes()[UploadFacts::BYTES..], &[]).expect("it decodes");
+            let packed = &parcel.file_bytes()[UploadFacts::BYTES..][..facts.volume_bytes as usize];
+            check_parcel(facts, packed, &[]).expect("it decodes");
             let mut check = crate::mesh_check::MeshCheck::new();
             check.look_at(&export_volume(facts, &volume).expect("a mesh"));
             let mesh = check.finish().expect("a mesh");

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use axum::body::Body;
 use axum::extract::{Form, FromRequest as _};
-use axum::http::{HeaderMap, HeaderName, HeaderValue, Request, Uri, header};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Request, header};
 use futures_util::FutureExt as _;
 use paros_booth_rules::Deletion;
 
@@ -67,19 +67,18 @@ pub fn read_form(body: &[u8], names: &[&str]) -> Option<Vec<String>> {
     Some(names.iter().map(|name| fields.get(name)).chain([size]).collect())
 }
 
-/// What the address and the headers of a parcel's piece say: its length and where the piece begins.
+/// The length of a parcel's file, as the address and the headers say.
 ///
 /// # Errors
 /// What was expected.
-pub fn read_put(id: &str, uri: &str, headers: &[(&[u8], &[u8])]) -> Result<(u64, u64), String> {
-    let uri: Uri = uri.parse().map_err(|_| "an address")?;
+pub fn read_put(id: &str, headers: &[(&[u8], &[u8])]) -> Result<u64, String> {
     let mut map = HeaderMap::new();
     for (name, value) in headers {
         let name = HeaderName::from_bytes(name).map_err(|_| "a header's name")?;
         map.append(name, HeaderValue::from_bytes(value).map_err(|_| "a header's value")?);
     }
-    let read = routes::read_put(id, &uri, &map).map_err(|refusal| refusal.to_string());
-    read.map(|(_, _, parcel_bytes, offset)| (parcel_bytes, offset))
+    let read = routes::read_put(id, &map).map_err(|refusal| refusal.to_string());
+    read.map(|(_, length)| length)
 }
 
 /// What is told of a mesh whose bytes pass by in two pieces, and of its 3MF: whether it is closed, and its triangles.

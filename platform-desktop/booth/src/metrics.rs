@@ -12,8 +12,8 @@ pub(crate) struct Metrics {
     pub heartbeats: Count,
     /// Bytes of parcels that arrived.
     pub parcel_bytes: Count,
-    /// Receipts signed.
-    pub receipts: Count,
+    /// Parcels kept.
+    pub parcels: Count,
     /// Connections that are open.
     pub connections: Count,
     /// Connections that were turned away, as there were too many.
@@ -66,7 +66,7 @@ impl Metrics {
         for (name, help, count) in [
             ("paros_booth_heartbeats_total", "Heartbeats answered.", &self.heartbeats),
             ("paros_booth_parcel_bytes_total", "Bytes of parcels received.", &self.parcel_bytes),
-            ("paros_booth_receipts_total", "Receipts signed.", &self.receipts),
+            ("paros_booth_parcels_total", "Parcels kept.", &self.parcels),
             ("paros_booth_turned_away_total", "Connections turned away.", &self.turned_away),
         ] {
             head(&mut text, name, help, "counter");

@@ -7,28 +7,40 @@ use std::time::{Duration, Instant};
 
 use axum::body::{Body, Bytes, to_bytes};
 use axum::extract::{DefaultBodyLimit, Extension, Path, Request, State};
-use axum::http::{HeaderMap, StatusCode, Uri, header};
+use axum::http::{HeaderMap, StatusCode, header};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post, put};
 use axum::{Router, middleware};
-use paros_booth_rules::limits::MAX_CHUNK_BYTES;
 use paros_booth_rules::records::{Device, ExportState, Sculpture};
-use paros_booth_rules::{Chunk, ParcelProgress, Query, Refusal};
+use paros_booth_rules::{ParcelOutcome, Query, Refusal};
+use paros_core::limits::MAX_PARCEL_BYTES;
 use paros_core::outbox::messages::{
     ContentHash, DeviceToken, FleetEnrolment, Heartbeat, SculptureId,
 };
+use paros_shell::outbox::KEPT;
 use tokio::sync::OwnedSemaphorePermit;
 use tracing::{info, warn};
 
-use crate::app::BoothApp;
-use crate::body::{bound_body, pass_over};
+use crate::app::{BoothApp, SMALL_PARCEL_BYTES};
+use crate::body::{BodyTimes, MAX_REQUEST_BYTES, bound_body, pass_over};
 use crate::clock::booth_time;
 use crate::parcel_decode::check_parcel;
 use crate::staff;
 
-/// How long what comes after a request's head may take: a piece of a parcel over a slow radio.
-const BODY_TIMEOUT: Duration = Duration::from_secs(30);
+/// The times of a request's body.
+const BODY_TIMES: BodyTimes =
+    BodyTimes { whole: Duration::from_secs(30), idle: Duration::from_secs(30) };
+
+/// The times of a parcel: over a slow radio, and as long as its headset waits at most.
+const PARCEL_TIMES: BodyTimes =
+    BodyTimes { whole: Duration::from_secs(600), idle: Duration::from_secs(60) };
+
+/// The path of parcels, before the id.
+const PARCEL_PATH: &str = "/v1/sculptures/";
+
+/// Bytes of a parcel's body at most: the parcel and its hash.
+const MAX_BODY_BYTES: u64 = MAX_PARCEL_BYTES + ContentHash::BYTES as u64;
 
 /// Who asks.
 #[derive(Clone, Copy)]
@@ -54,7 +66,7 @@ pub(crate) fn router(app: &Arc<BoothApp>) -> Router {
         .merge(staff::router(app))
         .route("/healthz", get(tell_health))
         .route("/metrics", get(tell_metrics))
-        .layer(DefaultBodyLimit::max(MAX_CHUNK_BYTES))
+        .layer(DefaultBodyLimit::max(MAX_REQUEST_BYTES))
         .layer(middleware::from_fn_with_state(app.clone(), bound_and_count))
         .layer(middleware::from_fn(staff::keep_frame))
         .with_state(app.clone())
@@ -66,12 +78,16 @@ pub(crate) async fn bound_and_count(
     request: Request,
     next: Next,
 ) -> Response {
-    let answer = if says_too_long(request.headers()) {
-        let most = MAX_CHUNK_BYTES as u64;
+    let is_parcel = request.uri().path().starts_with(PARCEL_PATH);
+    let (most, times) = match is_parcel {
+        true => (MAX_BODY_BYTES, PARCEL_TIMES),
+        false => (MAX_REQUEST_BYTES as u64, BODY_TIMES),
+    };
+    let answer = if read_length(request.headers()).is_some_and(|length| length > most) {
         RefusalAnswer(Refusal::TooLarge { what: "bytes of a request", most }).into_response()
     } else {
         let (head, body) = request.into_parts();
-        let (body, is_late) = bound_body(body, BODY_TIMEOUT);
+        let (body, is_late) = bound_body(body, times);
         let answer = next.run(Request::from_parts(head, body)).await;
         match is_late.load(Ordering::Relaxed) {
             true => (StatusCode::REQUEST_TIMEOUT, "the request took too long\n").into_response(),
@@ -82,11 +98,9 @@ pub(crate) async fn bound_and_count(
     answer
 }
 
-/// Whether a request says that more will come than is taken.
-fn says_too_long(headers: &HeaderMap) -> bool {
-    let length = headers.get(header::CONTENT_LENGTH).and_then(|value| value.to_str().ok());
-    let length = length.and_then(|length| length.parse::<u64>().ok());
-    length.is_some_and(|length| length > MAX_CHUNK_BYTES as u64)
+/// The length of a request's body, where its head tells it.
+fn read_length(headers: &HeaderMap) -> Option<u64> {
+    headers.get(header::CONTENT_LENGTH)?.to_str().ok()?.parse().ok()
 }
 
 /// Lets headsets in that have a token.
@@ -154,88 +168,66 @@ fn bearer_token(headers: &HeaderMap) -> Option<DeviceToken> {
     DeviceToken::parse_hex(value.strip_prefix("Bearer ")?)
 }
 
-/// `PUT /v1/sculptures/{id}?offset=K`: a piece of a parcel.
+/// `PUT /v1/sculptures/{id}`: a parcel with its hash. 200 if it is kept, 410 if it was deleted.
 async fn put_parcel(
     State(app): State<Arc<BoothApp>>,
     Extension(device): Extension<Device>,
     Path(id): Path<String>,
-    uri: Uri,
     request: Request,
 ) -> Answer {
-    let head = read_put(&id, &uri, request.headers());
-    let Ok((id, hash, parcel_bytes, offset)) = head else {
-        return Err(refuse_after_body(request, head.err().unwrap_or(Refusal::UnknownToken)).await);
+    let (id, length) = match read_put(&id, request.headers()) {
+        Ok(head) => head,
+        Err(refusal) => return Err(refuse_after_body(request, refusal).await),
     };
-    let of_chunk = device.clone();
-    let (bytes, turn) = read_piece(&app, &device, request).await?;
-    let progress = app.run(move |app| {
+    let (file, place) = read_parcel(&app, &device, length, request).await?;
+    let headset = device.headset;
+    let outcome = app.run_decode(move |app| {
         // Until it is on the disk its memory is in use.
-        let _turn = turn;
-        let chunk = Chunk { id, hash, parcel_bytes, offset, bytes: &bytes };
-        app.booth.take_chunk(&of_chunk, &chunk)
+        let _place = place;
+        app.booth.take_parcel(&device, id, &file, &check_parcel, booth_time())
     });
-    let mut progress = progress.await?;
-    if progress == ParcelProgress::Whole {
-        let headset = device.headset;
-        progress = app
-            .run_decode(move |app| {
-                app.booth.finish_parcel(&device, (id, hash), &check_parcel, booth_time())
-            })
-            .await?;
-        info!(headset, %id, kept = matches!(progress, ParcelProgress::Done(_)), "parcel");
-        app.wakers.exports.wake();
-    }
-    Ok(match progress {
-        ParcelProgress::Done(receipt) => {
-            app.metrics.receipts.add(1);
-            bytes_answer(StatusCode::OK, &receipt.to_bytes())
+    let outcome = outcome.await?;
+    info!(headset, %id, ?outcome, "parcel");
+    Ok(match outcome {
+        ParcelOutcome::Kept => {
+            app.metrics.parcels.add(1);
+            app.wakers.exports.wake();
+            (StatusCode::OK, KEPT).into_response()
         }
-        ParcelProgress::Held(held) => bytes_answer(StatusCode::ACCEPTED, &held.to_le_bytes()),
-        ParcelProgress::Whole => bytes_answer(StatusCode::ACCEPTED, &parcel_bytes.to_le_bytes()),
+        ParcelOutcome::Deleted => (StatusCode::GONE, "deleted\n").into_response(),
     })
 }
 
-/// Reads a piece of a parcel from the network, when it is its turn, and holds that.
-async fn read_piece(
+/// Reads a parcel from the network when it is its turn, and holds that.
+async fn read_parcel(
     app: &BoothApp,
     device: &Device,
+    length: u64,
     request: Request,
 ) -> Result<(Bytes, OwnedSemaphorePermit), RefusalAnswer> {
-    let Some(_place) = app.pieces_of_device.take(device.headset) else {
-        let refusal = Refusal::Busy { what: "pieces of this headset at once", retry_after: 1 };
+    let Some(_place) = app.parcels_of_device.take(device.headset) else {
+        let refusal = Refusal::Busy { what: "parcels of this headset at once", retry_after: 1 };
         return Err(refuse_after_body(request, refusal).await);
     };
-    let turn = match app.pieces.enter().await {
+    let is_small = length <= SMALL_PARCEL_BYTES;
+    let gate = if is_small { &app.small_parcels } else { &app.large_parcels };
+    let turn = match gate.enter().await {
         Ok(turn) => turn,
         Err(refusal) => return Err(refuse_after_body(request, refusal).await),
     };
-    let read = to_bytes(request.into_body(), MAX_CHUNK_BYTES).await;
-    let bytes = read.map_err(|error| Refusal::BadRequest(format!("no whole piece: {error}")))?;
+    let most = usize::try_from(length).unwrap_or(usize::MAX);
+    let read = to_bytes(request.into_body(), most).await;
+    let bytes = read.map_err(|error| Refusal::BadRequest(format!("no whole parcel: {error}")))?;
     app.metrics.parcel_bytes.add(bytes.len() as u64);
     Ok((bytes, turn))
 }
 
-/// A sculpture, the hash and the length of its parcel, and where the piece begins.
-pub(crate) type PutHead = (SculptureId, ContentHash, u64, u64);
-
-/// What the address and the headers of a parcel's piece say.
-pub(crate) fn read_put(id: &str, uri: &Uri, headers: &HeaderMap) -> Result<PutHead, Refusal> {
+/// A sculpture, and the length of its parcel's file in bytes, as the address and the headers say.
+pub(crate) fn read_put(id: &str, headers: &HeaderMap) -> Result<(SculptureId, u64), Refusal> {
     let bad = |expected: &str| Refusal::BadRequest(format!("expected {expected}"));
     let id = SculptureId::parse_hex(id).ok_or_else(|| bad("an id of 32 hexadecimal digits"))?;
-    let header = |name| headers.get(name).and_then(|value| value.to_str().ok());
-    let hash = header("x-parcel-hash").and_then(ContentHash::parse_hex);
-    let hash = hash.ok_or_else(|| bad("X-Parcel-Hash: 64 hexadecimal digits"))?;
-    let parcel_bytes = header("x-parcel-bytes").and_then(parse_number);
-    let parcel_bytes = parcel_bytes.ok_or_else(|| bad("X-Parcel-Bytes: a number"))?;
-    let offset = uri.query().and_then(|query| query.strip_prefix("offset="));
-    let offset = offset.and_then(parse_number).ok_or_else(|| bad("?offset= and a number"))?;
-    Ok((id, hash, parcel_bytes, offset))
-}
-
-/// A number in digits alone: no sign, no space.
-fn parse_number(text: &str) -> Option<u64> {
-    let is_digits = text.bytes().all(|byte| byte.is_ascii_digit());
-    if is_digits { text.parse().ok() } else { None }
+    let length = read_length(headers).ok_or_else(|| bad("Content-Length: a number"))?;
+    Ok((id, length))
 }
 
 /// `POST /v1/heartbeat`.
@@ -274,7 +266,7 @@ async fn tell_metrics(State(app): State<Arc<BoothApp>>) -> Answer {
         Ok(app.metrics.write(&[
             ("paros_booth_sculptures", "Sculptures kept.", kept),
             ("paros_booth_kept_bytes", "Bytes of kept files.", app.files.used_bytes()),
-            ("paros_booth_exports_queued", "Meshes to compare.", app.booth.count(&queued)?),
+            ("paros_booth_exports_queued", "Meshes to make.", app.booth.count(&queued)?),
             ("paros_booth_headsets", "Headsets enrolled.", devices),
         ]))
     });

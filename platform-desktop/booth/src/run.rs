@@ -73,7 +73,7 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     }
     let names = LeafNames { listen: options.listen.ip(), others: options.name.clone() };
     let of_exports = open.booth.clone();
-    // Receipts don't wait for it, and come before it.
+    // No upload waits for it.
     let exports = Worker::start_behind(move || export_next(&of_exports));
     let of_mails = open.booth.clone();
     let mails = mailer.map(|mailer| Worker::start(move || mailer.send_next(&of_mails)));

@@ -1,7 +1,5 @@
-//! Parcels and kept files in a bucket of an S3-compatible store, which several booths share. A kept file is an object.
-//! A parcel under way is a folder of pieces, each named by where it begins: nothing is added to an object.
+//! Kept files in a bucket of an S3-compatible store, which several booths share. A kept file is an object.
 
-use std::collections::BTreeMap;
 use std::io;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
@@ -12,18 +10,13 @@ use object_store::path::Path;
 use object_store::{
     ClientConfigKey, ObjectMeta, ObjectStore as _, ObjectStoreExt as _, PutPayload, RetryConfig,
 };
-use paros_booth_rules::limits::MAX_CHUNK_BYTES;
-use paros_booth_rules::{BoothTime, Deletion, KeptName, ParcelFiles, ParcelName};
+use paros_booth_rules::{BoothTime, Deletion, KeptName, ParcelFiles};
 use tokio::runtime::{Builder, Runtime};
 use tokio_rustls::rustls::crypto::ring::default_provider;
 
 use crate::disk_files::kept_file_name;
 use crate::error::Error;
 use crate::files::Files;
-
-/// Bytes of a piece: what comes in smaller ones is put together up to that. Of two pieces side by side one is longer
-/// than half of it, so that a parcel has 257 at most, however it comes.
-const PIECE_BYTES: u64 = MAX_CHUNK_BYTES as u64;
 
 /// How long after a request's begin it is tried again: whoever waits for it has a place that others wait for.
 const RETRY_TIMEOUT: Duration = Duration::from_secs(10);
@@ -38,13 +31,6 @@ pub struct S3Files {
     used_bytes: AtomicU64,
     /// `None` while it is dropped.
     runtime: Option<Runtime>,
-}
-
-/// A piece of a parcel.
-struct Piece {
-    offset: u64,
-    bytes: u64,
-    path: Path,
 }
 
 impl S3Files {
@@ -89,10 +75,6 @@ impl S3Files {
         }
     }
 
-    fn parcel_path(&self, parcel: &ParcelName) -> Path {
-        self.path(&format!("parcels/{}/{}-{}", parcel.headset, parcel.id, parcel.hash))
-    }
-
     fn kept_path(&self, name: &KeptName) -> Path {
         self.path(&format!("sculptures/{}", kept_file_name(name)))
     }
@@ -129,24 +111,6 @@ impl S3Files {
         }
     }
 
-    /// The pieces of a parcel from its beginning up to where one is missing.
-    fn list_pieces(&self, parcel: &ParcelName) -> io::Result<Vec<Piece>> {
-        let pieces = self.list(&self.parcel_path(parcel))?.into_iter().filter_map(|found| {
-            let offset = u64::from_str_radix(found.location.filename()?, 16).ok()?;
-            Some(Piece { offset, bytes: found.size, path: found.location })
-        });
-        let mut pieces: Vec<Piece> = pieces.collect();
-        pieces.sort_unstable_by_key(|piece| piece.offset);
-        let mut held = 0;
-        pieces.retain(|piece| {
-            // What two processes wrote at once may overlap: it is the same bytes.
-            let is_next = piece.offset == held;
-            held += if is_next { piece.bytes } else { 0 };
-            is_next
-        });
-        Ok(pieces)
-    }
-
     /// Counts what all processes keep.
     fn count_kept(&self) -> io::Result<()> {
         let used = self.list(&self.path("sculptures"))?.iter().map(|found| found.size).sum();
@@ -164,70 +128,6 @@ impl S3Files {
 }
 
 impl ParcelFiles for S3Files {
-    fn held_bytes(&self, parcel: &ParcelName) -> io::Result<u64> {
-        Ok(end_of(&self.list_pieces(parcel)?))
-    }
-
-    fn append(&self, parcel: &ParcelName, offset: u64, bytes: &[u8]) -> io::Result<u64> {
-        self.check_quota(offset + bytes.len() as u64)?;
-        let pieces = self.list_pieces(parcel)?;
-        let held = end_of(&pieces);
-        if held != offset {
-            return Ok(held);
-        }
-        let is_short = |piece: &&Piece| piece.bytes + bytes.len() as u64 <= PIECE_BYTES;
-        match pieces.last().filter(is_short) {
-            Some(last) => {
-                let mut longer = self.get(&last.path)?;
-                if longer.len() as u64 != last.bytes {
-                    // Another process was faster: the headset asks again.
-                    return self.held_bytes(parcel);
-                }
-                longer.extend(bytes);
-                self.put(&last.path, longer)?;
-            }
-            None => {
-                let path = self.parcel_path(parcel).join(format!("{offset:08x}"));
-                self.put(&path, bytes.to_vec())?;
-            }
-        }
-        Ok(offset + bytes.len() as u64)
-    }
-
-    fn read_parcel(&self, parcel: &ParcelName) -> io::Result<Vec<u8>> {
-        let pieces = self.list_pieces(parcel)?;
-        if pieces.is_empty() {
-            return Err(io::ErrorKind::NotFound.into());
-        }
-        let mut bytes = Vec::with_capacity(end_of(&pieces) as usize);
-        for piece in pieces {
-            bytes.extend(self.get(&piece.path)?);
-        }
-        Ok(bytes)
-    }
-
-    fn drop_parcel(&self, parcel: &ParcelName) -> io::Result<()> {
-        let pieces = self.list(&self.parcel_path(parcel))?;
-        self.delete_all(pieces.into_iter().map(|found| found.location).collect())
-    }
-
-    fn make_room(&self, headset: u32, most: usize) -> io::Result<()> {
-        let parcels = group_by_parcel(self.list(&self.path(&format!("parcels/{headset}")))?);
-        let mut by_age: Vec<_> = parcels.into_values().collect();
-        by_age.sort_unstable();
-        let too_many = (by_age.len() + 1).saturating_sub(most);
-        let paths = by_age.into_iter().take(too_many).flat_map(|(_, pieces)| pieces);
-        self.delete_all(paths.collect())
-    }
-
-    /// Counts the kept files anew too: it is called now and then.
-    fn drop_parcels_before(&self, time: BoothTime) -> io::Result<()> {
-        let parcels = group_by_parcel(self.list(&self.path("parcels"))?);
-        let old = parcels.into_values().filter(|(changed_at, _)| *changed_at < time);
-        self.delete_all(old.flat_map(|(_, pieces)| pieces).collect())?;
-        self.count_kept()
-    }
-
     fn keep(&self, name: &KeptName, bytes: &[u8]) -> io::Result<()> {
         self.check_quota(bytes.len() as u64)?;
         let path = self.kept_path(name);
@@ -258,7 +158,9 @@ impl ParcelFiles for S3Files {
         self.put(&path, lines.into_bytes())
     }
 
+    /// Counts the kept files again too: it is called now and then.
     fn forget_deletions_before(&self, time: BoothTime) -> io::Result<()> {
+        self.count_kept()?;
         let is_old = |path: &Path| {
             let name = path.filename().and_then(|name| name.split_once('-'));
             let at = name.and_then(|(at, _)| u64::from_str_radix(at, 16).ok());
@@ -334,23 +236,6 @@ fn io_error(error: object_store::Error) -> io::Error {
         _ => io::ErrorKind::Other,
     };
     io::Error::new(kind, error)
-}
-
-fn end_of(pieces: &[Piece]) -> u64 {
-    pieces.last().map_or(0, |piece| piece.offset + piece.bytes)
-}
-
-/// When something was last added to each parcel, and all its pieces.
-fn group_by_parcel(found: Vec<ObjectMeta>) -> BTreeMap<String, (BoothTime, Vec<Path>)> {
-    let mut parcels = BTreeMap::<String, (BoothTime, Vec<Path>)>::new();
-    for ObjectMeta { location, last_modified, .. } in found {
-        let folder = location.as_ref().rsplit_once('/').map_or("", |(folder, _)| folder);
-        let changed_at = BoothTime(u64::try_from(last_modified.timestamp_millis()).unwrap_or(0));
-        let parcel = parcels.entry(folder.to_owned()).or_insert((changed_at, Vec::new()));
-        parcel.0 = parcel.0.max(changed_at);
-        parcel.1.push(location);
-    }
-    parcels
 }
 
 /// Less so much, but not less than nothing: another process may have removed what this one counted.

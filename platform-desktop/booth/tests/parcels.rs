@@ -42,7 +42,6 @@ fn toy() -> &'static [u8] {
 fn facts_of(first: &[u8], trace: &[u8]) -> UploadFacts {
     UploadFacts {
         id: SculptureId([1; 16]),
-        headset: 1,
         badge: None,
         core_version: 1,
         side: 128,

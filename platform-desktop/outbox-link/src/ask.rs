@@ -1,7 +1,6 @@
 //! One request and its answer.
 
 use std::io;
-use std::time::Duration;
 
 use paros_shell::outbox::{
     BoothCaller, HttpAnswer, HttpMethod, HttpRequest, LinkError, LinkFault, MAX_ANSWER_BYTES,
@@ -20,11 +19,10 @@ pub struct HttpsCaller {
 }
 
 impl HttpsCaller {
-    /// Asks the booth at `https://HOST:PORT`, whose certificate is of the authority `ca` (DER), and waits so long for
-    /// each answer.
+    /// A caller of the booth at `https://HOST:PORT`, whose certificate is of the authority `ca` (DER).
     #[must_use]
-    pub fn new(url: &str, ca: &[u8], timeout: Duration) -> Self {
-        HttpsCaller { agent: make_agent(ca, timeout), url: url.to_owned() }
+    pub fn new(url: &str, ca: &[u8]) -> Self {
+        HttpsCaller { agent: make_agent(ca), url: url.to_owned() }
     }
 
     fn send(&self, request: &HttpRequest<'_>) -> Result<Response<Body>, Error> {
@@ -36,7 +34,7 @@ impl HttpsCaller {
         for (name, value) in &request.headers {
             asked = asked.header(*name, value);
         }
-        asked.send(request.body)
+        asked.config().timeout_global(Some(request.timeout)).build().send(request.body)
     }
 }
 

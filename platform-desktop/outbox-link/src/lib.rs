@@ -7,7 +7,6 @@
 mod ask;
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use paros_shell::outbox::ThreadedLink;
 pub use paros_shell::outbox::{BoothAddress, LinkTimes};
@@ -20,12 +19,11 @@ pub use ask::HttpsCaller;
 /// A link to a booth that isn't connected yet.
 #[must_use]
 pub fn open_link(address: &BoothAddress, times: LinkTimes) -> ThreadedLink {
-    let [of_puts, of_heartbeats] = [times.put, times.heartbeat]
-        .map(|timeout| HttpsCaller::new(&address.url, &address.ca, timeout));
-    ThreadedLink::start(address.token, of_puts, of_heartbeats)
+    let [of_puts, of_heartbeats] = [(); 2].map(|()| HttpsCaller::new(&address.url, &address.ca));
+    ThreadedLink::start(address.token, times, of_puts, of_heartbeats)
 }
 
-fn make_agent(ca: &[u8], timeout: Duration) -> Agent {
+fn make_agent(ca: &[u8]) -> Agent {
     let roots = RootCerts::new_with_certs(&[Certificate::from_der(ca).to_owned()]);
     let tls = TlsConfig::builder()
         .provider(TlsProvider::Rustls)
@@ -39,7 +37,6 @@ fn make_agent(ca: &[u8], timeout: Duration) -> Agent {
         .max_redirects(0)
         .max_redirects_will_error(false)
         .proxy(None)
-        .timeout_global(Some(timeout))
         .build();
     config.into()
 }

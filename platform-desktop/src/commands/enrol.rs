@@ -8,8 +8,7 @@ use paros_headless::Error;
 use paros_outbox_link::HttpsCaller;
 use paros_shell::durable::{self, WriteTarget};
 use paros_shell::outbox::enrolment::{
-    ENROL_TIMEOUT, EnrolError, Enrolment, FleetFile, NewDevice, enrol_by_fleet, enrolment_file,
-    hint_of_device,
+    EnrolError, Enrolment, FleetFile, NewDevice, enrol_by_fleet, enrolment_file, hint_of_device,
 };
 use paros_shell::studio_paths::StudioPaths;
 
@@ -62,7 +61,7 @@ fn refuse_second_enrolment(file: &Path, again: bool) -> Result<(), Error> {
 
 fn enrol_with_file(fleet: &Path, device: &NewDevice) -> Result<Enrolment, Error> {
     let fleet = FleetFile::read(fleet).map_err(|error| to_error(&error))?;
-    let mut link = HttpsCaller::new(&fleet.address, &fleet.ca, ENROL_TIMEOUT);
+    let mut link = HttpsCaller::new(&fleet.address, &fleet.ca);
     enrol_by_fleet(&mut link, &fleet, device)
         .map_err(|error| Error::Failure(format!("{}: {error}", fleet.address)))
 }

@@ -19,7 +19,7 @@ use paros_headless::Error;
 use paros_outbox_link::HttpsCaller;
 use paros_shell::durable;
 use paros_shell::outbox::enrolment::{
-    ENROL_TIMEOUT, Enrolment, FleetFile, NewDevice, enrol_by_fleet, enrolment_file,
+    Enrolment, FleetFile, NewDevice, enrol_by_fleet, enrolment_file,
 };
 use rustix::process::{Pid, Signal, kill_process};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -258,7 +258,7 @@ fn enrol(program: &Path, places: &ExhibitPlaces, address: &str) -> Result<(), Er
         .map_err(Error::failure)?;
     let name = DeviceName::new("this machine").ok_or_else(|| Error::failure("a name"))?;
     let device = NewDevice::draw(None, name).map_err(Error::failure)?;
-    let mut link = HttpsCaller::new(&fleet.address, &fleet.ca, ENROL_TIMEOUT);
+    let mut link = HttpsCaller::new(&fleet.address, &fleet.ca);
     enrol_by_fleet(&mut link, &fleet, &device).map_err(Error::failure)?.write(&file)?;
     Ok(())
 }

@@ -5,12 +5,12 @@ mod guide;
 mod rays;
 
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::OutboxLevel;
+use paros_core::outbox::messages::UploadStatus;
 use paros_core::session::{SessionMode, TICK_RATE};
 use paros_core::visit::{GuideStep, PanelAction, PlanSetting, StaffCommand, Visit, VisitPhase};
 use paros_shaders::panel::layout::PinEntry;
 use paros_shaders::panel::{Language, Message, Panel};
-use paros_shell::outbox::courier::Keeping;
+use paros_shell::outbox::OutboxLevel;
 use paros_shell::studio::BoothState;
 
 use crate::export_state::ExportState;
@@ -116,8 +116,8 @@ pub(crate) struct ScreenState {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct BoothTold {
     /// Where the visitor's sculpture stands.
-    pub(crate) keeping: Option<Keeping>,
-    /// Sculptures that the booth hasn't signed for.
+    pub(crate) status: Option<UploadStatus>,
+    /// Sculptures that the booth doesn't have.
     pub(crate) owed: u32,
     /// Whether the device is nearly full with them.
     pub(crate) is_nearly_full: bool,
@@ -125,9 +125,9 @@ pub(crate) struct BoothTold {
 
 impl BoothTold {
     pub(crate) fn of_export(export: &ExportState) -> Option<Self> {
-        let BoothState { keeping, outbox, .. } = export.booth?;
+        let BoothState { status, outbox, .. } = export.booth?;
         let is_nearly_full = outbox.level != OutboxLevel::Fine;
-        Some(BoothTold { keeping, owed: outbox.owed, is_nearly_full })
+        Some(BoothTold { status, owed: outbox.owed, is_nearly_full })
     }
 }
 

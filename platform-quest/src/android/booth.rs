@@ -6,9 +6,7 @@ use std::time::Instant;
 use paros_core::outbox::messages::DeviceName;
 use paros_shell::outbox::LinkTimes;
 use paros_shell::outbox::courier::CourierLink;
-use paros_shell::outbox::enrolment::{
-    ENROL_TIMEOUT, Enrolment, FleetFile, enrolment_file, hint_of_device,
-};
+use paros_shell::outbox::enrolment::{Enrolment, FleetFile, enrolment_file, hint_of_device};
 
 use crate::device::AndroidDevice;
 use crate::fleet::{AgainClock, Enroller, FleetSources, HeadsetNames, follow_fleet_file};
@@ -101,7 +99,7 @@ fn start_enroller(
         name: DeviceName::new(name).or_else(|| DeviceName::new("headset"))?,
     };
     let connect = device.booth_connector();
-    let connect = move |fleet: &FleetFile| connect(&fleet.address, &fleet.ca, ENROL_TIMEOUT);
+    let connect = move |fleet: &FleetFile| connect(&fleet.address, &fleet.ca);
     let enroller = Enroller::spawn(sources.clone(), connect, names, file.to_owned());
     enroller.map_err(|why| write_log_line(format_args!("{why}"))).ok()
 }

@@ -12,7 +12,6 @@ pub mod table;
 
 use std::ffi::c_void;
 use std::path::PathBuf;
-use std::time::Duration;
 
 use jni::objects::{Global, JObject};
 use jni::{Env, JValue, JavaVM};
@@ -249,18 +248,18 @@ impl AndroidDevice {
     }
 
     /// What makes what asks booths over HTTPS by Java, in any thread: see [`HttpsCaller::new`].
-    pub fn booth_connector(&self) -> impl Fn(&str, &[u8], Duration) -> HttpsCaller + Send + use<> {
+    pub fn booth_connector(&self) -> impl Fn(&str, &[u8]) -> HttpsCaller + Send + use<> {
         let vm = self.vm.clone();
-        move |url, ca, timeout| HttpsCaller::new(vm.clone(), url, ca, timeout)
+        move |url, ca| HttpsCaller::new(vm.clone(), url, ca)
     }
 
     /// A link to a booth, which isn't connected yet. Whether the network is said to reach the Internet is nobody's
     /// business: a booth's needn't.
     #[must_use]
     pub fn open_booth_link(&self, address: &BoothAddress, times: LinkTimes) -> ThreadedLink {
-        let [of_puts, of_heartbeats] = [times.put, times.heartbeat]
-            .map(|timeout| HttpsCaller::new(self.vm.clone(), &address.url, &address.ca, timeout));
-        ThreadedLink::start(address.token, of_puts, of_heartbeats)
+        let [of_puts, of_heartbeats] =
+            [(); 2].map(|()| HttpsCaller::new(self.vm.clone(), &address.url, &address.ca));
+        ThreadedLink::start(address.token, times, of_puts, of_heartbeats)
     }
 
     /// Queries the content provider at a `content://` address for these columns. Returns at most

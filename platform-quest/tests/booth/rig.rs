@@ -21,14 +21,13 @@ pub(crate) fn is_kept(booth: &BoothProcess, id: SculptureId) -> bool {
 }
 
 /// The toy that a creative session starts from, as a headset sends it; `number` makes its id.
-pub(crate) fn make_draft(headset: u32, number: u8) -> ParcelDraft {
+pub(crate) fn make_draft(number: u8) -> ParcelDraft {
     let volume = with_fresh_world::<128, INTERVALS, _>(|mut runner| {
         runner.run_tick(&TickInput { start: SessionMode::Creative, ..TickInput::default() });
         rmap::encode(runner.world().volume().maps())
     });
     let facts = UploadFacts {
         id: SculptureId([number; 16]),
-        headset,
         badge: None,
         core_version: paros_core::codec::trace::CORE_VERSION,
         side: 128,

@@ -31,11 +31,10 @@ impl Exhibition {
                 self.headsets[h].disk.borrow_mut().is_full = is_full;
             }
             19 => self.weather = Weather::draw(&mut self.dice),
-            20 => {
+            20 | 21 => {
                 let fails_of = [0, 0, 30, 4][self.dice.below(4) as usize];
                 self.booth.set_failures(fails_of);
             }
-            21 => self.booth.lose_power(),
             22 | 23 => self.ask_command(h),
             24 => self.delete_at_booth(),
             25 => self.steal(),
@@ -57,9 +56,9 @@ impl Exhibition {
     fn finish_sculpture(&mut self, h: usize) {
         let id = self.any_id();
         let headset = &mut self.headsets[h];
-        let Some(driver) = &mut headset.driver else { return };
+        let Some(sender) = &mut headset.sender else { return };
         let badge = Some(headset.host.take_badge());
-        let is_taken = driver.announce(id, badge).is_ok();
+        let is_taken = sender.announce(id, badge).is_ok();
         if headset.see_whether_it_is_dead() || !is_taken {
             return;
         }
@@ -74,6 +73,7 @@ impl Exhibition {
             was_deleted: false,
             is_excused: false,
             is_poison: self.dice.one_in(20),
+            is_stolen: false,
         });
         self.note(&format!("headset {h} finishes {number} as {id}"));
     }
@@ -89,10 +89,10 @@ impl Exhibition {
         let Some(number) = self.headsets[h].pending.pop() else { return };
         let volume = self.any_volume(number);
         let headset = &mut self.headsets[h];
-        let facts = facts_of(number, &self.truth.made[number], headset.number);
+        let facts = facts_of(number, &self.truth.made[number]);
         let parcel = Parcel::pack(&facts, &volume, None).expect("a parcel of its size");
-        let Some(driver) = &mut headset.driver else { return };
-        let kept = driver.keep(&parcel);
+        let Some(sender) = &mut headset.sender else { return };
+        let kept = sender.keep(&parcel);
         let is_dead = headset.see_whether_it_is_dead();
         if kept.is_ok() && !is_dead {
             self.truth.made[number].was_kept_here = true;
@@ -105,9 +105,9 @@ impl Exhibition {
     fn abandon_sculpture(&mut self, h: usize) {
         let Some(number) = self.headsets[h].pending.pop() else { return };
         let id = self.truth.made[number].id;
-        if let Some(driver) = &mut self.headsets[h].driver {
+        if let Some(sender) = &mut self.headsets[h].sender {
             // It may be there after all, where a write failed at its end alone.
-            let _ = driver.abandon(id);
+            let _ = sender.abandon(id);
         }
         self.note(&format!("headset {h} abandons {number}"));
     }
@@ -126,7 +126,6 @@ impl Exhibition {
             return;
         }
         let name = &names[self.dice.below(names.len() as u64) as usize];
-        // Its headset may have given it an id of which nobody heard.
         let number = self.headsets[h].number_in_file(name);
         self.headsets[h].disk.borrow_mut().rot(name);
         if let Some(number) = number {
@@ -181,20 +180,14 @@ impl Exhibition {
         let victim = self.truth.made[at].clone();
         let number = self.truth.made.len();
         let theirs = Made { is_poison: false, ..victim };
-        let parcel = Parcel::pack(&facts_of(number, &theirs, self.thief), &[1, 2, 3], None);
+        let parcel = Parcel::pack(&facts_of(number, &theirs), &[1, 2, 3], None);
         let parcel = parcel.expect("a parcel of its size");
-        let request = BoothRequest::Put {
-            number: 1,
-            id: victim.id,
-            hash: parcel.hash(),
-            parcel_bytes: parcel.bytes().len() as u32,
-            offset: 0,
-            part: parcel.bytes().to_vec(),
-        };
+        let request = BoothRequest::Put { number: 1, id: victim.id, body: parcel.into_file() };
         let answer = self.booth.serve(THIEF, &request, self.booth_time());
         if answer.status == 200 {
             // Nobody else's number, and nobody's to miss.
             self.truth.stolen += 1;
+            self.truth.made[at].is_stolen = true;
             let id = SculptureId([255; 16]);
             self.truth.made.push(Made { id, is_excused: true, was_kept_here: false, ..theirs });
         }

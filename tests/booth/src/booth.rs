@@ -6,16 +6,15 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use paros_booth_rules::records::{Announcement, Command, Sculpture, Tombstone};
 use paros_booth_rules::{
-    Access, Booth, BoothPlan, BoothTime, Chunk, Deletion, KeptName, MemoryStore, ParcelFiles,
-    ParcelName, ParcelProgress, Query, Refusal, SiteKeys, Store, StoreError, Transaction, hash_of,
-    view,
+    Access, Booth, BoothPlan, BoothTime, Deletion, KeptName, MemoryStore, ParcelFiles,
+    ParcelOutcome, Query, Refusal, SiteKeys, Store, StoreError, Transaction, hash_of, view,
 };
 use paros_core::outbox::messages::{
     ContentHash, DeviceHint, DeviceName, DeviceToken, EnrolmentToken, FleetEnrolment, Heartbeat,
     SiteId, UploadFacts,
 };
 use paros_models::random_visitor::RandomSource;
-use paros_shell::outbox::{BoothRequest, HttpAnswer};
+use paros_shell::outbox::{BoothRequest, HttpAnswer, KEPT};
 
 use crate::truth::is_poison;
 
@@ -28,7 +27,6 @@ pub const OPENING: BoothTime = BoothTime(20_000 * 86_400_000 + 36_000_000);
 /// What fails of the booth, and what it keeps.
 #[derive(Debug)]
 struct Inside {
-    parcels: BTreeMap<ParcelName, Vec<u8>>,
     kept: BTreeMap<KeptName, Vec<u8>>,
     /// The log of deletions, which no restore takes back.
     deletions: Vec<Deletion>,
@@ -84,52 +82,6 @@ impl Store for SimStore {
 }
 
 impl ParcelFiles for SimFiles {
-    fn held_bytes(&self, parcel: &ParcelName) -> io::Result<u64> {
-        Ok(self.lock().parcels.get(parcel).map_or(0, |bytes| bytes.len() as u64))
-    }
-
-    fn append(&self, parcel: &ParcelName, offset: u64, bytes: &[u8]) -> io::Result<u64> {
-        let mut inside = self.lock();
-        let fails = inside.fail().is_err();
-        let part =
-            if fails { inside.dice.below(bytes.len() as u64 + 1) as usize } else { bytes.len() };
-        let held = inside.parcels.entry(*parcel).or_default();
-        if held.len() as u64 == offset {
-            held.extend_from_slice(&bytes[..part]);
-        }
-        if fails { Err(ErrorKind::StorageFull.into()) } else { Ok(held.len() as u64) }
-    }
-
-    fn read_parcel(&self, parcel: &ParcelName) -> io::Result<Vec<u8>> {
-        let mut inside = self.lock();
-        inside.fail()?;
-        inside.parcels.get(parcel).cloned().ok_or(ErrorKind::NotFound.into())
-    }
-
-    fn drop_parcel(&self, parcel: &ParcelName) -> io::Result<()> {
-        let mut inside = self.lock();
-        inside.fail()?;
-        inside.parcels.remove(parcel);
-        Ok(())
-    }
-
-    /// Any of them: an outbox sends one at a time.
-    fn make_room(&self, headset: u32, most: usize) -> io::Result<()> {
-        let mut inside = self.lock();
-        inside.fail()?;
-        let is_its = |name: &&ParcelName| name.headset == headset;
-        let names: Vec<_> = inside.parcels.keys().filter(is_its).copied().collect();
-        for name in names.iter().take((names.len() + 1).saturating_sub(most)) {
-            inside.parcels.remove(name);
-        }
-        Ok(())
-    }
-
-    fn drop_parcels_before(&self, _time: BoothTime) -> io::Result<()> {
-        self.lock().parcels.clear();
-        Ok(())
-    }
-
     fn keep(&self, name: &KeptName, bytes: &[u8]) -> io::Result<()> {
         let mut inside = self.lock();
         inside.fail()?;
@@ -168,7 +120,6 @@ impl SimBooth {
     /// Never: nothing fails yet.
     pub fn new(seed: u64) -> Self {
         let inside = Inside {
-            parcels: BTreeMap::new(),
             kept: BTreeMap::new(),
             deletions: Vec::new(),
             dice: RandomSource::new(seed),
@@ -202,7 +153,7 @@ impl SimBooth {
         let SimBackup { store, kept, copied_at } = backup;
         let deletions = {
             let mut inside = self.files.lock();
-            (inside.kept, inside.parcels, inside.fails_of) = (kept, BTreeMap::new(), 0);
+            (inside.kept, inside.fails_of) = (kept, 0);
             inside.deletions.clone()
         };
         self.store = Arc::new(SimStore { inner: store, files: self.files.clone() });
@@ -228,19 +179,6 @@ impl SimBooth {
     /// One call in so many fails from now on; none for 0.
     pub fn set_failures(&self, fails_of: u64) {
         self.files.lock().fails_of = fails_of;
-    }
-
-    /// The booth loses its power: parcels under way are cut, or turn into others.
-    pub fn lose_power(&self) {
-        let mut inside = self.files.lock();
-        let Inside { parcels, dice, .. } = &mut *inside;
-        for bytes in parcels.values_mut() {
-            match dice.below(3) {
-                0 => bytes.truncate(dice.below(bytes.len() as u64 + 1) as usize),
-                1 => bytes.iter_mut().rev().take(100).for_each(|byte| *byte = 0),
-                _ => {}
-            }
-        }
     }
 
     /// All sculptures that are kept, and those that were deleted.
@@ -295,29 +233,20 @@ impl SimBooth {
         now: BoothTime,
     ) -> Result<(u16, Vec<u8>), Refusal> {
         let device = self.booth.authenticate(&token_of(device))?;
-        let progress = match request {
+        match request {
             BoothRequest::Heartbeat { body, .. } => {
                 let beat = Heartbeat::from_bytes(&body[..]);
                 let beat = beat.map_err(|bad| Refusal::BadRequest(bad.expected.into()))?;
                 let answer = self.booth.take_heartbeat(&device, &beat, now)?;
-                return Ok((200, answer.to_bytes().to_vec()));
+                Ok((200, answer.to_bytes().to_vec()))
             }
-            BoothRequest::Put { id, hash, parcel_bytes, offset, part, .. } => {
-                let (parcel_bytes, offset) = (u64::from(*parcel_bytes), u64::from(*offset));
-                let chunk = Chunk { id: *id, hash: *hash, parcel_bytes, offset, bytes: part };
-                match self.booth.take_chunk(&device, &chunk)? {
-                    ParcelProgress::Whole => {
-                        self.booth.finish_parcel(&device, (*id, *hash), &decode, now)?
-                    }
-                    progress => progress,
+            BoothRequest::Put { id, body, .. } => {
+                match self.booth.take_parcel(&device, *id, body, &decode, now)? {
+                    ParcelOutcome::Kept => Ok((200, KEPT.to_vec())),
+                    ParcelOutcome::Deleted => Ok((410, Vec::new())),
                 }
             }
-        };
-        Ok(match progress {
-            ParcelProgress::Done(receipt) => (200, receipt.to_bytes().to_vec()),
-            ParcelProgress::Held(held) => (202, held.to_le_bytes().to_vec()),
-            ParcelProgress::Whole => (202, u64::MAX.to_le_bytes().to_vec()),
-        })
+        }
     }
 }
 

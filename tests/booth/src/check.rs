@@ -4,8 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use paros_booth_rules::records::BadgeClaim;
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::EntryState;
-use paros_core::outbox::messages::{SculptureId, UploadFacts};
+use paros_core::outbox::messages::{SculptureId, UploadFacts, UploadStatus};
 
 use crate::exhibition::Exhibition;
 use crate::headset::SimHeadset;
@@ -29,7 +28,7 @@ pub fn check(exhibition: &Exhibition) {
     for (number, made) in exhibition.truth.made.iter().enumerate() {
         let is_at_booth = kept.numbers.contains(&number) || made.was_deleted;
         if made.was_signed {
-            assert!(is_at_booth, "{number}: what was signed for is lost: {made:?}");
+            assert!(is_at_booth, "{number}: what the booth took is lost: {made:?}");
         } else if made.was_kept_here && !made.is_excused && !is_at_booth {
             assert!(
                 here[made.headset].contains(&number),
@@ -93,7 +92,7 @@ pub fn check_settled(exhibition: &Exhibition) {
             continue;
         }
         let is_at_booth = kept.numbers.contains(&number) || made.was_deleted;
-        if made.is_poison {
+        if made.is_poison || made.is_stolen {
             let is_here = here[made.headset].contains(&number);
             assert!(is_here && !is_at_booth, "{number}: refused, and not here: {made:?}");
         } else {
@@ -107,9 +106,8 @@ pub fn check_settled(exhibition: &Exhibition) {
 pub fn list_unsettled(exhibition: &Exhibition) -> String {
     let mut text = String::new();
     for (h, headset) in exhibition.headsets.iter().enumerate() {
-        if let Some(outbox) = headset.driver.as_ref().map(|driver| driver.outbox()) {
-            let (is_due, was_wiped) = (outbox.is_journal_due(), outbox.was_wiped());
-            text += &format!("\n{h}: {is_due}, {was_wiped}, {:?}", outbox.entries());
+        if let Some(sender) = &headset.sender {
+            text += &format!("\n{h}: {}, {:?}", sender.was_wiped(), sender.spool().entries());
         }
     }
     text
@@ -119,13 +117,10 @@ pub fn list_unsettled(exhibition: &Exhibition) -> String {
 #[must_use]
 pub fn is_settled(exhibition: &Exhibition) -> bool {
     exhibition.headsets.iter().all(|headset| {
-        headset.driver.as_ref().is_some_and(|driver| {
-            let is_done =
-                |state| matches!(state, EntryState::Receipted { .. } | EntryState::Refused);
-            let outbox = driver.outbox();
-            !outbox.is_journal_due()
-                && !outbox.was_wiped()
-                && outbox.entries().iter().all(|entry| is_done(entry.state))
+        headset.sender.as_ref().is_some_and(|sender| {
+            let is_done = |status| matches!(status, UploadStatus::Sent | UploadStatus::Refused);
+            let entries = sender.spool().entries();
+            !sender.was_wiped() && entries.iter().all(|entry| is_done(entry.status))
         })
     })
 }

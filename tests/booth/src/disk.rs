@@ -13,6 +13,10 @@ use paros_shell::outbox::OutboxFolder;
 pub struct SimDisk {
     /// The files as programs see them.
     files: BTreeMap<String, Vec<u8>>,
+    /// When each file was written or renamed, in seconds.
+    times: BTreeMap<String, u64>,
+    /// The device's clock, in seconds.
+    pub now_s: u64,
     /// Names that were removed or exchanged and not synced: after a loss of power they may be back.
     unsynced: BTreeMap<String, Vec<u8>>,
     /// Whether folders can't be synced, as on some storages.
@@ -37,6 +41,8 @@ impl SimDisk {
     pub fn new(seed: u64, is_lazy: bool) -> Self {
         SimDisk {
             files: BTreeMap::new(),
+            times: BTreeMap::new(),
+            now_s: 0,
             unsynced: BTreeMap::new(),
             is_lazy,
             is_full: false,
@@ -101,6 +107,7 @@ impl SimDisk {
 
     fn put(&mut self, name: &str, bytes: &[u8]) {
         self.unsynced.remove(name);
+        self.times.insert(name.into(), self.now_s);
         self.files.insert(name.into(), bytes.to_vec());
     }
 
@@ -178,6 +185,11 @@ impl OutboxFolder for SimFolder {
             disk.put(to, &bytes);
         }
         if disk.is_dead { Err(ErrorKind::BrokenPipe.into()) } else { Ok(()) }
+    }
+
+    fn age_seconds(&self, name: &str) -> u64 {
+        let disk = self.0.borrow();
+        disk.times.get(name).map_or(0, |written| disk.now_s.saturating_sub(*written))
     }
 
     fn remove(&mut self, name: &str) -> io::Result<()> {

@@ -2,9 +2,9 @@
 
 use paros_booth_rules::BoothTime;
 use paros_core::outbox::messages::{CommandOutcome, HeartbeatAnswer};
-use paros_core::outbox::{DueCommand, OutboxSettings};
 use paros_models::random_visitor::RandomSource;
 use paros_shell::outbox::{BoothRequest, HttpAnswer, LinkAnswer, OutboxEvent};
+use paros_shell::outbox::{DueCommand, OutboxSettings};
 
 use crate::booth::{OPENING, SITE, SimBackup, SimBooth};
 use crate::check::{check, check_settled, is_settled, list_unsettled};
@@ -119,7 +119,7 @@ impl Exhibition {
     }
 
     pub(crate) fn power_up(&mut self, h: usize) {
-        if self.headsets[h].driver.is_none() {
+        if self.headsets[h].sender.is_none() {
             self.headsets[h].power_up(SITE);
             self.note(&format!("headset {h} starts: {:?}", self.headsets[h].list_files()));
         }
@@ -130,7 +130,8 @@ impl Exhibition {
         self.now_ms += ms;
         for h in 0..HEADSETS {
             self.headsets[h].host.clock_ms += ms;
-            if self.headsets[h].driver.is_some() {
+            self.headsets[h].disk.borrow_mut().now_s = self.now_ms / 1000;
+            if self.headsets[h].sender.is_some() {
                 self.headsets[h].host.lease.pass_time((ms / 1000) as u32);
             }
         }
@@ -182,8 +183,8 @@ impl Exhibition {
 
     pub(crate) fn step(&mut self, h: usize) {
         let headset = &mut self.headsets[h];
-        let Some(driver) = &mut headset.driver else { return };
-        driver.step(&mut headset.host);
+        let Some(sender) = &mut headset.sender else { return };
+        sender.step(&mut headset.host);
         let sent = std::mem::take(&mut headset.wire.borrow_mut().sent);
         let events = std::mem::take(&mut headset.host.events);
         let start = headset.start;
@@ -212,15 +213,9 @@ impl Exhibition {
         self.note(&format!("headset {h}: {event:?}"));
         match event {
             OutboxEvent::KeptAtBooth(id) | OutboxEvent::DeletedAtBooth(id) => {
-                self.truth.receipts += 1;
+                self.truth.heard += 1;
                 if let Some(made) = self.truth.find(*id) {
                     made.was_signed = true;
-                }
-            }
-            OutboxEvent::Renewed { old, new } => {
-                self.truth.renewed += 1;
-                if let Some(made) = self.truth.find(*old) {
-                    made.id = *new;
                 }
             }
             OutboxEvent::Command { command, .. } => self.carry_out(h, command),
@@ -239,8 +234,8 @@ impl Exhibition {
         assert!(is_for_this || !asked.kind.is_for_visit(), "a command for an ended visit");
         asked.done += 1;
         assert_eq!(asked.done, 1, "a command is carried out twice");
-        if let Some(driver) = &mut headset.driver {
-            driver.note_command_done(command.id, CommandOutcome::Done);
+        if let Some(sender) = &mut headset.sender {
+            sender.note_command_done(command.id, CommandOutcome::Done);
         }
     }
 
@@ -255,12 +250,11 @@ impl Exhibition {
             // A start looks at the folder again.
             self.headsets[h].kill();
             self.power_up(h);
-            let driver = self.headsets[h].driver.as_mut().expect("nothing fails");
-            let announced: Vec<_> =
-                driver.outbox().entries().iter().map(|entry| entry.id).collect();
+            let sender = self.headsets[h].sender.as_mut().expect("nothing fails");
+            let announced: Vec<_> = sender.spool().entries().iter().map(|entry| entry.id).collect();
             for id in announced {
                 // Those that are kept stay.
-                let _ = driver.abandon(id);
+                let _ = sender.abandon(id);
             }
         }
     }

@@ -1,4 +1,4 @@
-//! A headset: its disk, its link, its badges' lease, and the outbox's driver while it is on.
+//! A headset: its disk, its link, its badges' lease, and the outbox's sender while it is on.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -6,10 +6,10 @@ use std::rc::Rc;
 
 use paros_core::badge::{AnswerOutcome, BadgeLease, BadgeNumber, LeaseAnswer, LeaseReport};
 use paros_core::outbox::messages::{HeatLevel, SiteId};
-use paros_core::outbox::{HeadsetStatus, OutboxOwner, OutboxSettings};
 use paros_core::visit::VisitPhase;
 use paros_models::random_visitor::RandomSource;
-use paros_shell::outbox::{OutboxDriver, OutboxEvent, OutboxFolder, OutboxHost, Parcel};
+use paros_shell::outbox::{HeadsetStatus, OutboxOwner, OutboxSettings};
+use paros_shell::outbox::{OutboxEvent, OutboxFolder, OutboxHost, Parcel, Sender};
 
 use crate::disk::{SimDisk, SimFolder};
 use crate::network::{SimLink, Wire};
@@ -18,7 +18,7 @@ use crate::truth::number_of_facts;
 /// The lease's file.
 const LEASE: &str = "lease";
 
-/// The shell around a driver.
+/// The shell around a sender.
 #[derive(Debug)]
 pub struct SimHost {
     /// Its clock.
@@ -46,8 +46,8 @@ pub struct SimHeadset {
     pub start: u32,
     /// Of this start.
     pub boot_id: u64,
-    /// The driver while it is on.
-    pub driver: Option<OutboxDriver<SimFolder, SimLink>>,
+    /// The sender while it is on.
+    pub sender: Option<Sender<SimFolder, SimLink>>,
     /// The shell around it.
     pub host: SimHost,
     /// Sculptures that are finished and whose parcels are being made, by number.
@@ -143,7 +143,7 @@ impl SimHeadset {
             wire: Rc::default(),
             start: 0,
             boot_id: 0,
-            driver: None,
+            sender: None,
             host,
             pending: Vec::new(),
             settings,
@@ -160,14 +160,14 @@ impl SimHeadset {
         self.host.load_lease(self.number);
         let owner = OutboxOwner { site, headset: self.number };
         let (folder, link) = (SimFolder(self.disk.clone()), SimLink(self.wire.clone()));
-        let opened = OutboxDriver::open(folder, link, owner, self.settings, self.boot_id);
-        self.driver = opened.ok();
+        let opened = Sender::open(folder, link, owner, self.settings, self.boot_id);
+        self.sender = opened.ok();
         self.see_whether_it_is_dead();
     }
 
     /// Ends its program at once. What was made and not kept is forgotten by the program.
     pub fn kill(&mut self) {
-        self.driver = None;
+        self.sender = None;
         self.host.events.clear();
         self.pending.clear();
         self.wire = Rc::default();
@@ -190,8 +190,9 @@ impl SimHeadset {
     /// The number of the sculpture in a file, where that is a parcel as it should be.
     pub fn number_in_file(&self, name: &str) -> Option<usize> {
         let disk = self.disk.borrow();
-        let bytes = disk.peek(name).filter(|_| name.ends_with(".parcel"))?;
-        let parcel = Parcel::read_file(bytes.to_vec()).ok()?;
+        let is_parcel = [".parcel", ".refused", ".sent"].iter().any(|end| name.ends_with(end));
+        let bytes = disk.peek(name).filter(|_| is_parcel)?;
+        let parcel = Parcel::from_file(bytes.to_vec()).ok()?;
         Some(number_of_facts(parcel.facts()))
     }
 

@@ -1,5 +1,5 @@
 //! Exhibitions under one seed: the outbox's driver, a network and the booth's rules, whose time, network and disks are
-//! replaced. Whatever happens, what the booth signed for isn't lost, nothing is stored twice, no leased badge names
+//! replaced. Whatever happens, what the booth took isn't lost, nothing is stored twice, no leased badge names
 //! two sculptures, and what was announced is kept or missed.
 
 mod acts;

@@ -3,17 +3,16 @@
 use std::collections::BTreeSet;
 
 use paros_booth_rules::Deletion;
-use paros_core::limits::CONFIRM_MS;
-use paros_core::outbox::EntryState;
-use paros_core::outbox::messages::{SculptureId, UploadFacts};
+use paros_core::outbox::messages::{SculptureId, UploadFacts, UploadStatus};
+use paros_shell::outbox::CONFIRM_MS;
 
 use crate::exhibition::Exhibition;
 use crate::network::Weather;
 use crate::truth::number_of_facts;
 
-/// Seconds after which a headset that hears the booth has asked for all that this signed for: it asks now and then, and its
+/// Seconds after which a headset that hears the booth has asked for all that it sent: it asks now and then, and its
 /// heartbeats may have been far between.
-const SECONDS_UNTIL_ASKED: u32 = (CONFIRM_MS / 1000) as u32 + 40;
+const SECONDS_UNTIL_ASKED: u64 = CONFIRM_MS / 1000 + 40;
 
 impl Exhibition {
     /// Not where a thief took somebody's id, which nobody can know but in a simulation: who gave it up for another one may
@@ -57,7 +56,7 @@ impl Exhibition {
         }
     }
 
-    /// What is true of the booth as it is now: what it signed for since the backup is lost, but what is in a headset that
+    /// What is true of the booth as it is now: what it took since the backup is lost, but what is in a headset that
     /// hears of it within the grace.
     fn take_back_what_is_lost(&mut self, deletions: &[Deletion], all_hear: bool) {
         self.truth.restores += 1;
@@ -78,17 +77,15 @@ impl Exhibition {
                 continue;
             }
             // What its program took in before it lost its power, it alone knows.
-            let entry = headset.driver.as_ref().and_then(|driver| driver.outbox().find(made.id));
-            if !made.was_signed && entry.is_some_and(|entry| entry.state.is_owed()) {
+            let entry = headset.sender.as_ref().and_then(|sender| sender.spool().find(made.id));
+            if !made.was_signed && entry.is_some_and(|entry| entry.status != UploadStatus::Sent) {
                 continue;
             }
             made.was_signed = false;
-            let is_to_return = match entry.map(|entry| entry.state) {
-                Some(EntryState::Receipted { seconds }) => {
-                    all_hear && seconds + SECONDS_UNTIL_ASKED < self.grace_seconds
-                }
-                _ => false,
-            };
+            let grace_seconds = u64::from(self.grace_seconds);
+            let sent = headset.sender.as_ref().and_then(|sender| sender.sent_seconds(made.id));
+            let is_here = |seconds: u64| seconds + SECONDS_UNTIL_ASKED < grace_seconds;
+            let is_to_return = all_hear && sent.is_some_and(is_here);
             if is_to_return && !made.is_excused {
                 self.truth.to_return += 1;
             } else {

@@ -11,7 +11,7 @@ use paros_core::session::SessionMode;
 pub struct Made {
     /// In which headset.
     pub headset: usize,
-    /// Its id, now.
+    /// Its id.
     pub id: SculptureId,
     /// Its badge.
     pub badge: Option<BadgeNumber>,
@@ -25,6 +25,8 @@ pub struct Made {
     pub is_excused: bool,
     /// Whether the booth can't read it.
     pub is_poison: bool,
+    /// Whether a thief's parcel came under its id before.
+    pub is_stolen: bool,
 }
 
 /// A command that the staff gave.
@@ -51,10 +53,8 @@ pub struct Truth {
     pub noted: BTreeSet<(u32, SculptureId)>,
     /// Commands by headset and id.
     pub commands: BTreeMap<(usize, u64), Asked>,
-    /// Receipts that headsets took.
-    pub receipts: u32,
-    /// Sculptures that got another id.
-    pub renewed: u32,
+    /// Sculptures of which a headset heard that the booth has them.
+    pub heard: u32,
     /// Ids that a thief took.
     pub stolen: u32,
     /// How often the booth came back from a backup.
@@ -93,10 +93,9 @@ pub const fn is_poison(facts: &UploadFacts) -> bool {
 
 /// Facts of a sculpture.
 #[must_use]
-pub fn facts_of(number: usize, made: &Made, headset: u32) -> UploadFacts {
+pub fn facts_of(number: usize, made: &Made) -> UploadFacts {
     UploadFacts {
         id: made.id,
-        headset,
         badge: made.badge,
         core_version: 1,
         side: 128,

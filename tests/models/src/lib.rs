@@ -22,7 +22,6 @@ pub mod hard_work;
 pub mod island_harness;
 pub mod islands;
 pub mod layers;
-pub mod outbox;
 pub mod path;
 pub mod random_visitor;
 pub mod save_layout;

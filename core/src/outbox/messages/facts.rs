@@ -7,7 +7,7 @@ use crate::limits::{
 };
 use crate::outbox::messages::SculptureId;
 use crate::outbox::messages::fields::{
-    fixed_bytes, read_badge, read_headset, read_numbered, read_version, write_badge, write_version,
+    fixed_bytes, read_badge, read_numbered, read_version, write_badge, write_version,
 };
 use crate::session::input::SessionMode;
 
@@ -37,14 +37,12 @@ pub enum AgeGroup {
 
 /// The head of a parcel. After it come, in this order and each packed by deflate (RFC 1951, no header):
 /// [`volume_bytes`](UploadFacts::volume_bytes) of the volume, an `.rmap`, and
-/// [`trace_bytes`](UploadFacts::trace_bytes) of the trace. The parcel's hash is the SHA-256 of all of it, the head
-/// too.
+/// [`trace_bytes`](UploadFacts::trace_bytes) of the trace; at the end the SHA-256 of all of it, the head too. The same
+/// bytes are the file on the headset's disk and the body of a `PUT`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct UploadFacts {
     /// The sculpture's.
     pub id: SculptureId,
-    /// Number of the headset, from 1.
-    pub headset: u32,
     /// The badge that the visitor was shown.
     pub badge: Option<BadgeNumber>,
     /// [`CORE_VERSION`](crate::codec::trace::CORE_VERSION) of the program.
@@ -90,7 +88,7 @@ fixed_bytes! { UploadFacts }
 
 impl UploadFacts {
     /// Length of the head in bytes.
-    pub const BYTES: usize = 65;
+    pub const BYTES: usize = 61;
 
     /// Length of the whole parcel in bytes.
     #[must_use]
@@ -101,7 +99,6 @@ impl UploadFacts {
     fn write(&self, to: &mut ByteWriter<'_>) {
         write_version(to);
         self.id.write(to);
-        to.u32(self.headset);
         write_badge(to, self.badge);
         to.u16(self.core_version);
         to.u16(self.side);
@@ -120,7 +117,7 @@ impl UploadFacts {
 
     fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
         read_version(from)?;
-        let (id, headset) = (SculptureId::read(from)?, read_headset(from)?);
+        let id = SculptureId::read(from)?;
         let (badge, core_version) = (read_badge(from)?, from.u16()?);
         let bad = from.error_here("a grid's side, 128 or 256");
         let side = Some(from.u16()?).filter(|side| matches!(side, 128 | 256)).ok_or(bad)?;
@@ -142,7 +139,6 @@ impl UploadFacts {
         let has_no_trace = (trace_bytes, trace_raw_bytes) == (0, 0);
         let facts = UploadFacts {
             id,
-            headset,
             badge,
             core_version,
             side,

@@ -19,18 +19,16 @@ pub(super) fn read_version(from: &mut ByteReader<'_>) -> Result<(), BadBytes> {
 }
 
 /// Reads a number that isn't zero: what zero means is told otherwise.
-pub(in crate::outbox) fn read_headset(from: &mut ByteReader<'_>) -> Result<u32, BadBytes> {
+pub(super) fn read_headset(from: &mut ByteReader<'_>) -> Result<u32, BadBytes> {
     let bad = from.error_here("a headset's number, from 1");
     Some(from.u32()?).filter(|&number| number != 0).ok_or(bad)
 }
 
-pub(in crate::outbox) fn write_badge(to: &mut ByteWriter<'_>, badge: Option<BadgeNumber>) {
+pub(super) fn write_badge(to: &mut ByteWriter<'_>, badge: Option<BadgeNumber>) {
     to.u32(badge.map_or(NO_BADGE, BadgeNumber::get));
 }
 
-pub(in crate::outbox) fn read_badge(
-    from: &mut ByteReader<'_>,
-) -> Result<Option<BadgeNumber>, BadBytes> {
+pub(super) fn read_badge(from: &mut ByteReader<'_>) -> Result<Option<BadgeNumber>, BadBytes> {
     let bad = from.error_here("the number of a badge, or four times 255 for none");
     match from.u32()? {
         NO_BADGE => Ok(None),
@@ -49,7 +47,7 @@ pub(super) fn read_numbered<T: Copy>(
 }
 
 /// Reads a byte of which no other bits than `mask` are set.
-pub(in crate::outbox) fn read_flags(
+pub(super) fn read_flags(
     from: &mut ByteReader<'_>,
     mask: u8,
     expected: &'static str,
@@ -60,7 +58,7 @@ pub(in crate::outbox) fn read_flags(
 }
 
 /// Passes over bytes that stand for nothing.
-pub(in crate::outbox) fn read_zeros(
+pub(super) fn read_zeros(
     from: &mut ByteReader<'_>,
     len: usize,
     expected: &'static str,
@@ -69,7 +67,7 @@ pub(in crate::outbox) fn read_zeros(
     if from.bytes(len)?.iter().all(|&byte| byte == 0) { Ok(()) } else { Err(bad) }
 }
 
-pub(in crate::outbox) fn write_zeros(to: &mut ByteWriter<'_>, len: usize) {
+pub(super) fn write_zeros(to: &mut ByteWriter<'_>, len: usize) {
     (0..len).for_each(|_| to.u8(0));
 }
 

@@ -15,23 +15,23 @@ use crate::visit::VisitPhase;
 /// Announcements of a heartbeat, or those of it that the booth has noted. No id is there twice.
 pub type Announcements = Vec<Announcement, MAX_ANNOUNCEMENTS>;
 
-/// Where a sculpture stands that the booth hasn't signed for.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+/// The status of a sculpture's upload.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 #[repr(u8)]
-pub enum AnnouncementState {
-    /// It is finished; its parcel is being made.
-    Announced = 0,
-    /// Its parcel is kept in the headset, and waits.
-    Kept = 1,
-    /// Its parcel is on its way.
-    Sending = 2,
-    /// The booth refused its parcel, which is kept in the headset: the staff must look.
+pub enum UploadStatus {
+    /// The sculpture is finished; its parcel is being made.
+    Making = 0,
+    /// The parcel has no room on the headset's disk or in its outbox. It is tried again.
+    Waiting = 1,
+    /// *Kept here*: the parcel is on the headset's disk.
+    Kept = 2,
+    /// *Kept here*, and the booth can't take it: staff must look.
     Refused = 3,
-    /// Its parcel was never made, or can't be read any more. It won't come.
+    /// The parcel was never made, or is damaged. It won't come.
     Lost = 4,
-    /// The booth has signed for it, and its parcel is still kept in the headset. A booth that doesn't know of it notes it as
-    /// kept there, and it is sent again.
-    SignedFor = 5,
+    /// *Kept at the booth*. A heartbeat asks by it whether the booth still has the sculpture: one that doesn't notes
+    /// [`Kept`](UploadStatus::Kept), and the headset sends the parcel again.
+    Sent = 5,
 }
 
 /// That there is a sculpture. The booth lists one that it doesn't know as missing until it comes.
@@ -41,8 +41,8 @@ pub struct Announcement {
     pub id: SculptureId,
     /// The badge that the visitor was shown; `None` also as long as none was.
     pub badge: Option<BadgeNumber>,
-    /// Where it stands.
-    pub state: AnnouncementState,
+    /// The status of its upload.
+    pub status: UploadStatus,
 }
 
 /// How hot a headset is.
@@ -74,8 +74,8 @@ pub struct Heartbeat {
     pub is_worn: bool,
     /// Whether it glows and beeps, so that it is found.
     pub is_glowing: bool,
-    /// Whether the outbox began with neither journal nor parcels, as the program is new here, or its data was wiped: told
-    /// until a heartbeat that says so is answered.
+    /// `true` if the outbox's folder was empty at the start, as the program is new here or its data was wiped; until a
+    /// heartbeat that says so is answered.
     pub was_wiped: bool,
     /// The battery's charge in percent, where it is known.
     pub battery_percent: Option<u8>,
@@ -85,7 +85,7 @@ pub struct Heartbeat {
     pub phase: VisitPhase,
     /// Seconds since this visitor put it on; 0 where nobody wears it.
     pub worn_seconds: u32,
-    /// Sculptures that the booth hasn't signed for.
+    /// Sculptures that the booth doesn't have.
     pub outbox_depth: u16,
     /// How full the outbox is with what can't be deleted, in percent.
     pub outbox_full_percent: u8,
@@ -97,8 +97,8 @@ pub struct Heartbeat {
     pub lease: Option<LeaseReport>,
     /// The last command that was taken, and what became of it; `None` if none was taken in this start.
     pub last_command: Option<CommandReport>,
-    /// Sculptures that the booth hasn't signed for: first those whose state it hasn't noted. Then some of those that it has
-    /// signed for, to hear whether it has them still.
+    /// Sculptures that the booth doesn't have: first those whose status it hasn't noted. Then sent ones, to hear whether
+    /// the booth still has them.
     pub announcements: Announcements,
 }
 
@@ -114,15 +114,15 @@ const HAS_LEASE: u8 = 16;
 const HAS_COMMAND: u8 = 32;
 const ALL_FLAGS: u8 = 63;
 
-impl AnnouncementState {
+impl UploadStatus {
     /// By number.
-    pub const ALL: [AnnouncementState; 6] = [
-        AnnouncementState::Announced,
-        AnnouncementState::Kept,
-        AnnouncementState::Sending,
-        AnnouncementState::Refused,
-        AnnouncementState::Lost,
-        AnnouncementState::SignedFor,
+    pub const ALL: [UploadStatus; 6] = [
+        UploadStatus::Making,
+        UploadStatus::Waiting,
+        UploadStatus::Kept,
+        UploadStatus::Refused,
+        UploadStatus::Lost,
+        UploadStatus::Sent,
     ];
 }
 
@@ -138,14 +138,14 @@ impl Announcement {
     fn write(&self, to: &mut ByteWriter<'_>) {
         self.id.write(to);
         write_badge(to, self.badge);
-        to.u8(self.state as u8);
+        to.u8(self.status as u8);
     }
 
     fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
         let (id, badge) = (SculptureId::read(from)?, read_badge(from)?);
-        let expected = "where a sculpture stands, 0 to 5";
-        let state = read_numbered(from, &AnnouncementState::ALL, expected)?;
-        Ok(Announcement { id, badge, state })
+        let expected = "an upload's status, 0 to 5";
+        let status = read_numbered(from, &UploadStatus::ALL, expected)?;
+        Ok(Announcement { id, badge, status })
     }
 }
 

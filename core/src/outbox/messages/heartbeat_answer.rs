@@ -27,8 +27,8 @@ pub struct HeartbeatAnswer {
     pub lease: Option<LeaseAnswer>,
     /// A command that waits for this headset.
     pub command: Option<BoothCommand>,
-    /// What the booth has noted of the heartbeat's announcements, as they stood there; one that it doesn't know to have
-    /// signed for, as kept in the headset.
+    /// The heartbeat's announcements that the booth has noted. A sent sculpture that the booth doesn't have stands here as
+    /// [`Kept`](super::UploadStatus::Kept).
     pub noted: Announcements,
 }
 

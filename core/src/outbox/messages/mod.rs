@@ -5,7 +5,6 @@
 //! | message | goes | carries |
 //! |---|---|---|
 //! | [`UploadFacts`] | to the booth, before a parcel's files | whose sculpture it is, and what follows |
-//! | [`Receipt`] | to the headset | that a parcel is the booth's now, or was deleted there |
 //! | [`Heartbeat`], [`HeartbeatAnswer`] | both ways, every two seconds | state, announcements, leases, a command |
 //! | [`FleetEnrolment`], [`EnrolAnswer`] | both ways, once | a token of the fleet, by which a device is let in |
 //!
@@ -19,15 +18,10 @@ mod fields;
 mod heartbeat;
 mod heartbeat_answer;
 mod ids;
-mod receipt;
 
 pub use commands::{BoothCommand, CommandKind, CommandOutcome, CommandReport};
 pub use enrolment::{DeviceName, EnrolAnswer, FleetEnrolment};
 pub use facts::{AgeGroup, FinishCause, UploadFacts};
-pub(super) use fields::{
-    read_badge, read_flags, read_headset, read_zeros, write_badge, write_zeros,
-};
-pub use heartbeat::{Announcement, AnnouncementState, Announcements, Heartbeat, HeatLevel};
+pub use heartbeat::{Announcement, Announcements, Heartbeat, HeatLevel, UploadStatus};
 pub use heartbeat_answer::HeartbeatAnswer;
 pub use ids::{ContentHash, DeviceHint, DeviceToken, EnrolmentToken, SculptureId, SiteId};
-pub use receipt::{Receipt, ReceiptOutcome};

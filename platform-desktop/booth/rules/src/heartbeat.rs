@@ -5,8 +5,8 @@
 
 use paros_core::badge::BadgeNumber;
 use paros_core::outbox::messages::{
-    AnnouncementState, Announcements, BoothCommand, CommandKind, CommandOutcome, Heartbeat,
-    HeartbeatAnswer, ReceiptOutcome,
+    Announcements, BoothCommand, CommandKind, CommandOutcome, Heartbeat, HeartbeatAnswer,
+    UploadStatus,
 };
 
 use crate::booth::{Booth, Tx};
@@ -221,27 +221,25 @@ fn plan_announcements(
 ) -> Result<(), StoreError> {
     let mut count = None;
     for announced in &beat.announcements {
-        let id = announced.id.0.to_value();
-        let known: Option<Announcement> = tx.get(&[beat.headset.to_value(), id.clone()])?;
-        let outcome = match &known {
-            Some(_) if announced.state != AnnouncementState::SignedFor => None,
-            _ => find_outcome(tx, beat.headset, announced)?,
-        };
+        let key = [announced.id.0.to_value()];
+        let [headset, id] = [beat.headset.to_value(), announced.id.0.to_value()];
+        let known: Option<Announcement> = tx.get(&[headset, id])?;
+        let is_sent = announced.status == UploadStatus::Sent;
+        // What is on the list of missing sculptures hasn't come.
+        let is_looked_up = known.is_none() || is_sent;
+        let is_kept = is_looked_up && tx.get::<Sculpture>(&key)?.is_some();
+        let is_deleted = is_looked_up && !is_kept && tx.get::<Tombstone>(&key)?.is_some();
+        // Lost in a restore, or deleted: sent again it is kept, or answered so.
+        let status = if is_sent && !is_kept { UploadStatus::Kept } else { announced.status };
         let badge = announced.badge.map(BadgeNumber::get);
-        // Signed for and not known, it was lost with the records since a copy, and is to come again. Deleted, its headset is
-        // to ask, and hears so; as another headset's than it was it would come as a new one.
-        let is_settled = outcome
-            .is_some_and(|(outcome, of)| outcome == ReceiptOutcome::Kept || of != beat.headset);
-        let is_to_come = announced.state == AnnouncementState::SignedFor && !is_settled;
-        let state = if is_to_come { AnnouncementState::Kept } else { announced.state };
         let note = Announcement {
             headset: beat.headset,
             sculpture: announced.id.0,
             badge: badge.or_else(|| known.as_ref().and_then(|known| known.badge)),
             heard_at: known.as_ref().map_or(now, |known| known.heard_at),
-            state: state as u8,
+            status: status as u8,
         };
-        if outcome.is_none() && known.as_ref() != Some(&note) {
+        if !is_kept && !is_deleted && known.as_ref() != Some(&note) {
             if known.is_none() {
                 let of_headset = Query::all::<Announcement>().equal("headset", &beat.headset);
                 let count = match &mut count {
@@ -256,36 +254,8 @@ fn plan_announcements(
             plan.announcements.push(note);
         }
         // There is room: there are no more of them than in the heartbeat.
-        let _ = plan.noted.push(paros_core::outbox::messages::Announcement { state, ..*announced });
+        let _ =
+            plan.noted.push(paros_core::outbox::messages::Announcement { status, ..*announced });
     }
     Ok(())
-}
-
-/// What became of a headset's sculpture, and as which headset's it came; `None` where it didn't.
-fn find_outcome(
-    tx: &mut Tx<'_>,
-    headset: u32,
-    announced: &paros_core::outbox::messages::Announcement,
-) -> Result<Option<(ReceiptOutcome, u32)>, StoreError> {
-    let key = [announced.id.0.to_value()];
-    let (of, outcome) = if let Some(kept) = tx.get::<Sculpture>(&key)? {
-        (kept.headset, ReceiptOutcome::Kept)
-    } else if let Some(deleted) = tx.get::<Tombstone>(&key)? {
-        (deleted.headset, ReceiptOutcome::Deleted)
-    } else {
-        return Ok(None);
-    };
-    let is_signed_for = announced.state == AnnouncementState::SignedFor;
-    // Who was signed for what is deleted is one that had it, whatever number it had then.
-    let is_its = of == headset
-        || is_signed_for
-            && (outcome == ReceiptOutcome::Deleted || is_same_device(tx, of, headset)?);
-    Ok(is_its.then_some((outcome, of)))
-}
-
-/// Whether two headsets are one device, which enrolled anew.
-fn is_same_device(tx: &mut Tx<'_>, one: u32, other: u32) -> Result<bool, StoreError> {
-    let one: Option<Device> = tx.get(&[one.to_value()])?;
-    let other: Option<Device> = tx.get(&[other.to_value()])?;
-    Ok(one.zip(other).is_some_and(|(one, other)| one.hint == other.hint))
 }

@@ -3,7 +3,7 @@
 //! know the network, clocks or disks.
 //!
 //! What it promises:
-//! - What it signed for is kept until it is deleted by a person's wish or by age, and then it says so.
+//! - A parcel that it took is kept until it is deleted by a person's wish or by age, and then it says so.
 //! - No sculpture is kept twice, whatever is lost, doubled or late.
 //! - No leased badge names two sculptures: the second one is *disputed*, and says so. Nor does a headset claim one that
 //!   it was never handed: such a sculpture is kept with its badge *in doubt*.
@@ -56,7 +56,7 @@ pub use lifecycle::SweepReport;
 pub use links::LinkToken;
 pub use mail::{MailJob, MailOutcome};
 pub use memory_store::MemoryStore;
-pub use parcel_files::{KeptName, KeptPart, MemoryFiles, ParcelFiles, ParcelName};
+pub use parcel_files::{KeptName, KeptPart, MemoryFiles, ParcelFiles};
 pub use print_wish::{PrintSize, PrintWish};
 pub use printers::{PrinterTask, PrinterWord};
 pub use prints::{PrintJob, PrintStep, SliceOutcome};
@@ -69,6 +69,6 @@ pub use staff::{LoggedIn, SessionBits};
 pub use store::{Access, Condition, Query, RowOrder, Store, StoreError, Transaction, update, view};
 pub use table::{Column, Record, Row, Table};
 pub use time::BoothTime;
-pub use upload::{Chunk, DecodeParcel, ParcelProgress};
+pub use upload::{DecodeParcel, ParcelOutcome};
 pub use value::{ColumnKind, Field, Value};
 pub use words::{HeardBadge, WordsFault};

@@ -9,7 +9,7 @@ use crate::audit::{Subject, drop_old_entries, forget_badge, note};
 use crate::booth::{Booth, Tx};
 use crate::deletions::Deletion;
 use crate::find::NO_SCULPTURE;
-use crate::limits::{AUDIT_DAYS, MAX_WORKERS, OPEN_PARCEL_LIFE, SWEEP_BATCH};
+use crate::limits::{AUDIT_DAYS, MAX_WORKERS, SWEEP_BATCH};
 use crate::mail::withdraw_mails;
 use crate::parcel_files::{KeptName, KeptPart};
 use crate::prints::{remove_prints, withdraw_prints};
@@ -121,8 +121,6 @@ impl Booth {
             ..SweepReport::default()
         };
         self.remove_buried_files()?;
-        let before = BoothTime(now.0.saturating_sub(OPEN_PARCEL_LIFE.as_millis() as u64));
-        self.files.drop_parcels_before(before)?;
         self.files.forget_deletions_before(days_before(now, self.plan.horizon_days))?;
         (report.tombstones, report.announcements) = self.update(|tx| {
             let ended = Query::all::<Tombstone>()

@@ -3,16 +3,6 @@
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-/// Bytes of a parcel in one request: a radio that drops one loses no more than that.
-pub const MAX_CHUNK_BYTES: usize = 256 << 10;
-
-/// Parcels of a headset that are under way at once; one more, and the one that stood still for longest begins anew. An
-/// outbox sends one after the other.
-pub const MAX_OPEN_PARCELS: usize = 4;
-
-/// How long a part of a parcel is kept that nothing more comes for: a headset is off for a long weekend.
-pub const OPEN_PARCEL_LIFE: Duration = Duration::from_secs(4 * 86_400);
-
 /// From when on a headset that says nothing may have been wiped, and its number goes to one that enrols with its hint.
 /// It says something every two seconds, and takes half a minute for a restart.
 pub const SILENCE_OF_WIPED: Duration = Duration::from_secs(15);

@@ -46,7 +46,6 @@ reasons! {
     LinkRevoked: "the visitor's link was taken back",
     NeverCame: "the headset never came",
     NotWorn: "nobody wears the headset",
-    ForeignSculpture: "the sculpture is another headset's",
     OtherParcel: "another parcel of this sculpture was taken before",
     FileMissing: "a sculpture's file is missing in the copy",
     MailsFull: "as many mails of this sculpture as may be",

@@ -10,10 +10,11 @@ use crate::lifecycle::kept_name;
 use crate::mail::fail_queued_mails;
 use crate::parcel_files::KeptPart;
 use crate::reason::Reason;
-use crate::records::{Announcement, EnrolToken, Sculpture, StaffSession, Tombstone};
+use crate::records::{EnrolToken, Sculpture, StaffSession, Tombstone};
 use crate::refusal::Refusal;
 use crate::store::{Query, StoreError};
 use crate::time::BoothTime;
+use crate::upload::remove_announcements;
 use crate::value::Field as _;
 
 /// What was done to a copy.
@@ -80,7 +81,7 @@ impl Booth {
             return self.bury(tx, &sculpture, deletion.deleted_at);
         }
         // In the copy it may not have come yet.
-        tx.remove::<Announcement>(&[deletion.headset.to_value(), deletion.id.0.to_value()])?;
+        remove_announcements(tx, &deletion.id.0)?;
         if tx.get::<Tombstone>(&key)?.is_none() {
             report.tombstones += 1;
             tx.put(&self.make_tombstone(deletion))?;

@@ -1,149 +1,92 @@
-//! Parcels: taken piece by piece, checked as a whole, kept, and signed for.
+//! Parcels: checked as a whole, and kept.
 
 use paros_core::badge::BadgeNumber;
 use paros_core::limits::MAX_PARCEL_BYTES;
-use paros_core::outbox::messages::{
-    ContentHash, Receipt, ReceiptOutcome, SculptureId, UploadFacts,
-};
+use paros_core::outbox::messages::{ContentHash, SculptureId, UploadFacts};
 
 use crate::booth::{Booth, Tx, hash_of};
 use crate::grants::is_granted;
-use crate::limits::{MAX_CHUNK_BYTES, MAX_OPEN_PARCELS};
-use crate::parcel_files::{KeptName, KeptPart, ParcelName};
+use crate::parcel_files::{KeptName, KeptPart};
 use crate::reason::Reason;
 use crate::records::{Announcement, BadgeClaim, Device, ExportState, Sculpture, Tombstone};
 use crate::refusal::Refusal;
-use crate::store::Query;
+use crate::store::{Query, StoreError, view};
 use crate::time::BoothTime;
 use crate::value::Field as _;
 
-/// A piece of a parcel.
-#[derive(Clone, Copy, Debug)]
-pub struct Chunk<'a> {
-    /// The sculpture.
-    pub id: SculptureId,
-    /// SHA-256 of the whole parcel.
-    pub hash: ContentHash,
-    /// Length of the whole parcel.
-    pub parcel_bytes: u64,
-    /// Where the piece begins.
-    pub offset: u64,
-    /// The piece; empty to ask how far the parcel has come.
-    pub bytes: &'a [u8],
-}
-
-/// How far a parcel has come.
+/// What became of a parcel.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum ParcelProgress {
-    /// So many bytes are here: go on there.
-    Held(u64),
-    /// All bytes are here: [`Booth::finish_parcel`] is next.
-    Whole,
-    /// It was kept or deleted before.
-    Done(Receipt),
+pub enum ParcelOutcome {
+    /// It is kept.
+    Kept,
+    /// It was kept, and was deleted: the headset deletes it too.
+    Deleted,
 }
 
-/// Checks that a parcel's files are what its head says: the packed volume or mesh, and the packed trace. Takes no more
-/// memory than the head says.
+/// Checks that a parcel's files are what its head says: the packed volume, and the packed trace. Takes no more memory
+/// than the head says.
 pub type DecodeParcel<'a> = dyn Fn(&UploadFacts, &[u8], &[u8]) -> Result<(), String> + 'a;
 
-impl Booth {
-    /// Takes a piece of a parcel. A piece that begins elsewhere than what is held ends is passed over, and the answer
-    /// says where to go on.
-    ///
-    /// # Errors
-    /// Too large a piece or parcel, another headset's sculpture, or another parcel of a known sculpture.
-    pub fn take_chunk(
-        &self,
-        device: &Device,
-        chunk: &Chunk<'_>,
-    ) -> Result<ParcelProgress, Refusal> {
-        check_sizes(chunk)?;
-        let name = ParcelName { headset: device.headset, id: chunk.id, hash: chunk.hash };
-        if let Some(receipt) = self.view_receipt(&name)? {
-            return Ok(ParcelProgress::Done(receipt));
-        }
-        let held = self.files.held_bytes(&name)?;
-        let end = chunk.offset + chunk.bytes.len() as u64;
-        let held = if chunk.offset != held || chunk.bytes.is_empty() {
-            held
-        } else if end > chunk.parcel_bytes {
-            return Err(Refusal::BadRequest("the piece is longer than its parcel".into()));
-        } else {
-            if held == 0 {
-                self.files.make_room(device.headset, MAX_OPEN_PARCELS)?;
-            }
-            self.files.append(&name, chunk.offset, chunk.bytes)?
-        };
-        Ok(match held >= chunk.parcel_bytes {
-            true => ParcelProgress::Whole,
-            false => ParcelProgress::Held(held),
-        })
-    }
+/// A parcel whose hash is right.
+struct CheckedParcel<'a> {
+    facts: UploadFacts,
+    hash: ContentHash,
+    /// Head and volume.
+    sculpture: &'a [u8],
+    trace: &'a [u8],
+}
 
-    /// Keeps a parcel whose bytes are all here, and signs for it. Asked again, it signs the same.
-    ///
-    /// [`ParcelProgress::Held`] of 0 where its bytes turned into others, as by a power cut: it has to come again.
+impl Booth {
+    /// Keeps a parcel. Idempotent: the same parcel of any headset has the same outcome. `file` is the parcel with its
+    /// SHA-256 at the end.
     ///
     /// # Errors
-    /// [`Refusal::Undecodable`] where it is no sculpture of this headset. It is forgotten then.
-    pub fn finish_parcel(
+    /// `TooLarge`; `BadRequest` if the hash isn't that of the bytes; `Undecodable` if they are no sculpture; `Conflict` if
+    /// another parcel of this id was kept.
+    pub fn take_parcel(
         &self,
         device: &Device,
-        (id, hash): (SculptureId, ContentHash),
+        id: SculptureId,
+        file: &[u8],
         decode: &DecodeParcel<'_>,
         now: BoothTime,
-    ) -> Result<ParcelProgress, Refusal> {
-        let name = ParcelName { headset: device.headset, id, hash };
-        if let Some(receipt) = self.view_receipt(&name)? {
-            return Ok(ParcelProgress::Done(receipt));
+    ) -> Result<ParcelOutcome, Refusal> {
+        let parcel = check_parcel(id, file)?;
+        let known = view(self.store.as_ref(), |tx| find_outcome(tx, id, parcel.hash))?;
+        if let Some(outcome) = known {
+            return Ok(outcome);
         }
-        let parcel = self.files.read_parcel(&name)?;
-        if hash_of(&parcel) != hash {
-            // A power cut turns even what came in one piece into something else.
-            self.files.drop_parcel(&name)?;
-            return Ok(ParcelProgress::Held(0));
-        }
-        let facts = check_parcel(device, id, &parcel, decode).map_err(Refusal::Undecodable);
-        let facts = match facts {
-            Ok(facts) => facts,
-            Err(refusal) => {
-                self.files.drop_parcel(&name)?;
-                return Err(refusal);
-            }
-        };
-        let receipt = self.keep_parcel(&name, &facts, &parcel, now)?;
-        // It is kept: what is left of the parcel is swept some day.
-        let _ = self.files.drop_parcel(&name);
-        Ok(ParcelProgress::Done(receipt))
+        let volume = &parcel.sculpture[UploadFacts::BYTES..];
+        decode(&parcel.facts, volume, parcel.trace).map_err(Refusal::Undecodable)?;
+        self.keep_parcel(device.headset, &parcel, now)
     }
 
     /// Files first, then the record: what the record says is there.
     fn keep_parcel(
         &self,
-        name: &ParcelName,
-        facts: &UploadFacts,
-        parcel: &[u8],
+        headset: u32,
+        parcel: &CheckedParcel<'_>,
         now: BoothTime,
-    ) -> Result<Receipt, Refusal> {
-        let ParcelName { headset, id, hash } = *name;
-        let (first, trace) = parcel.split_at(UploadFacts::BYTES + facts.volume_bytes as usize);
-        self.files.keep(&KeptName { id, hash, part: KeptPart::Sculpture }, first)?;
+    ) -> Result<ParcelOutcome, Refusal> {
+        let CheckedParcel { facts: UploadFacts { id, badge, .. }, hash, sculpture, trace } =
+            *parcel;
+        let name = |part| KeptName { id, hash, part };
+        self.files.keep(&name(KeptPart::Sculpture), sculpture)?;
         if !trace.is_empty() {
-            self.files.keep(&KeptName { id, hash, part: KeptPart::Trace }, trace)?;
+            self.files.keep(&name(KeptPart::Trace), trace)?;
         }
-        let receipt = self.update(|tx| {
-            if let Some(receipt) = self.find_receipt(tx, name)? {
-                return Ok(receipt);
+        let outcome = self.update(|tx| {
+            if let Some(outcome) = find_outcome(tx, id, hash)? {
+                return Ok(outcome);
             }
-            let claim = find_claim(tx, headset, facts.badge, now)?;
+            let claim = find_claim(tx, headset, badge, now)?;
             tx.put(&Sculpture {
                 id: id.0,
                 headset,
                 hash: hash.0,
-                badge: facts.badge.map(BadgeNumber::get),
+                badge: badge.map(BadgeNumber::get),
                 claim,
-                facts: parcel[..UploadFacts::BYTES].to_vec(),
+                facts: sculpture[..UploadFacts::BYTES].to_vec(),
                 received_at: now,
                 keep_day: now.day().saturating_add(u32::from(self.plan.retention_days)),
                 is_in_ledger: false,
@@ -153,83 +96,71 @@ impl Booth {
                 link_generation: 0,
                 is_link_revoked: false,
             })?;
-            tx.remove::<Announcement>(&[headset.to_value(), id.0.to_value()])?;
-            Ok(self.make_receipt(name, facts.badge, ReceiptOutcome::Kept))
+            remove_announcements(tx, &id.0)?;
+            Ok::<_, Refusal>(ParcelOutcome::Kept)
         })?;
-        if receipt.outcome == ReceiptOutcome::Deleted {
+        if outcome == ParcelOutcome::Deleted {
             // It was deleted while it was kept a second time.
-            self.files.remove_kept(&KeptName { id, hash, part: KeptPart::Sculpture })?;
-            self.files.remove_kept(&KeptName { id, hash, part: KeptPart::Trace })?;
+            self.files.remove_kept(&name(KeptPart::Sculpture))?;
+            self.files.remove_kept(&name(KeptPart::Trace))?;
         }
-        Ok(receipt)
-    }
-
-    fn view_receipt(&self, name: &ParcelName) -> Result<Option<Receipt>, Refusal> {
-        crate::store::view(self.store.as_ref(), |tx| self.find_receipt(tx, name))
-    }
-
-    /// The receipt of a parcel that was kept or deleted.
-    fn find_receipt(&self, tx: &mut Tx<'_>, name: &ParcelName) -> Result<Option<Receipt>, Refusal> {
-        let key = [name.id.0.to_value()];
-        let (headset, hash, badge, outcome) = if let Some(kept) = tx.get::<Sculpture>(&key)? {
-            (kept.headset, kept.hash, kept.badge, ReceiptOutcome::Kept)
-        } else if let Some(deleted) = tx.get::<Tombstone>(&key)? {
-            (deleted.headset, deleted.hash, deleted.badge, ReceiptOutcome::Deleted)
-        } else {
-            return Ok(None);
-        };
-        if headset != name.headset {
-            return Err(Refusal::Conflict(Reason::ForeignSculpture));
-        }
-        if hash != name.hash.0 {
-            return Err(Refusal::Conflict(Reason::OtherParcel));
-        }
-        Ok(Some(self.make_receipt(name, badge.and_then(BadgeNumber::new), outcome)))
-    }
-
-    const fn make_receipt(
-        &self,
-        name: &ParcelName,
-        badge: Option<BadgeNumber>,
-        outcome: ReceiptOutcome,
-    ) -> Receipt {
-        let ParcelName { headset, id, hash } = *name;
-        Receipt { site: self.keys.site, headset, id, hash, badge, outcome }
+        Ok(outcome)
     }
 }
 
-fn check_sizes(chunk: &Chunk<'_>) -> Result<(), Refusal> {
-    if chunk.bytes.len() > MAX_CHUNK_BYTES {
-        return Err(Refusal::TooLarge { what: "bytes of a request", most: MAX_CHUNK_BYTES as u64 });
-    }
-    if chunk.parcel_bytes > MAX_PARCEL_BYTES {
-        return Err(Refusal::TooLarge { what: "bytes of a parcel", most: MAX_PARCEL_BYTES });
-    }
-    if chunk.parcel_bytes <= UploadFacts::BYTES as u64 || chunk.offset > chunk.parcel_bytes {
-        return Err(Refusal::BadRequest("a parcel longer than its head, an offset in it".into()));
+/// What became of a parcel that came before.
+fn find_outcome(
+    tx: &mut Tx<'_>,
+    id: SculptureId,
+    hash: ContentHash,
+) -> Result<Option<ParcelOutcome>, Refusal> {
+    let key = [id.0.to_value()];
+    let (known, outcome) = if let Some(kept) = tx.get::<Sculpture>(&key)? {
+        (kept.hash, ParcelOutcome::Kept)
+    } else if let Some(deleted) = tx.get::<Tombstone>(&key)? {
+        (deleted.hash, ParcelOutcome::Deleted)
+    } else {
+        return Ok(None);
+    };
+    if known == hash.0 { Ok(Some(outcome)) } else { Err(Refusal::Conflict(Reason::OtherParcel)) }
+}
+
+/// Removes the announcements of a sculpture, of whichever headset: a device may have enrolled again meanwhile.
+pub(crate) fn remove_announcements(tx: &mut Tx<'_>, id: &[u8; 16]) -> Result<(), StoreError> {
+    for announced in
+        tx.find::<Announcement>(&Query::all::<Announcement>().equal("sculpture", id))?
+    {
+        tx.remove::<Announcement>(&[announced.headset.to_value(), id.to_value()])?;
     }
     Ok(())
 }
 
-/// Checks that a parcel is this sculpture of this headset.
-fn check_parcel(
-    device: &Device,
-    id: SculptureId,
-    parcel: &[u8],
-    decode: &DecodeParcel<'_>,
-) -> Result<UploadFacts, String> {
-    let head = parcel.get(..UploadFacts::BYTES).ok_or("it is shorter than its head")?;
-    let facts = UploadFacts::from_bytes(head)
-        .map_err(|bad| format!("its head at byte {}: expected {}", bad.offset, bad.expected))?;
-    if facts.id != id || facts.headset != device.headset {
-        return Err("its head is of another sculpture or headset".into());
+/// Checks that a file is a parcel of a sculpture.
+fn check_parcel(id: SculptureId, file: &[u8]) -> Result<CheckedParcel<'_>, Refusal> {
+    let most = MAX_PARCEL_BYTES + ContentHash::BYTES as u64;
+    if file.len() as u64 > most {
+        return Err(Refusal::TooLarge { what: "bytes of a parcel", most });
     }
-    if facts.parcel_bytes() != parcel.len() as u64 {
-        return Err("its head tells another length".into());
+    let parts = file.split_last_chunk::<{ ContentHash::BYTES }>();
+    let (bytes, hash) = parts.unwrap_or((file, &[0; ContentHash::BYTES]));
+    let hash = ContentHash(*hash);
+    if hash_of(bytes) != hash {
+        return Err(Refusal::BadRequest("expected a parcel with its SHA-256 at the end".into()));
     }
-    let (volume, trace) = parcel[UploadFacts::BYTES..].split_at(facts.volume_bytes as usize);
-    decode(&facts, volume, trace)?;
-    Ok(facts)
+    let undecodable = |why: &str| Refusal::Undecodable(why.into());
+    let head = bytes.get(..UploadFacts::BYTES);
+    let head = head.ok_or_else(|| undecodable("it is shorter than its head"))?;
+    let facts = UploadFacts::from_bytes(head).map_err(|bad| {
+        Refusal::Undecodable(format!("its head at byte {}: expected {}", bad.offset, bad.expected))
+    })?;
+    if facts.id != id {
+        return Err(undecodable("its head is of another sculpture"));
+    }
+    if facts.parcel_bytes() != bytes.len() as u64 {
+        return Err(undecodable("its head tells another length"));
+    }
+    let (sculpture, trace) = bytes.split_at(UploadFacts::BYTES + facts.volume_bytes as usize);
+    Ok(CheckedParcel { facts, hash, sculpture, trace })
 }
 
 /// What a badge says of a sculpture that has just come.

@@ -26,7 +26,7 @@ fn a_badge_finds_its_sculpture_and_a_provisional_one_all() {
     for (k, badge) in
         [leased(9), leased(10), Some(provisional), Some(provisional), None].into_iter().enumerate()
     {
-        let parcel = Parcel::new(device.headset, k as u8 + 1, badge);
+        let parcel = Parcel::new(k as u8 + 1, badge);
         rig.upload(&device, &parcel, seconds(k as u64)).unwrap();
     }
     let id = |byte| SculptureId([byte; 16]);
@@ -34,7 +34,7 @@ fn a_badge_finds_its_sculpture_and_a_provisional_one_all() {
     assert_eq!(found(&rig, &provisional.badge()), [id(4), id(3)], "the newest first");
     assert_eq!(found(&rig, &leased(11).unwrap().badge()), []);
     // One in doubt stands behind, though it is newer.
-    rig.upload(&other, &Parcel::new(other.headset, 50, leased(9)), seconds(50)).unwrap();
+    rig.upload(&other, &Parcel::new(50, leased(9)), seconds(50)).unwrap();
     assert_eq!(found(&rig, &leased(9).unwrap().badge()), [id(1), id(50)]);
     let newest = rig.booth.list_newest(2, seconds(99)).unwrap();
     assert_eq!(newest.iter().map(|kept| kept.id[0]).collect::<Vec<_>>(), [50, 5]);
@@ -44,9 +44,9 @@ fn a_badge_finds_its_sculpture_and_a_provisional_one_all() {
 fn a_wrong_badge_finds_the_nearest_that_something_has() {
     let rig = Rig::new();
     let device = rig.enrol(1);
-    rig.upload(&device, &Parcel::new(device.headset, 1, leased(9)), START).unwrap();
-    let announced = Parcel::new(device.headset, 2, leased(700))
-        .announcement(paros_core::outbox::messages::AnnouncementState::Kept);
+    rig.upload(&device, &Parcel::new(1, leased(9)), START).unwrap();
+    let announced =
+        Parcel::new(2, leased(700)).announcement(paros_core::outbox::messages::UploadStatus::Kept);
     rig.beat(&device, &announcing(&heartbeat(device.headset), &[announced]), START);
     for number in [9, 700] {
         let right = leased(number).unwrap().badge();
@@ -141,8 +141,7 @@ fn who_remembers_three_pictures_finds_the_sculpture() {
     let rig = Rig::new();
     let device = rig.enrol(1);
     for number in 1..=40 {
-        rig.upload(&device, &Parcel::new(device.headset, number, leased(number.into())), START)
-            .unwrap();
+        rig.upload(&device, &Parcel::new(number, leased(number.into())), START).unwrap();
     }
     let right = leased(9).unwrap().badge();
     for language in Language::ALL {
@@ -170,7 +169,7 @@ fn who_remembers_three_pictures_finds_the_sculpture() {
 fn a_visitors_link_is_its_sculptures_until_it_is_taken_back() {
     let rig = Rig::new();
     let device = rig.enrol(1);
-    let parcels = [1, 2].map(|id| Parcel::new(device.headset, id, leased(id.into())));
+    let parcels = [1, 2].map(|id| Parcel::new(id, leased(id.into())));
     for parcel in &parcels {
         rig.upload(&device, parcel, START).unwrap();
     }

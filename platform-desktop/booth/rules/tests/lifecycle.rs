@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 use paros_booth_rules::records::{ExportState, MailOrder, MailState, Tombstone};
-use paros_booth_rules::{BoothPlan, KeptPart, Query, update, view};
+use paros_booth_rules::{BoothPlan, KeptPart, ParcelOutcome, Query, update, view};
 use paros_core::outbox::messages::*;
 
 fn kept_parts(rig: &Rig) -> Vec<KeptPart> {
@@ -15,7 +15,7 @@ fn kept_parts(rig: &Rig) -> Vec<KeptPart> {
 fn withdrawn_is_hidden_and_undone_for_seven_days() {
     let rig = Rig::new();
     let device = rig.enrol(1);
-    let parcel = Parcel::new(device.headset, 1, leased(9));
+    let parcel = Parcel::new(1, leased(9));
     rig.upload(&device, &parcel, START).unwrap();
     rig.booth.withdraw(&parcel.id, "ana", START).unwrap();
     assert_eq!(rig.booth.list_newest(9, START).unwrap(), []);
@@ -36,7 +36,7 @@ fn withdrawn_is_hidden_and_undone_for_seven_days() {
 fn what_is_deleted_leaves_a_tombstone_until_the_horizon() {
     let rig = Rig::with_plan(BoothPlan { horizon_days: 50, ..BoothPlan::default() });
     let device = rig.enrol(1);
-    let parcel = Parcel::with_trace(device.headset, 1);
+    let parcel = Parcel::with_trace(1);
     rig.upload(&device, &parcel, START).unwrap();
     let order = MailOrder {
         order: 1,
@@ -57,7 +57,7 @@ fn what_is_deleted_leaves_a_tombstone_until_the_horizon() {
     let orders = view(rig.store.as_ref(), |tx| tx.count_rows(&Query::all::<MailOrder>())).unwrap();
     assert_eq!(orders, 0, "an address stays");
     let late = rig.upload(&device, &parcel, days(49)).unwrap();
-    assert_eq!(late.outcome, ReceiptOutcome::Deleted);
+    assert_eq!(late, ParcelOutcome::Deleted);
     assert_eq!(kept_parts(&rig), []);
     assert_eq!(rig.booth.sweep(days(49)).unwrap().tombstones, 0);
     assert_eq!(rig.booth.sweep(days(50)).unwrap().tombstones, 1);
@@ -70,8 +70,8 @@ fn sculptures_go_by_age_and_their_number_is_free_again() {
     let device = rig.enrol(1);
     let number = leased(100_000).unwrap();
     rig.grant(&device, number);
-    let early = Parcel::new(device.headset, 1, Some(number));
-    let late = Parcel::new(device.headset, 2, leased(200_000));
+    let early = Parcel::new(1, Some(number));
+    let late = Parcel::new(2, leased(200_000));
     rig.upload(&device, &early, START).unwrap();
     rig.upload(&device, &late, days(1)).unwrap();
     let mut lease = paros_core::badge::BadgeLease::new(device.headset, 3);
@@ -86,8 +86,8 @@ fn sculptures_go_by_age_and_their_number_is_free_again() {
     assert_eq!(rig.booth.list_newest(9, days(31)).unwrap().len(), 1, "swept or not");
     assert_eq!(status(rig.booth.withdraw(&early.id, "ana", days(31))), 404);
     assert_eq!(rig.booth.sweep(days(31)).unwrap().deleted, 1);
-    let receipt = rig.upload(&device, &early, days(31)).unwrap();
-    assert_eq!(receipt.outcome, ReceiptOutcome::Deleted);
+    let sent = rig.upload(&device, &early, days(31)).unwrap();
+    assert_eq!(sent, ParcelOutcome::Deleted);
     assert!(is_free(days(31)));
 }
 
@@ -96,7 +96,7 @@ fn a_sweep_takes_any_number() {
     let rig = Rig::new();
     let device = rig.enrol(1);
     for id in 1..=150 {
-        rig.upload(&device, &Parcel::new(device.headset, id, None), START).unwrap();
+        rig.upload(&device, &Parcel::new(id, None), START).unwrap();
     }
     assert_eq!(rig.booth.sweep(days(40)).unwrap().deleted, 150);
     assert_eq!(kept_parts(&rig), []);
@@ -108,21 +108,21 @@ fn a_sweep_takes_any_number() {
 fn traces_are_kept_for_fourteen_days() {
     let rig = Rig::new();
     let device = rig.enrol(1);
-    let parcel = Parcel::with_trace(device.headset, 1);
+    let parcel = Parcel::with_trace(1);
     let signed = rig.upload(&device, &parcel, START).unwrap();
     assert_eq!(kept_parts(&rig), [KeptPart::Sculpture, KeptPart::Trace]);
     assert_eq!(rig.booth.sweep(days(14)).unwrap().traces, 0);
     assert_eq!(rig.booth.sweep(days(15)).unwrap().traces, 1);
     assert_eq!(kept_parts(&rig), [KeptPart::Sculpture]);
     assert!(!rig.booth.find_sculpture(&parcel.id, days(15)).unwrap().has_trace);
-    assert_eq!(rig.upload(&device, &parcel, days(15)).unwrap(), signed, "its receipt is the same");
+    assert_eq!(rig.upload(&device, &parcel, days(15)).unwrap(), signed, "it is known");
 }
 
 #[test]
 fn a_picture_goes_with_its_sculpture() {
     let rig = Rig::new();
     let device = rig.enrol(1);
-    let parcel = Parcel::new(device.headset, 1, None);
+    let parcel = Parcel::new(1, None);
     rig.upload(&device, &parcel, START).unwrap();
     let sculpture = rig.booth.find_sculpture(&parcel.id, START).unwrap();
     assert_eq!(rig.booth.read_picture(&sculpture).unwrap(), None);
@@ -139,7 +139,7 @@ fn a_picture_goes_with_its_sculpture() {
 fn announcements_are_forgotten_when_nobody_waits_any_more() {
     let rig = Rig::with_plan(BoothPlan { horizon_days: 50, ..BoothPlan::default() });
     let device = rig.enrol(1);
-    let announced = Parcel::new(device.headset, 1, None).announcement(AnnouncementState::Kept);
+    let announced = Parcel::new(1, None).announcement(UploadStatus::Kept);
     rig.beat(&device, &announcing(&heartbeat(device.headset), &[announced]), START);
     assert_eq!(rig.booth.sweep(days(50)).unwrap().announcements, 0);
     assert_eq!(rig.booth.sweep(days(51)).unwrap().announcements, 1);
@@ -150,7 +150,7 @@ fn meshes_are_compared_in_the_order_of_arrival() {
     let rig = Rig::new();
     let device = rig.enrol(1);
     for id in [3, 1, 2] {
-        rig.upload(&device, &Parcel::new(device.headset, id, None), seconds(id.into())).unwrap();
+        rig.upload(&device, &Parcel::new(id, None), seconds(id.into())).unwrap();
     }
     for id in [1, 2, 3] {
         let next = rig.booth.next_export(START).unwrap().expect("one waits");
@@ -167,7 +167,7 @@ fn meshes_are_compared_in_the_order_of_arrival() {
 fn the_audit_says_who_did_what() {
     let rig = Rig::new();
     let device = rig.enrol(1);
-    let parcel = Parcel::new(device.headset, 1, leased(9));
+    let parcel = Parcel::new(1, leased(9));
     rig.upload(&device, &parcel, START).unwrap();
     rig.booth.withdraw(&parcel.id, "ana", seconds(1)).unwrap();
     rig.booth.bring_back(&parcel.id, "bob", seconds(1)).unwrap();

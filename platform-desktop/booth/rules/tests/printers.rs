@@ -14,7 +14,7 @@ const LEFT: &str = "Left";
 fn with_prints() -> (Rig, SculptureId) {
     let rig = Rig::new();
     let device = rig.enrol(1);
-    let parcel = Parcel::new(device.headset, 1, leased(5));
+    let parcel = Parcel::new(1, leased(5));
     rig.upload(&device, &parcel, START).unwrap();
     for order in [7, 8] {
         let size = PrintSize::Height(800);

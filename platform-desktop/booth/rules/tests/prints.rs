@@ -31,7 +31,7 @@ const KNOWN: SliceOutcome = SliceOutcome::Known { height: 800, minutes: 95, tent
 fn with_sculpture() -> (Rig, SculptureId) {
     let rig = Rig::new();
     let device = rig.enrol(1);
-    let parcel = Parcel::new(device.headset, 1, leased(5));
+    let parcel = Parcel::new(1, leased(5));
     rig.upload(&device, &parcel, START).unwrap();
     (rig, parcel.id)
 }

@@ -14,13 +14,13 @@ fn all_that_is_known_of_a_badge_is_listed_and_deleted() {
     let rig = Rig::new();
     let device = rig.enrol(1);
     let number = leased(9).unwrap();
-    let parcel = Parcel::with_trace(device.headset, 1);
+    let parcel = Parcel::with_trace(1);
     let parcel = Parcel::of_facts(UploadFacts { badge: Some(number), ..parcel.facts });
     rig.upload(&device, &parcel, START).unwrap();
-    let other = Parcel::new(device.headset, 2, leased(10));
+    let other = Parcel::new(2, leased(10));
     rig.upload(&device, &other, START).unwrap();
-    let late = Parcel::new(device.headset, 3, Some(number));
-    let announced = late.announcement(AnnouncementState::Kept);
+    let late = Parcel::new(3, Some(number));
+    let announced = late.announcement(UploadStatus::Kept);
     rig.beat(&device, &announcing(&heartbeat(device.headset), &[announced]), START);
     rig.booth.ask_mail(&parcel.id, ("eleni@example.org", true), 5, "ana", START).unwrap();
     rig.booth.note_mail(5, &MailOutcome::Accepted, START).unwrap();

@@ -10,7 +10,7 @@ use common::*;
 use paros_booth_rules::records::{EnrolToken, MailOrder, MailState, Sculpture, Tombstone};
 use paros_booth_rules::{
     Booth, BoothPlan, BoothTime, Deletion, KeptName, MemoryFiles, MemoryStore, ParcelFiles,
-    ParcelName, Query, SessionBits, SiteKeys, view,
+    ParcelOutcome, Query, SessionBits, SiteKeys, view,
 };
 use paros_core::badge::BadgeLease;
 use paros_core::outbox::messages::*;
@@ -33,12 +33,12 @@ fn log_of(rig: &Rig) -> Vec<Deletion> {
 fn what_was_deleted_since_is_deleted_and_the_rest_is_as_it_was() {
     let rig = Rig::new();
     let device = rig.enrol(1);
-    let parcels = [1, 2, 3, 4].map(|id| Parcel::new(device.headset, id, leased(u32::from(id))));
+    let parcels = [1, 2, 3, 4].map(|id| Parcel::new(id, leased(u32::from(id))));
     for parcel in &parcels[..3] {
         rig.upload(&device, parcel, START).unwrap();
     }
     let kept = rig.booth.find_sculpture(&parcels[0].id, START).unwrap();
-    let on_its_way = parcels[3].announcement(AnnouncementState::Kept);
+    let on_its_way = parcels[3].announcement(UploadStatus::Kept);
     rig.beat(&device, &announcing(&heartbeat(device.headset), &[on_its_way]), START);
     let copy = copy_of(rig.store.as_ref());
     rig.booth.delete(&parcels[1].id, "ana", seconds(5)).unwrap();
@@ -52,9 +52,8 @@ fn what_was_deleted_since_is_deleted_and_the_rest_is_as_it_was() {
     let again_kept = again.booth.find_sculpture(&parcels[0].id, seconds(60)).unwrap();
     assert_eq!(again_kept, Sculpture { is_in_ledger: true, ..kept });
     for (parcel, outcome) in parcels.iter().zip([true, false, true, false]) {
-        let receipt = again.upload(&device, parcel, seconds(70)).unwrap();
-        assert_eq!(receipt.outcome == ReceiptOutcome::Kept, outcome, "{:?}", parcel.id);
-        assert_eq!(receipt.badge, parcel.facts.badge);
+        let sent = again.upload(&device, parcel, seconds(70)).unwrap();
+        assert_eq!(sent == ParcelOutcome::Kept, outcome, "{:?}", parcel.id);
     }
     let tombstones: Vec<Tombstone> =
         view(again.store.as_ref(), |tx| tx.find(&Query::all::<Tombstone>())).unwrap();
@@ -68,7 +67,7 @@ fn what_was_deleted_since_is_deleted_and_the_rest_is_as_it_was() {
 fn a_copy_that_lacks_a_file_is_refused_unless_it_was_deleted() {
     let rig = Rig::new();
     let device = rig.enrol(1);
-    let parcel = Parcel::with_trace(device.headset, 1);
+    let parcel = Parcel::with_trace(1);
     rig.upload(&device, &parcel, START).unwrap();
     let copy = copy_of(rig.store.as_ref());
     rig.booth.delete(&parcel.id, "ana", START).unwrap();
@@ -91,30 +90,6 @@ fn a_copy_that_lacks_a_file_is_refused_unless_it_was_deleted() {
 struct NoLog(Arc<MemoryFiles>);
 
 impl ParcelFiles for NoLog {
-    fn held_bytes(&self, parcel: &ParcelName) -> io::Result<u64> {
-        self.0.held_bytes(parcel)
-    }
-
-    fn append(&self, parcel: &ParcelName, offset: u64, bytes: &[u8]) -> io::Result<u64> {
-        self.0.append(parcel, offset, bytes)
-    }
-
-    fn read_parcel(&self, parcel: &ParcelName) -> io::Result<Vec<u8>> {
-        self.0.read_parcel(parcel)
-    }
-
-    fn drop_parcel(&self, parcel: &ParcelName) -> io::Result<()> {
-        self.0.drop_parcel(parcel)
-    }
-
-    fn make_room(&self, headset: u32, most: usize) -> io::Result<()> {
-        self.0.make_room(headset, most)
-    }
-
-    fn drop_parcels_before(&self, time: BoothTime) -> io::Result<()> {
-        self.0.drop_parcels_before(time)
-    }
-
     fn keep(&self, name: &KeptName, bytes: &[u8]) -> io::Result<()> {
         self.0.keep(name, bytes)
     }
@@ -141,7 +116,7 @@ impl ParcelFiles for NoLog {
 fn no_file_goes_before_its_deletion_is_logged() {
     let rig = Rig::new();
     let device = rig.enrol(1);
-    let parcel = Parcel::with_trace(device.headset, 1);
+    let parcel = Parcel::with_trace(1);
     rig.upload(&device, &parcel, START).unwrap();
     let keys = SiteKeys::new(SITE, ContentHash([6; 32]), [8; 32]);
     let no_log = Arc::new(NoLog(rig.files.clone()));
@@ -158,7 +133,7 @@ fn no_file_goes_before_its_deletion_is_logged() {
 fn logins_tokens_and_waiting_mails_are_over() {
     let rig = Rig::new();
     let device = rig.enrol(1);
-    let parcel = Parcel::new(device.headset, 1, None);
+    let parcel = Parcel::new(1, None);
     rig.upload(&device, &parcel, START).unwrap();
     rig.booth.add_first_admin("ana", "hash", START).unwrap();
     let bits = SessionBits { cookie: [1; 32], form_token: [2; 16] };

@@ -19,7 +19,7 @@ fn with_sculptures(count: u8) -> (Rig, [Booth; 2]) {
     let rig = Rig::new();
     let device = rig.enrol(1);
     for id in 1..=count {
-        let parcel = Parcel::new(device.headset, id, None);
+        let parcel = Parcel::new(id, None);
         rig.upload(&device, &parcel, seconds(id.into())).unwrap();
     }
     let workers = [1, 2].map(|worker| rig.booth.clone().as_worker(worker));

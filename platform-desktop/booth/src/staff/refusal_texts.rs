@@ -108,7 +108,6 @@ const fn reason_in_greek(reason: Reason) -> &'static str {
         Reason::ShutOut => "αυτή η συσκευή αποκλείστηκε",
         Reason::NeverCame => "η συσκευή δεν έχει έρθει ποτέ",
         Reason::NotWorn => "κανείς δεν φοράει τη συσκευή",
-        Reason::ForeignSculpture => "το γλυπτό είναι άλλης συσκευής",
         Reason::OtherParcel => "έχει ήδη ληφθεί άλλο αρχείο αυτού του γλυπτού",
         Reason::FileMissing => "λείπει το αρχείο ενός γλυπτού από το αντίγραφο",
         Reason::MailsFull => "το γλυπτό έχει όσα μηνύματα επιτρέπονται",

@@ -58,7 +58,7 @@ fn the_rules_hold_over_postgres_too() {
     let told = String::from_utf8_lossy(&done.stdout);
     assert!(done.status.success(), "{told}");
     assert!(
-        told.contains("rules::upload::a_parcel_is_signed_for_once_it_is_kept ... ok"),
+        told.contains("rules::upload::a_parcel_is_kept_once_however_often_it_comes ... ok"),
         "{told}"
     );
     let mut client = server.connect().unwrap();

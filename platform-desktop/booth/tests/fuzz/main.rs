@@ -46,7 +46,7 @@ const UPLOAD: FuzzTarget = FuzzTarget {
         };
         let checked = check_parcel(&facts, &packed, &[]);
         let kept = [&facts.to_bytes()[..], &packed].concat();
-        // What is signed for is made into a mesh, or it is told why not; nothing panics.
+        // What is kept is made into a mesh, or it is told why not; nothing panics.
         match (checked, internals::make_stl(&kept)) {
             (Ok(()), Ok(_)) => "a mesh".into(),
             (Ok(()), Err(why)) => format!("kept, {why}"),
@@ -238,15 +238,11 @@ const BACKUP: FuzzTarget = FuzzTarget {
     run: run_backup,
 };
 
-/// An input is the lines of a request: a page's form, or the address and the headers of a parcel's piece.
+/// An input is the lines of a request: a page's form, or the id and the headers of a parcel.
 const REQUEST: FuzzTarget = FuzzTarget {
     name: "request",
     seeds: || {
-        let put = format!(
-            "{}\n/v1/sculptures/x?offset=65536\nx-parcel-hash: {}\nx-parcel-bytes: 11000",
-            "ab".repeat(16),
-            "cd".repeat(32)
-        );
+        let put = format!("{}\ncontent-length: 11000", "ab".repeat(16));
         let form: &[u8] =
             b"form=00ff&height=80%2C5&minutes=&filament=%3Cb%3Ewhite&note=by+five%0D%0A";
         vec![put.into_bytes(), form.into()]
@@ -260,13 +256,12 @@ const REQUEST: FuzzTarget = FuzzTarget {
         b"=",
         b"height=",
         b"minutes=",
-        b"offset=",
         b"?",
         b"#",
         b"18446744073709551616",
         b"-1",
         b"\xce\xb1",
-        b"x-parcel-bytes: ",
+        b"content-length: ",
         b"\n",
     ],
     longest: 2048,
@@ -279,15 +274,15 @@ const REQUEST: FuzzTarget = FuzzTarget {
         }
         let mut lines = bytes.split(|byte| *byte == b'\n');
         let mut line = || lines.next().unwrap_or_default();
-        let [id, uri] = [line(), line()].map(String::from_utf8_lossy);
+        let id = String::from_utf8_lossy(line());
         let headers: Vec<_> = lines
             .filter_map(|line| {
                 let at = line.windows(2).position(|two| two == b": ")?;
                 Some((&line[..at], &line[at + 2..]))
             })
             .collect();
-        match internals::read_put(&id, &uri, &headers) {
-            Ok(_) => outcome + " a piece",
+        match internals::read_put(&id, &headers) {
+            Ok(_) => outcome + " a parcel",
             Err(why) => outcome + &why,
         }
     },

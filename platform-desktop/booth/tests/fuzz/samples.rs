@@ -63,7 +63,6 @@ pub(crate) fn upload_seed() -> Vec<u8> {
         rmap::encode(&<paros_core::volume::Grid<128> as Resident<128, 2>>::lock_range_maps());
     let facts = UploadFacts {
         id: SculptureId([1; 16]),
-        headset: 17,
         badge: None,
         core_version: CORE_VERSION,
         side: 128,

@@ -15,10 +15,10 @@ fn start(folder: &BoothFolder, sink: &SmtpSink) -> BoothProcess {
 /// Sends a Greek's sculpture, and waits for its picture. Returns where its page is.
 fn with_sculpture(client: &Client, folder: &BoothFolder) -> String {
     let headset = Headset::enrol(client, folder.fleet_token(), 1);
-    let parcel = Parcel::volume(headset.number, 77);
+    let parcel = Parcel::volume(77);
     let facts = UploadFacts { language: *b"el", ..parcel.facts };
     let parcel = Parcel::of_packed(facts, &parcel.bytes[UploadFacts::BYTES..], &[]);
-    headset.upload(client, &parcel).unwrap().expect("a receipt");
+    headset.upload(client, &parcel).unwrap().expect("it is taken");
     wait_until(|| (client.metric("paros_booth_exports_queued") == 0).then_some(()));
     format!("/staff/sculptures/{}", parcel.facts.id)
 }

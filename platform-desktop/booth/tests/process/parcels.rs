@@ -50,7 +50,7 @@ const SOME_TRACE: &[u8] = include_bytes!("../../../../core/examples/replay/groov
 /// Where a trace's head has its number of ticks.
 const TICKS_AT: usize = 12;
 
-/// The least length of a long trace in bytes: several pieces of an upload.
+/// The least length of a long trace in bytes: a large parcel.
 const LARGE_TRACE_BYTES: usize = 3 << 20;
 
 /// A sculpture's files.
@@ -85,13 +85,12 @@ pub(crate) struct Parcel {
 
 impl Parcel {
     /// The same sculpture, under another id.
-    pub(crate) fn volume(headset: u32, id: u32) -> Self {
+    pub(crate) fn volume(id: u32) -> Self {
         let rmap = &figure().rmap;
         let mut bytes = [7; 16];
         bytes[..4].copy_from_slice(&id.to_le_bytes());
         let facts = UploadFacts {
             id: SculptureId(bytes),
-            headset,
             badge: BadgeNumber::new(id),
             core_version: paros_core::codec::trace::CORE_VERSION,
             side: 128,
@@ -113,7 +112,7 @@ impl Parcel {
     }
 
     /// With a trace that takes a megabyte, as it isn't made shorter.
-    pub(crate) fn large(headset: u32, id: u32) -> Self {
+    pub(crate) fn large(id: u32) -> Self {
         static TRACE: OnceLock<[Vec<u8>; 2]> = OnceLock::new();
         let [raw, stored] = TRACE.get_or_init(|| {
             let (head, records) = SOME_TRACE.split_at(HEADER_BYTES);
@@ -124,7 +123,7 @@ impl Parcel {
             let stored = deflate_by(&raw, Compression::none());
             [raw, stored]
         });
-        let Parcel { facts, bytes, .. } = Parcel::volume(headset, id);
+        let Parcel { facts, bytes, .. } = Parcel::volume(id);
         let facts = UploadFacts {
             trace_bytes: stored.len() as u32,
             trace_raw_bytes: raw.len() as u32,
@@ -134,8 +133,8 @@ impl Parcel {
     }
 
     /// With the trace of some session.
-    pub(crate) fn with_trace(headset: u32, id: u32) -> Self {
-        let facts = Parcel::volume(headset, id).facts;
+    pub(crate) fn with_trace(id: u32) -> Self {
+        let facts = Parcel::volume(id).facts;
         Parcel::pack(facts, &figure().rmap, SOME_TRACE)
     }
 
@@ -159,6 +158,11 @@ impl Parcel {
             fs::read(folder.join(name)).unwrap_or_default()
         };
         [read("sculpture"), read("trace")].concat() == self.bytes
+    }
+
+    /// The parcel with its hash, as it is sent.
+    pub(crate) fn file(&self) -> Vec<u8> {
+        [&self.bytes[..], &self.hash.0].concat()
     }
 
     pub(crate) fn of_packed(facts: UploadFacts, first: &[u8], trace: &[u8]) -> Self {

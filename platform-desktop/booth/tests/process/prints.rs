@@ -33,8 +33,8 @@ pub(crate) fn slicer_by(folder: &BoothFolder) -> PathBuf {
 /// Sends a sculpture. Returns where its page is.
 pub(crate) fn with_sculpture(client: &Client, folder: &BoothFolder, number: u32) -> String {
     let headset = Headset::enrol(client, folder.fleet_token(), 1);
-    let parcel = Parcel::volume(headset.number, number);
-    headset.upload(client, &parcel).unwrap().expect("a receipt");
+    let parcel = Parcel::volume(number);
+    headset.upload(client, &parcel).unwrap().expect("it is taken");
     format!("/staff/sculptures/{}", parcel.facts.id)
 }
 

@@ -15,8 +15,8 @@ fn all_that_is_known_of_a_badge_is_shown_exported_and_deleted() {
     let booth = folder.start_with(&mail_arguments(&server));
     let client = &booth.client;
     let headset = Headset::enrol(client, folder.fleet_token(), 1);
-    let parcel = Parcel::with_trace(headset.number, 77);
-    headset.upload(client, &parcel).unwrap().expect("a receipt");
+    let parcel = Parcel::with_trace(77);
+    headset.upload(client, &parcel).unwrap().expect("it is taken");
     wait_until(|| (client.metric("paros_booth_exports_queued") == 0).then_some(()));
     let ana = Browser::first(client, &booth.first_code().expect("a code"));
     let (id, at) = (parcel.facts.id, format!("/staff/sculptures/{}", parcel.facts.id));

@@ -1,5 +1,7 @@
 //! A booth process, and headsets that speak HTTPS to it.
 
+use paros_booth_rules::ParcelOutcome;
+use paros_shell::outbox::KEPT;
 use std::fs::{self, File};
 use std::io::{self, BufRead as _, BufReader};
 use std::net::{SocketAddr, TcpStream};
@@ -16,9 +18,6 @@ use tokio_rustls::rustls::pki_types::{CertificateDer, ServerName, pem::PemObject
 use tokio_rustls::rustls::{ClientConfig, ClientConnection, RootCertStore, StreamOwned};
 
 pub(crate) use crate::parcels::{Parcel, deflate, figure, heartbeat};
-
-/// Bytes of a piece of a parcel.
-pub(crate) const PIECE: usize = 64 << 10;
 
 /// A booth in a folder of its own.
 pub(crate) struct BoothFolder {
@@ -310,54 +309,22 @@ impl Headset {
         ("Authorization", format!("Bearer {}", self.token.reveal()))
     }
 
-    /// Sends a piece.
-    pub(crate) fn put(
-        &self,
-        client: &Client,
-        parcel: &Parcel,
-        offset: u64,
-        bytes: &[u8],
-    ) -> io::Result<Answer> {
-        let path = format!("/v1/sculptures/{}?offset={offset}", parcel.facts.id);
-        client.ask("PUT", &path, &self.headers(parcel), bytes)
-    }
-
-    pub(crate) fn headers(&self, parcel: &Parcel) -> Vec<(&'static str, String)> {
-        vec![
-            self.bearer(),
-            ("X-Parcel-Hash", parcel.hash.to_string()),
-            ("X-Parcel-Bytes", parcel.bytes.len().to_string()),
-        ]
-    }
-
-    /// Sends a parcel from where the booth has it, to its receipt, which it checks; or to the answer that ends it.
+    /// Sends a parcel. Returns its outcome, or the answer that refuses it.
     pub(crate) fn upload(
         &self,
         client: &Client,
         parcel: &Parcel,
-    ) -> io::Result<Result<Receipt, Answer>> {
-        let mut offset = 0;
-        loop {
-            let rest = parcel.bytes.get(offset..).unwrap_or_default();
-            let piece = &rest[..rest.len().min(PIECE)];
-            let answer = self.put(client, parcel, offset as u64, piece)?;
-            match answer.status {
-                200 => return Ok(Ok(self.check_receipt(parcel, &answer.body))),
-                202 => {
-                    let held = answer.body[..].try_into().expect("eight bytes");
-                    offset = u64::from_le_bytes(held) as usize;
-                }
-                _ => return Ok(Err(answer)),
-            }
-        }
+    ) -> io::Result<Result<ParcelOutcome, Answer>> {
+        let answer = client.ask("PUT", &path_of(parcel), &[self.bearer()], &parcel.file())?;
+        Ok(match (answer.status, &answer.body[..]) {
+            (200, KEPT) => Ok(ParcelOutcome::Kept),
+            (410, _) => Ok(ParcelOutcome::Deleted),
+            _ => Err(answer),
+        })
     }
+}
 
-    /// The receipt of a parcel.
-    pub(crate) fn check_receipt(&self, parcel: &Parcel, bytes: &[u8]) -> Receipt {
-        let receipt = Receipt::from_bytes(bytes).expect("a message");
-        let Receipt { id, hash, headset, badge, .. } = receipt;
-        assert_eq!((id, hash), (parcel.facts.id, parcel.hash));
-        assert_eq!((headset, badge), (self.number, parcel.facts.badge));
-        receipt
-    }
+/// Where a parcel is sent.
+pub(crate) fn path_of(parcel: &Parcel) -> String {
+    format!("/v1/sculptures/{}", parcel.facts.id)
 }

@@ -1,12 +1,11 @@
 //! Two booths that share a database of PostgreSQL and a bucket, and headsets that speak to both.
 
+use paros_booth_rules::ParcelOutcome;
 use std::collections::BTreeMap;
 use std::process::Stdio;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
-
-use paros_core::outbox::messages::*;
 
 use crate::postgres_server::PostgresServer;
 use crate::prints::{send_form, stand_in, with_sculpture};
@@ -18,8 +17,8 @@ use crate::staff::Browser;
 const HEADSETS: u8 = 50;
 const PARCELS_EACH: u32 = 2;
 
-/// After so many receipts one of the two is killed.
-const RECEIPTS_BEFORE_KILL: usize = 30;
+/// After so many parcels one of the two is killed.
+const PARCELS_BEFORE_KILL: usize = 30;
 
 /// What booths share.
 struct Shared {
@@ -58,27 +57,24 @@ fn kill(id: u32) {
     assert!(killed.expect("kill").success());
 }
 
-/// What was signed for, by the sculpture's number.
-type Signed = Mutex<BTreeMap<u32, (Parcel, Receipt)>>;
+/// The parcels that a booth said it has, by the sculpture's number.
+type Signed = Mutex<BTreeMap<u32, Parcel>>;
 
-/// Sends a parcel, each piece to another booth, as a balancer of load does, and around the one that is dead.
-fn send(clients: &[Client; 2], headset: &Headset, parcel: &Parcel) -> Receipt {
-    let (mut offset, mut tries) = (0, 0);
-    loop {
-        tries += 1;
-        assert!(tries < 200, "it never comes");
-        let rest = parcel.bytes.get(offset..).unwrap_or_default();
-        let piece = &rest[..rest.len().min(100_000)];
+/// Sends a parcel, each time to another booth, as a balancer of load does, and around the one that is dead.
+fn send(clients: &[Client; 2], headset: &Headset, parcel: &Parcel) {
+    for tries in 0..200 {
         let client = &clients[(headset.number as usize + tries) % 2];
-        let Ok(answer) = headset.put(client, parcel, offset as u64, piece) else { continue };
-        match answer.status {
-            200 => return headset.check_receipt(parcel, &answer.body),
-            202 => offset = u64::from_le_bytes(answer.body[..].try_into().unwrap()) as usize,
+        let Ok(answer) = headset.upload(client, parcel) else { continue };
+        match answer {
+            Ok(outcome) => return assert_eq!(outcome, ParcelOutcome::Kept),
             // What one does that is killed the other finds half done; and a line has its end.
-            429 | 503 => std::thread::sleep(Duration::from_millis(200)),
-            _ => panic!("{answer:?}"),
+            Err(answer) if matches!(answer.status, 429 | 503) => {
+                std::thread::sleep(Duration::from_millis(200));
+            }
+            Err(answer) => panic!("{answer:?}"),
         }
     }
+    panic!("it never comes");
 }
 
 /// The sculptures whose meshes were made, as a booth's log has them.
@@ -100,23 +96,23 @@ fn two_share_the_load_and_one_that_is_killed_loses_nothing() {
     let headsets: Vec<Headset> = (1..=HEADSETS)
         .map(|byte| Headset::enrol(&clients[usize::from(byte) % 2], fleet, byte))
         .collect();
-    let (signed, receipts, start) = (Signed::default(), AtomicUsize::new(0), Instant::now());
+    let (signed, kept, start) = (Signed::default(), AtomicUsize::new(0), Instant::now());
     std::thread::scope(|scope| {
         for headset in &headsets {
-            let (clients, signed, receipts) = (&clients, &signed, &receipts);
+            let (clients, signed, kept) = (&clients, &signed, &kept);
             scope.spawn(move || {
                 for k in 0..PARCELS_EACH {
                     let number = headset.number * PARCELS_EACH + k;
                     let make =
                         if number.is_multiple_of(10) { Parcel::large } else { Parcel::volume };
-                    let parcel = make(headset.number, number);
-                    let receipt = send(clients, headset, &parcel);
-                    signed.lock().unwrap().insert(number, (parcel, receipt));
-                    receipts.fetch_add(1, Ordering::Relaxed);
+                    let parcel = make(number);
+                    send(clients, headset, &parcel);
+                    signed.lock().unwrap().insert(number, parcel);
+                    kept.fetch_add(1, Ordering::Relaxed);
                 }
             });
         }
-        while receipts.load(Ordering::Relaxed) < RECEIPTS_BEFORE_KILL {
+        while kept.load(Ordering::Relaxed) < PARCELS_BEFORE_KILL {
             assert!(start.elapsed() < Duration::from_secs(120), "nothing goes on");
             std::thread::sleep(Duration::from_millis(5));
         }
@@ -133,15 +129,14 @@ fn two_share_the_load_and_one_that_is_killed_loses_nothing() {
     );
     // One more of them, which has nothing of its own, knows all.
     let three = folders[1].start();
-    for (parcel, receipt) in signed.values() {
-        let headset = headsets.iter().find(|headset| headset.number == parcel.facts.headset);
-        let answer = headset.expect("its own").put(&three.client, parcel, 0, &[]).unwrap();
-        assert_eq!((answer.status, answer.body), (200, receipt.to_bytes().into()));
+    for parcel in signed.values() {
+        let again = headsets[0].upload(&three.client, parcel).unwrap();
+        assert_eq!(again.expect("it is known"), ParcelOutcome::Kept);
         let kept = shared.bucket.folder("site/sculptures");
         assert!(parcel.is_kept_in(&kept), "{}", parcel.facts.id);
     }
     check_exports(&folders);
-    println!("{} receipts in {seconds:.1} s", signed.len());
+    println!("{} parcels in {seconds:.1} s", signed.len());
 }
 
 /// Meshes are made by both, each by one of them.
@@ -205,8 +200,8 @@ fn a_booth_alone_may_keep_its_files_in_a_bucket() {
     let folder = folder.sharing(&["--files", "s3://booth/site"], bucket.settings());
     let booth = folder.start();
     let headset = Headset::enrol(&booth.client, folder.fleet_token(), 1);
-    let parcel = Parcel::volume(headset.number, 1);
-    let receipt = headset.upload(&booth.client, &parcel).unwrap().expect("a receipt");
+    let parcel = Parcel::volume(1);
+    let first = headset.upload(&booth.client, &parcel).unwrap().expect("it is taken");
     let name = format!("site/sculptures/{}-{}.sculpture", parcel.facts.id, parcel.hash);
     assert!(std::fs::read(bucket.folder(&name)).expect("it is kept") == parcel.bytes);
     assert!(!folder.path().join("sculptures").exists());
@@ -215,7 +210,7 @@ fn a_booth_alone_may_keep_its_files_in_a_bucket() {
     assert!(told.contains("another booth runs in this folder"), "{told}");
     drop(booth);
     let booth = folder.start();
-    assert_eq!(headset.upload(&booth.client, &parcel).unwrap().expect("the same"), receipt);
+    assert_eq!(headset.upload(&booth.client, &parcel).unwrap().expect("the same"), first);
 }
 
 /// The exit code of a booth that doesn't start, and what it says.

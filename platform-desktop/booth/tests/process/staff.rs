@@ -1,5 +1,6 @@
 //! What staff see and do, in the HTML and headers that the booth sends.
 
+use paros_booth_rules::ParcelOutcome;
 use std::time::{Duration, Instant};
 
 use paros_core::badge::{BadgeNumber, Language, write_words};
@@ -111,8 +112,8 @@ fn staff_find_download_withdraw_and_delete_a_sculpture() {
     let booth = folder.start();
     let client = &booth.client;
     let headset = Headset::enrol(client, folder.fleet_token(), 1);
-    let parcel = Parcel::volume(headset.number, 77);
-    headset.upload(client, &parcel).unwrap().expect("a receipt");
+    let parcel = Parcel::volume(77);
+    headset.upload(client, &parcel).unwrap().expect("it is taken");
     let at = format!("/staff/sculptures/{}", parcel.facts.id);
     for path in [at.clone(), format!("{at}/model.stl"), format!("{at}/picture.png")] {
         let answer = client.get(&path);
@@ -157,8 +158,8 @@ fn staff_find_download_withdraw_and_delete_a_sculpture() {
     assert_eq!(browser.click(&at, &format!("{at}/delete")).status, 303);
     assert_eq!(browser.get(&at).status, 404);
     assert_eq!(folder.files("sculptures"), [""; 0]);
-    let late = headset.upload(client, &parcel).unwrap().expect("a receipt");
-    assert_eq!(late.outcome, ReceiptOutcome::Deleted);
+    let late = headset.upload(client, &parcel).unwrap().expect("it is taken");
+    assert_eq!(late, ParcelOutcome::Deleted);
 }
 
 #[test]

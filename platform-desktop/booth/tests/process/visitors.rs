@@ -33,10 +33,10 @@ fn public_address(folder: &BoothFolder) -> SocketAddr {
 /// A Greek's sculpture, with its picture. Returns where its page is for staff.
 pub(crate) fn with_sculpture(client: &Client, folder: &BoothFolder) -> String {
     let headset = Headset::enrol(client, folder.fleet_token(), 1);
-    let parcel = Parcel::volume(headset.number, 77);
+    let parcel = Parcel::volume(77);
     let facts = UploadFacts { language: *b"el", ..parcel.facts };
     let parcel = Parcel::of_packed(facts, &parcel.bytes[UploadFacts::BYTES..], &[]);
-    headset.upload(client, &parcel).unwrap().expect("a receipt");
+    headset.upload(client, &parcel).unwrap().expect("it is taken");
     wait_until(|| (client.metric("paros_booth_exports_queued") == 0).then_some(()));
     format!("/staff/sculptures/{}", parcel.facts.id)
 }

@@ -7,7 +7,7 @@ use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use paros_core::outbox::messages::{ContentHash, DeviceToken, Heartbeat, SculptureId};
+use paros_core::outbox::messages::{DeviceToken, Heartbeat, SculptureId};
 use paros_shell::outbox::{
     BoothAddress, BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, LinkTimes,
     SentRequest,
@@ -16,7 +16,7 @@ use paros_shell::outbox::{
 pub(crate) use server::{Answer, Server};
 
 const TIMES: LinkTimes =
-    LinkTimes { put: Duration::from_secs(20), heartbeat: Duration::from_millis(1500) };
+    LinkTimes { put: Duration::from_secs(20), small: Duration::from_millis(1500) };
 
 /// How a link is opened.
 pub(crate) trait Opener<L>: Fn(&BoothAddress, LinkTimes) -> L {}
@@ -24,14 +24,7 @@ pub(crate) trait Opener<L>: Fn(&BoothAddress, LinkTimes) -> L {}
 impl<L, F: Fn(&BoothAddress, LinkTimes) -> L> Opener<L> for F {}
 
 pub(crate) fn put() -> BoothRequest {
-    BoothRequest::Put {
-        number: 7,
-        id: SculptureId([0x1f; 16]),
-        hash: ContentHash([0x2e; 32]),
-        parcel_bytes: 99,
-        offset: 40,
-        part: b"a part".to_vec(),
-    }
+    BoothRequest::Put { number: 7, id: SculptureId([0x1f; 16]), body: b"a parcel".to_vec() }
 }
 
 pub(crate) fn heartbeat() -> BoothRequest {
@@ -69,19 +62,17 @@ pub(crate) fn check_requests_and_answers<L: BoothLink>(open: impl Opener<L>) {
     let request = SentRequest::Put { number: 7 };
     assert_eq!(answer, LinkAnswer { request, result: Ok(expected) });
     let sent = server.requests.recv().expect("a request");
-    let path = format!("put /v1/sculptures/{}?offset=40 http/1.1\r\n", "1f".repeat(16));
+    let path = format!("put /v1/sculptures/{} http/1.1\r\n", "1f".repeat(16));
     assert!(sent.starts_with(&path), "{sent}");
     let headers = [
         format!("authorization: bearer {}", "ab".repeat(32)),
-        format!("x-parcel-hash: {}", "2e".repeat(32)),
-        "x-parcel-bytes: 99".into(),
         "content-type: application/octet-stream".into(),
-        "content-length: 6".into(),
+        "content-length: 8".into(),
     ];
     for header in headers {
         assert!(sent.contains(&format!("\r\n{header}\r\n")), "{header}: {sent}");
     }
-    assert!(sent.ends_with("\r\n\r\na part"), "{sent}");
+    assert!(sent.ends_with("\r\n\r\na parcel"), "{sent}");
     assert_eq!(ask(&mut link, heartbeat()).request, SentRequest::Heartbeat { number: 8 });
     let sent = server.requests.recv().expect("a request");
     assert!(sent.starts_with("post /v1/heartbeat http/1.1\r\n"), "{sent}");
@@ -111,12 +102,12 @@ pub(crate) fn check_silence<L: BoothLink>(open: impl Opener<L>) {
     link.send(put());
     let began = Instant::now();
     assert_eq!(ask(&mut link, heartbeat()).result, Err(LinkFault::TimedOut));
-    assert!(began.elapsed() < TIMES.heartbeat * 4, "the part held it up: {:?}", began.elapsed());
+    assert!(began.elapsed() < TIMES.small * 4, "the parcel held it up: {:?}", began.elapsed());
     // One that never ends its answer, and is never silent for long.
     let slow = Server::start(Answer::Drip);
     let began = Instant::now();
     assert_eq!(ask(&mut open_to(&open, &slow), heartbeat()).result, Err(LinkFault::TimedOut));
-    assert!(began.elapsed() < TIMES.heartbeat * 4, "{:?}", began.elapsed());
+    assert!(began.elapsed() < TIMES.small * 4, "{:?}", began.elapsed());
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
     let address = listener.local_addr().expect("it is bound");
     drop(listener);

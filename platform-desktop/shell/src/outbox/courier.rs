@@ -10,31 +10,35 @@ mod orders;
 mod work;
 
 use std::fmt;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::messages::{CommandOutcome, SculptureId};
-use paros_core::outbox::{HeadsetStatus, OutboxSettings};
+use paros_core::outbox::messages::{CommandOutcome, SculptureId, UploadStatus};
 
 use super::enrolment::Enrolment;
-use super::events::OutboxError;
+use super::events::HeadsetStatus;
 use super::folder::DiskFolder;
 use super::link::BoothLink;
 use super::parcel::Parcel;
+use super::spool::{OutboxSettings, SpoolError};
 use crate::settings::BoothSettings;
 
 use board::{Board, DeviceRefusal};
-pub use board::{CourierSummary, Keeping, RemoteCommand};
+pub use board::{CourierSummary, RemoteCommand};
 pub use clock::read_clock_ms;
 use orders::CourierOrder;
 pub use orders::{FinishedSculpture, ParcelDraft};
 use work::Work;
 
-/// The folder of an outbox beside a shell's saved sessions.
+/// The folder of outboxes beside a shell's saved sessions: a folder each site.
 pub const OUTBOX_FOLDER: &str = "outbox";
+
+/// A file of outboxes before there was a folder each site.
+const OLD_JOURNAL: &str = "outbox.journal";
 
 /// What a courier is started with.
 #[derive(Clone, Debug)]
@@ -57,15 +61,14 @@ pub struct Courier {
     board: Arc<Mutex<Board>>,
     orders: Option<Sender<CourierOrder>>,
     thread: Option<JoinHandle<Vec<Parcel>>>,
-    headset: u32,
     clock: fn() -> u64,
-    found: Vec<(SculptureId, Keeping)>,
+    found: Vec<(SculptureId, UploadStatus)>,
     last_finished: Option<FinishedSculpture>,
 }
 
 impl fmt::Debug for Courier {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Courier").field("headset", &self.headset).finish_non_exhaustive()
+        f.debug_struct("Courier").finish_non_exhaustive()
     }
 }
 
@@ -74,9 +77,9 @@ impl Courier {
     ///
     /// # Errors
     /// Where the folder can't be opened or another process has it, or the site's key is none.
-    pub fn spawn(plan: &CourierPlan, link: CourierLink) -> Result<Self, OutboxError> {
+    pub fn spawn(plan: &CourierPlan, link: CourierLink) -> Result<Self, SpoolError> {
         let opened = DiskFolder::open(&plan.folder);
-        let folder = opened.map_err(|error| OutboxError::Disk {
+        let folder = opened.map_err(|error| SpoolError::Disk {
             name: error.path.display().to_string(),
             source: error.source,
         })?;
@@ -86,8 +89,7 @@ impl Courier {
         let (orders, taken): (Sender<CourierOrder>, Receiver<CourierOrder>) = channel();
         let thread = thread::spawn(move || work.run(&taken));
         let (orders, thread) = (Some(orders), Some(thread));
-        let (headset, clock) = (plan.enrolment.owner.headset, plan.clock);
-        Ok(Courier { board, orders, thread, headset, clock, found, last_finished })
+        Ok(Courier { board, orders, thread, clock: plan.clock, found, last_finished })
     }
 
     /// Opens the outbox of a device that is enrolled at a booth; `None` for one that isn't. `sessions` is the folder of
@@ -104,21 +106,29 @@ impl Courier {
         let told = |why: &dyn fmt::Display| format!("nothing is sent to the booth: {why}");
         let enrolment = Enrolment::read(&settings.enrolment_path(sessions));
         let Some(enrolment) = enrolment.map_err(|error| told(&error))? else { return Ok(None) };
+        let outboxes = sessions.join(OUTBOX_FOLDER);
+        if outboxes.join(OLD_JOURNAL).exists() {
+            let folder = outboxes.display();
+            return Err(told(&format_args!(
+                "{folder} is an outbox of another version: send its sculptures with that version, or move it away"
+            )));
+        }
         let link = open_link(&enrolment)?;
-        let folder = sessions.join(OUTBOX_FOLDER);
+        let own = enrolment.owner.site.to_string();
+        let folder = outboxes.join(&own);
         let plan = CourierPlan { folder, enrolment, settings: settings.outbox(), clock };
-        Courier::spawn(&plan, link).map(Some).map_err(|error| told(&error))
-    }
-
-    /// The headset's number.
-    #[must_use]
-    pub const fn headset(&self) -> u32 {
-        self.headset
+        let courier = Courier::spawn(&plan, link).map_err(|error| told(&error))?;
+        for (site, count) in count_left(&outboxes, &own) {
+            courier.lock().add_note(format!(
+                "{count} sculptures wait for the booth of another site in {site}"
+            ));
+        }
+        Ok(Some(courier))
     }
 
     /// What the outbox knew as it was opened.
     #[must_use]
-    pub fn found(&self) -> &[(SculptureId, Keeping)] {
+    pub fn found(&self) -> &[(SculptureId, UploadStatus)] {
         &self.found
     }
 
@@ -128,7 +138,7 @@ impl Courier {
         self.last_finished.as_ref()
     }
 
-    /// Has a finished sculpture announced: its id is on the disk before anything else of it is. `volume` is its `.rmap`.
+    /// Announces a finished sculpture. `volume` is its `.rmap`, by which a start finds the id of a saved session's sculpture.
     pub fn announce(&self, id: SculptureId, volume: Vec<u8>) {
         self.lock().note_making(id);
         self.order(CourierOrder::Announce { id, volume });
@@ -182,8 +192,8 @@ impl Courier {
 
     /// Where a sculpture stands; `None` where nothing is known of it, or not any more.
     #[must_use]
-    pub fn keeping(&self, id: SculptureId) -> Option<Keeping> {
-        self.lock().keeping(id)
+    pub fn upload_status(&self, id: SculptureId) -> Option<UploadStatus> {
+        self.lock().status_of(id)
     }
 
     /// What is to be told of the whole outbox.
@@ -238,6 +248,19 @@ impl Courier {
             let _ = orders.send(order);
         }
     }
+}
+
+/// The folders of other sites whose booths don't have all sculptures, and how many each lacks.
+fn count_left(outboxes: &Path, own: &str) -> Vec<(String, usize)> {
+    let entries = |folder: &Path| fs::read_dir(folder).into_iter().flatten().flatten();
+    let is_left = |name: &str| name.ends_with(".parcel") || name.ends_with(".refused");
+    let others = entries(outboxes).filter(|entry| entry.file_name() != *own);
+    let counted = others.map(|site| {
+        let names = entries(&site.path()).map(|entry| entry.file_name());
+        let left = names.filter(|name| name.to_str().is_some_and(is_left));
+        (site.path().display().to_string(), left.count())
+    });
+    counted.filter(|(_, count)| *count > 0).collect()
 }
 
 /// The board. Nothing panics that holds it, and what it has is never in half.

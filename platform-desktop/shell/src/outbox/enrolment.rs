@@ -7,15 +7,14 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use paros_core::codec::BadBytes;
-use paros_core::outbox::OutboxOwner;
 use paros_core::outbox::messages::SiteId;
 use paros_core::outbox::messages::{ContentHash, DeviceHint, DeviceName, DeviceToken};
 use sha2::{Digest as _, Sha256};
 use toml::de::{DeTable, DeValue};
 
+use super::events::OutboxOwner;
 use super::http::{BoothAddress, BoothCaller, HttpRequest};
 use super::link::{HttpAnswer, LinkFault};
 use crate::durable::{self, WriteError};
@@ -25,9 +24,6 @@ pub use fleet_file::{FLEET_FILE_NAME, FleetFile};
 
 /// The file's name, in the folder of saved sessions unless a setting says otherwise.
 pub const ENROLMENT_FILE_NAME: &str = "enrolment.toml";
-
-/// How long an answer to an enrolment is waited for.
-pub const ENROL_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Bytes that such a file, or a fleet's, has at most: a certificate of an authority takes one or two thousand.
 const MAX_FILE_BYTES: u64 = 64 << 10;

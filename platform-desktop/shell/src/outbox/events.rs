@@ -1,14 +1,53 @@
-//! What a driver tells the shell around it, and asks it.
-
-use std::io;
+//! What a sender asks the shell around it, and reports to it.
 
 use paros_core::badge::{LeaseAnswer, LeaseReport};
-use paros_core::outbox::messages::SculptureId;
-use paros_core::outbox::{DueCommand, HeadsetStatus, OutboxRefusal};
+use paros_core::outbox::messages::{CommandKind, HeatLevel, SculptureId, SiteId};
+use paros_core::visit::VisitPhase;
 
-/// The shell around a driver.
+/// Whose outbox it is. An enrolment gives both.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct OutboxOwner {
+    /// The site whose booth keeps the sculptures.
+    pub site: SiteId,
+    /// The headset's number there, from 1.
+    pub headset: u32,
+}
+
+/// How a headset is, beside its outbox.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct HeadsetStatus {
+    /// Random bits of the visit under way; 0 for none.
+    pub session_id: u64,
+    /// `true` if the battery is being charged.
+    pub is_charging: bool,
+    /// `true` if the headset is on a head.
+    pub is_worn: bool,
+    /// `true` if it glows and beeps, so that staff find it.
+    pub is_glowing: bool,
+    /// The battery's charge in percent, where it is known: 0 to 100.
+    pub battery_percent: Option<u8>,
+    /// How hot it is.
+    pub heat: HeatLevel,
+    /// The visit's phase.
+    pub phase: VisitPhase,
+    /// Seconds since this visitor put it on; 0 where nobody wears it.
+    pub worn_seconds: u32,
+    /// The program's version: major, minor, patch.
+    pub app_version: [u16; 3],
+}
+
+/// A command to carry out now. Its outcome goes to [`Sender::note_command_done`](super::Sender::note_command_done).
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct DueCommand {
+    /// The command's number.
+    pub id: u64,
+    /// What is asked.
+    pub kind: CommandKind,
+}
+
+/// The shell around a sender.
 pub trait OutboxHost {
-    /// Milliseconds of a clock that goes on while the device sleeps and that nobody sets.
+    /// Milliseconds of a clock that runs on while the device sleeps and that nobody sets.
     fn now_ms(&mut self) -> u64;
 
     /// Random bits.
@@ -17,67 +56,37 @@ pub trait OutboxHost {
     /// How the headset is.
     fn status(&mut self) -> HeadsetStatus;
 
-    /// A report of the badges' lease, where one is due and the lease is on the disk; it is sent at once.
+    /// A report of the badges' lease, if one is due and the lease is on the disk; it is sent at once.
     fn lease_report(&mut self) -> Option<LeaseReport>;
 
-    /// Takes what has happened.
+    /// Takes an event.
     fn on_event(&mut self, event: OutboxEvent);
 }
 
 /// What has happened.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum OutboxEvent {
-    /// *Kept here*: the parcel is on the disk.
-    KeptHere(SculptureId),
-    /// *Kept at the booth*: it signed.
+    /// *Kept at the booth*.
     KeptAtBooth(SculptureId),
-    /// The booth says that it was deleted there; it is deleted here too.
+    /// The sculpture was deleted at the booth; its parcel is deleted here too.
     DeletedAtBooth(SculptureId),
-    /// The booth can't take it. It stays here; the staff must look.
+    /// The booth can't take the parcel. It stays here; staff must look.
     RefusedByBooth(SculptureId),
-    /// Its parcel is gone or damaged.
+    /// The parcel is gone or damaged.
     Lost(SculptureId),
-    /// The booth knew it as another's: it has a new id.
-    Renewed {
-        /// The id before.
-        old: SculptureId,
-        /// The id now.
-        new: SculptureId,
-    },
-    /// The booth asks this now; what comes of it goes to
-    /// [`OutboxDriver::note_command_done`](super::OutboxDriver::note_command_done).
+    /// The booth asks for this now.
     Command {
         /// What is asked.
         command: DueCommand,
-        /// The visit under way as it came.
+        /// The visit under way as the command came.
         session_id: u64,
-        /// When its life ends, in milliseconds of the host's clock.
+        /// When the command's life ends, in milliseconds of the host's clock.
         ends_ms: u64,
     },
     /// The booth's answer to a report of the badges' lease.
     Lease(LeaseAnswer),
-    /// The booth doesn't know this headset: it must be enrolled anew.
+    /// The booth doesn't know this headset: it must enrol again.
     UnknownToken,
     /// The booth's staff have shut this headset out.
     ShutOut,
-    /// The journal can't be written. It is tried again.
-    JournalUnwritten(io::ErrorKind),
-    /// The journal was damaged. What the parcels say is known again.
-    JournalDamaged,
-}
-
-/// Why a driver doesn't do what it was asked. Nothing has changed.
-#[derive(Debug, thiserror::Error)]
-pub enum OutboxError {
-    /// The outbox refused.
-    #[error(transparent)]
-    Refused(#[from] OutboxRefusal),
-    /// The disk did.
-    #[error("the outbox's {name}: {source}")]
-    Disk {
-        /// The file.
-        name: String,
-        /// The system's reason.
-        source: io::Error,
-    },
 }

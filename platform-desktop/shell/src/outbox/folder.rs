@@ -1,11 +1,15 @@
 //! The folder of an outbox: whole files or none.
 
-use std::fs;
+use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use crate::claim::SessionClaim;
 use crate::durable::{self, WriteError};
+
+/// Before every file of an outbox, since 1970: 2026.
+const FIRST_TIME: Duration = Duration::from_secs(56 * 365 * 86_400);
 
 /// A folder that one outbox alone writes to. What has returned outlives a loss of power.
 pub trait OutboxFolder {
@@ -32,6 +36,10 @@ pub trait OutboxFolder {
     /// # Errors
     /// What the disk says.
     fn rename(&mut self, from: &str, to: &str) -> io::Result<()>;
+
+    /// Seconds since a file was written or got its name, by the wall clock; 0 if that isn't known, as where the clock was
+    /// set back.
+    fn age_seconds(&self, name: &str) -> u64;
 
     /// Removes a file, if there is one.
     ///
@@ -84,7 +92,22 @@ impl OutboxFolder for DiskFolder {
     }
 
     fn rename(&mut self, from: &str, to: &str) -> io::Result<()> {
-        durable::rename_file(&self.path.join(from), to).map_err(|error| error.source)
+        let path = self.path.join(from);
+        // A storage that can't say when leaves the time at which the file was written.
+        let _ = File::options()
+            .write(true)
+            .open(&path)
+            .and_then(|file| file.set_modified(SystemTime::now()));
+        durable::rename_file(&path, to).map_err(|error| error.source)
+    }
+
+    fn age_seconds(&self, name: &str) -> u64 {
+        let modified = fs::metadata(self.path.join(name)).and_then(|found| found.modified());
+        // A device whose clock isn't set yet thinks that it is 1970.
+        let is_set =
+            |at: &SystemTime| at.duration_since(UNIX_EPOCH).is_ok_and(|at| at > FIRST_TIME);
+        let age = modified.ok().filter(is_set).and_then(|at| at.elapsed().ok());
+        age.map_or(0, |age| age.as_secs())
     }
 
     fn remove(&mut self, name: &str) -> io::Result<()> {

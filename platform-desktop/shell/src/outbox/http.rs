@@ -6,13 +6,16 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
 use std::time::Duration;
 
-use paros_core::limits::{HEARTBEAT_TIMEOUT_MS, UPLOAD_TIMEOUT_MS};
 use paros_core::outbox::messages::DeviceToken;
 
+use super::heartbeats::HEARTBEAT_TIMEOUT_MS;
 use super::link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
 
 /// Bytes of an answer's body that are read at most: no answer of the booth has more.
 pub const MAX_ANSWER_BYTES: usize = 4096;
+
+/// How long the largest parcel may take.
+const LONGEST_UPLOAD: Duration = Duration::from_secs(600);
 
 const OCTETS: &str = "application/octet-stream";
 
@@ -27,13 +30,14 @@ pub struct BoothAddress {
     pub token: DeviceToken,
 }
 
-/// How long an answer is waited for.
+/// How long an answer is waited for, from when its request begins.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct LinkTimes {
-    /// That to a part of a parcel.
+    /// That to a parcel, but for its bytes: a second more for each 4 KiB, as over a radio link of 35 kbit/s, up to ten
+    /// minutes in all.
     pub put: Duration,
-    /// That to a heartbeat.
-    pub heartbeat: Duration,
+    /// That to any other request.
+    pub small: Duration,
 }
 
 /// A request's method.
@@ -56,6 +60,8 @@ pub struct HttpRequest<'a> {
     pub headers: Vec<(&'static str, String)>,
     /// The body.
     pub body: &'a [u8],
+    /// How long the answer is waited for, from when the request begins.
+    pub timeout: Duration,
 }
 
 /// Why there is no answer, in words too.
@@ -69,7 +75,7 @@ pub struct LinkError {
 
 /// Asks a booth, and waits.
 pub trait BoothCaller {
-    /// Asks, and waits for the answer as long as it was made for. Follows no redirect.
+    /// Sends a request, and waits for the answer until its timeout. Follows no redirect.
     ///
     /// # Errors
     /// No answer came, or one with a body of more than [`MAX_ANSWER_BYTES`].
@@ -89,10 +95,18 @@ pub struct ThreadedLink {
 }
 
 impl Default for LinkTimes {
-    /// A little less than the outbox waits, so that no request waits for one that was given up.
     fn default() -> Self {
-        let less = |ms: u64| Duration::from_millis(ms - ms / 10);
-        LinkTimes { put: less(UPLOAD_TIMEOUT_MS), heartbeat: less(HEARTBEAT_TIMEOUT_MS) }
+        // A little less than the sender waits, so that no request waits for one that was given up.
+        let small = Duration::from_millis(HEARTBEAT_TIMEOUT_MS - HEARTBEAT_TIMEOUT_MS / 10);
+        LinkTimes { put: Duration::from_secs(60), small }
+    }
+}
+
+impl LinkTimes {
+    /// How long the answer to a parcel of so many bytes is waited for.
+    #[must_use]
+    pub fn of_parcel(&self, bytes: usize) -> Duration {
+        (self.put + Duration::from_secs(bytes as u64 / 4096)).min(LONGEST_UPLOAD)
     }
 }
 
@@ -111,25 +125,28 @@ impl<'a> HttpRequest<'a> {
     /// A `POST` of a message that needs no token.
     #[must_use]
     pub fn post(path: &str, body: &'a [u8]) -> Self {
-        let headers = vec![("Content-Type", OCTETS.to_owned())];
-        HttpRequest { method: HttpMethod::Post, path: path.to_owned(), headers, body }
+        HttpRequest {
+            method: HttpMethod::Post,
+            path: path.to_owned(),
+            headers: vec![("Content-Type", OCTETS.to_owned())],
+            body,
+            timeout: LinkTimes::default().small,
+        }
     }
 
     /// A request of an outbox, by the headset's token.
     #[must_use]
-    pub fn of_outbox(request: &'a BoothRequest, token: &DeviceToken) -> Self {
+    pub fn of_outbox(request: &'a BoothRequest, token: &DeviceToken, times: LinkTimes) -> Self {
         let mut asked = match request {
-            BoothRequest::Put { id, hash, parcel_bytes, offset, part, .. } => HttpRequest {
+            BoothRequest::Put { id, body, .. } => HttpRequest {
                 method: HttpMethod::Put,
-                path: format!("/v1/sculptures/{id}?offset={offset}"),
-                headers: vec![
-                    ("Content-Type", OCTETS.to_owned()),
-                    ("X-Parcel-Hash", hash.to_string()),
-                    ("X-Parcel-Bytes", parcel_bytes.to_string()),
-                ],
-                body: part,
+                timeout: times.of_parcel(body.len()),
+                ..HttpRequest::post(&format!("/v1/sculptures/{id}"), body)
             },
-            BoothRequest::Heartbeat { body, .. } => HttpRequest::post("/v1/heartbeat", &body[..]),
+            BoothRequest::Heartbeat { body, .. } => HttpRequest {
+                timeout: times.small,
+                ..HttpRequest::post("/v1/heartbeat", &body[..])
+            },
         };
         asked.headers.push(("Authorization", format!("Bearer {}", token.reveal())));
         asked
@@ -141,6 +158,7 @@ impl ThreadedLink {
     #[must_use]
     pub fn start<C: BoothCaller + Send + 'static>(
         token: DeviceToken,
+        times: LinkTimes,
         of_puts: C,
         of_heartbeats: C,
     ) -> Self {
@@ -151,7 +169,7 @@ impl ThreadedLink {
             // Where the system refuses a thread nothing is answered, as where nobody is there.
             let _ = thread::Builder::new().name(name.to_owned()).spawn(move || {
                 for request in requests {
-                    let result = caller.call(&HttpRequest::of_outbox(&request, &token));
+                    let result = caller.call(&HttpRequest::of_outbox(&request, &token, times));
                     // Nobody listens any more where the link was dropped.
                     if tell.send((request.sent(), result)).is_err() {
                         break;
@@ -245,7 +263,9 @@ mod tests {
     fn a_reason_is_told_once_as_long_as_it_stays() {
         use LinkFault::{TimedOut, Unreachable};
         let faults = vec![TimedOut, Unreachable, Unreachable];
-        let link = ThreadedLink::start(DeviceToken([1; 32]), Caller(Vec::new()), Caller(faults));
+        let token = DeviceToken([1; 32]);
+        let times = LinkTimes::default();
+        let link = ThreadedLink::start(token, times, Caller(Vec::new()), Caller(faults));
         let mut link = link.with_log(log);
         let mut ask = || {
             let body = Box::new([0; Heartbeat::BYTES]);

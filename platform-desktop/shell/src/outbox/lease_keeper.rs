@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use paros_core::badge::{AnswerOutcome, BadgeLease, BadgeNumber, LeaseAnswer, LeaseReport};
-use paros_core::outbox::OutboxOwner;
 use paros_core::outbox::messages::SiteId;
 
+use super::events::OutboxOwner;
 use crate::durable;
 
 /// The lease's file, beside the parcels.

@@ -1,7 +1,6 @@
-//! What the network is asked, and how its answers are read.
+//! Requests to the booth and its answers.
 
-use paros_core::outbox::UploadAnswer;
-use paros_core::outbox::messages::{ContentHash, Heartbeat, Receipt, SculptureId};
+use paros_core::outbox::messages::{Heartbeat, SculptureId};
 
 /// A link to the booth. It asks and never waits: answers are polled. What is asked may be lost; an answer comes late,
 /// or not at all.
@@ -27,20 +26,14 @@ impl<L: BoothLink + ?Sized> BoothLink for Box<L> {
 /// A request to the booth.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum BoothRequest {
-    /// `PUT /v1/sculptures/{id}?offset={offset}` with the headers `X-Parcel-Hash` and `X-Parcel-Bytes`.
+    /// `PUT /v1/sculptures/{id}`.
     Put {
         /// The request's own number.
         number: u32,
         /// The sculpture.
         id: SculptureId,
-        /// Of the whole parcel.
-        hash: ContentHash,
-        /// Length of the whole parcel.
-        parcel_bytes: u32,
-        /// Where the part begins.
-        offset: u32,
-        /// The part: the body.
-        part: Vec<u8>,
+        /// The body: the parcel's file.
+        body: Vec<u8>,
     },
     /// `POST /v1/heartbeat`.
     Heartbeat {
@@ -105,41 +98,5 @@ impl BoothRequest {
             BoothRequest::Put { number, .. } => SentRequest::Put { number: *number },
             BoothRequest::Heartbeat { number, .. } => SentRequest::Heartbeat { number: *number },
         }
-    }
-}
-
-/// An answer to a `PUT`, as it was read.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum PutAnswer {
-    /// What the outbox takes.
-    Upload(UploadAnswer),
-    /// The booth knows the id as another's.
-    Conflict,
-    /// The booth doesn't know this headset.
-    UnknownToken,
-    /// The booth has shut this headset out.
-    ShutOut,
-}
-
-/// Reads an answer to a `PUT`. Whatever isn't the booth's own is a failure, as a portal's page is.
-pub(super) fn read_put_answer(result: &Result<HttpAnswer, LinkFault>) -> PutAnswer {
-    let failed = PutAnswer::Upload(UploadAnswer::Failed);
-    let Ok(HttpAnswer { status, retry_after, body }) = result else { return failed };
-    let retry_after_seconds = retry_after.unwrap_or(0);
-    match status {
-        200 => match Receipt::from_bytes(body) {
-            Ok(receipt) => PutAnswer::Upload(UploadAnswer::Receipt(receipt)),
-            Err(_) => failed,
-        },
-        202 => match <[u8; 8]>::try_from(&body[..]) {
-            Ok(held) => PutAnswer::Upload(UploadAnswer::Held { bytes: u64::from_le_bytes(held) }),
-            Err(_) => failed,
-        },
-        401 => PutAnswer::UnknownToken,
-        403 => PutAnswer::ShutOut,
-        409 => PutAnswer::Conflict,
-        413 | 422 => PutAnswer::Upload(UploadAnswer::Refused),
-        429 | 503 => PutAnswer::Upload(UploadAnswer::Busy { retry_after_seconds }),
-        _ => failed,
     }
 }

@@ -1,39 +1,42 @@
-//! The outbox's files and what it asks the network: [`OutboxDriver`] carries out what
-//! [`Outbox`](paros_core::outbox::Outbox) decides.
+//! The outbox: what a headset owes the booth.
 //!
-//! Takes parcels, a clock and random bits from an [`OutboxHost`]; gives files in an [`OutboxFolder`], requests to a
-//! [`BoothLink`], and events. Knows no network library and starts no thread: a shell steps it in one of its own, as a
-//! step may wait for a disk to sync. [`ThreadedLink`] is a link by any library that asks and waits.
+//! A [`Parcel`] is kept in a [`Spool`], whose folder is the whole state. A [`Sender`] decides what goes to the booth when;
+//! it takes a clock and random bits from an [`OutboxHost`], and gives requests to a [`BoothLink`] and events. It knows no
+//! network library and starts no thread: a [`Courier`](courier::Courier) steps it in one, as a step may wait for a disk
+//! to sync. [`ThreadedLink`] is a link by any library that sends a request and waits.
 //!
-//! | file | what |
+//! | file, ID being 32 hexadecimal digits | meaning |
 //! |---|---|
-//! | `ID.parcel` | a parcel and its hash, ID being 32 hexadecimal digits; it never changes |
-//! | `outbox.journal` | what is known of all of them |
+//! | `ID.parcel` | *kept here*: to be sent |
+//! | `ID.sent` | *kept at the booth*: deleted after the grace, or earlier if there is no room |
+//! | `ID.refused` | the booth can't take it: sent again every six hours and at each start |
+//! | `ID.damaged` | was a parcel; for people to look at |
 //! | `badges.lease` | the lease of badges |
 //! | `last-finished` | the sculpture that was finished last |
-//! | `ID.damaged` | what was a parcel, for people to look at |
 
-mod answers;
 pub mod courier;
-mod driver;
 pub mod enrolment;
 mod events;
 mod folder;
+mod heartbeats;
 mod http;
 mod lease_keeper;
 mod link;
 mod parcel;
-mod reconcile;
+mod sender;
+mod spool;
 
-pub use driver::OutboxDriver;
-pub use events::{OutboxError, OutboxEvent, OutboxHost};
+pub use events::{DueCommand, HeadsetStatus, OutboxEvent, OutboxHost, OutboxOwner};
 pub use folder::{DiskFolder, OutboxFolder};
+pub use heartbeats::{CONFIRM_MS, HEARTBEAT_TIMEOUT_MS};
 pub use http::{
     BoothAddress, BoothCaller, HttpMethod, HttpRequest, LinkError, LinkTimes, MAX_ANSWER_BYTES,
     ThreadedLink,
 };
 pub use link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
 pub use parcel::{Parcel, ParcelFault};
+pub use sender::{KEPT, Sender};
+pub use spool::{MAX_SPOOL_ENTRIES, OutboxLevel, OutboxSettings, Spool, SpoolEntry, SpoolError};
 
 #[cfg(test)]
 mod tests;

@@ -3,21 +3,18 @@
 use miniz_oxide::deflate::compress_to_vec;
 use paros_core::codec::BadBytes;
 use paros_core::limits::MAX_PARCEL_BYTES;
-use paros_core::outbox::messages::{ContentHash, SculptureId, UploadFacts};
+use paros_core::outbox::messages::{ContentHash, UploadFacts};
 use sha2::{Digest, Sha256};
 
 /// Deflate's level: a volume takes some milliseconds, and the next one adds little.
 const LEVEL: u8 = 6;
 
-/// What stands before an id and a hash where a new id is made of them.
-const RENEWAL_CONTEXT: &[u8] = b"paros renewed id v1\0";
-
-/// A parcel whose bytes are what its head says.
+/// A parcel, as it is in a file and as it is sent: the facts, the packed volume, the packed trace, and the SHA-256 of all
+/// these bytes.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Parcel {
     facts: UploadFacts,
-    hash: ContentHash,
-    bytes: Vec<u8>,
+    file: Vec<u8>,
 }
 
 /// Bytes that the file of a parcel has at most.
@@ -68,56 +65,28 @@ impl Parcel {
             trace_raw_bytes: length(trace.len())?,
             ..*facts
         };
-        Parcel::read([&facts.to_bytes()[..], &packed, &packed_trace].concat())
+        let mut file = [&facts.to_bytes()[..], &packed, &packed_trace].concat();
+        file.extend_from_slice(&Sha256::digest(&file));
+        Parcel::from_file(file)
     }
 
-    /// Takes bytes as a parcel.
+    /// Takes a file's bytes as a parcel. What is packed isn't looked at.
     ///
     /// # Errors
-    /// Where its head is none, or tells another length. What is packed isn't looked at.
-    pub fn read(bytes: Vec<u8>) -> Result<Self, ParcelFault> {
-        let head = bytes.get(..UploadFacts::BYTES).unwrap_or(&bytes);
+    /// Where its head is none or tells another length, or the hash isn't that of the bytes before.
+    pub fn from_file(file: Vec<u8>) -> Result<Self, ParcelFault> {
+        let at = file.len().checked_sub(ContentHash::BYTES).ok_or(ParcelFault::Damaged)?;
+        let (bytes, hash) = file.split_at(at);
+        let head = bytes.get(..UploadFacts::BYTES).unwrap_or(bytes);
         let facts = UploadFacts::from_bytes(head).map_err(ParcelFault::Head)?;
         let (told, found) = (facts.parcel_bytes(), bytes.len() as u64);
         if told != found {
             return Err(ParcelFault::Length { told, found });
         }
-        let hash = ContentHash(Sha256::digest(&bytes).into());
-        Ok(Parcel { facts, hash, bytes })
-    }
-
-    /// What its file holds: the parcel, and its hash.
-    #[must_use]
-    pub fn to_file(&self) -> Vec<u8> {
-        [&self.bytes[..], &self.hash.0].concat()
-    }
-
-    /// Takes a file's bytes as a parcel.
-    ///
-    /// # Errors
-    /// Where the hash isn't that of the bytes before, and those of [`Parcel::read`].
-    pub fn read_file(mut bytes: Vec<u8>) -> Result<Self, ParcelFault> {
-        let at = bytes.len().checked_sub(ContentHash::BYTES).ok_or(ParcelFault::Damaged)?;
-        let told = bytes.split_off(at);
-        let parcel = Parcel::read(bytes)?;
-        if parcel.hash.0[..] == told[..] { Ok(parcel) } else { Err(ParcelFault::Damaged) }
-    }
-
-    /// The same under another id, which follows from the old one and what is in the parcel; as the sculpture of a headset of
-    /// this number, as which its device may have enrolled anew.
-    ///
-    /// # Errors
-    /// Where the number is 0.
-    pub fn renew(&self, headset: u32) -> Result<Self, ParcelFault> {
-        let digest = Sha256::new()
-            .chain_update(RENEWAL_CONTEXT)
-            .chain_update(self.facts.id.0)
-            .chain_update(self.hash.0)
-            .finalize();
-        let mut id = [0; SculptureId::BYTES];
-        id.copy_from_slice(&digest[..SculptureId::BYTES]);
-        let facts = UploadFacts { id: SculptureId(id), headset, ..self.facts };
-        Parcel::read([&facts.to_bytes()[..], &self.bytes[UploadFacts::BYTES..]].concat())
+        if Sha256::digest(bytes)[..] != *hash {
+            return Err(ParcelFault::Damaged);
+        }
+        Ok(Parcel { facts, file })
     }
 
     /// What its head says.
@@ -126,20 +95,15 @@ impl Parcel {
         &self.facts
     }
 
-    /// SHA-256 of all its bytes.
+    /// The file: what is on the disk, and what is sent.
     #[must_use]
-    pub const fn hash(&self) -> ContentHash {
-        self.hash
+    pub fn file_bytes(&self) -> &[u8] {
+        &self.file
     }
 
-    /// All its bytes.
+    /// The file.
     #[must_use]
-    pub fn bytes(&self) -> &[u8] {
-        &self.bytes
-    }
-
-    /// How many they are: no parcel has more than [`MAX_PARCEL_BYTES`].
-    pub(super) fn len(&self) -> u32 {
-        u32::try_from(self.bytes.len()).unwrap_or(u32::MAX)
+    pub fn into_file(self) -> Vec<u8> {
+        self.file
     }
 }

@@ -1,22 +1,25 @@
-//! The driver over a real folder, and a booth that answers as it is told.
+//! The sender over a real folder, and a booth that answers as it is told.
 
+mod heartbeats;
 mod starts;
 
 use std::collections::VecDeque;
 use std::fs;
 use std::path::PathBuf;
+use std::time::{Duration, SystemTime};
 
 use paros_core::badge::LeaseReport;
 use paros_core::outbox::messages::{
-    AgeGroup, FinishCause, HeatLevel, Receipt, ReceiptOutcome, SculptureId, SiteId, UploadFacts,
+    AgeGroup, Announcement, FinishCause, Heartbeat, HeartbeatAnswer, HeatLevel, SculptureId,
+    SiteId, UploadFacts, UploadStatus,
 };
-use paros_core::outbox::{EntryState, HeadsetStatus, OutboxOwner, OutboxSettings};
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
 
 use super::{
-    BoothLink, BoothRequest, DiskFolder, HttpAnswer, LinkAnswer, LinkFault, OutboxDriver,
-    OutboxError, OutboxEvent, OutboxHost, Parcel, ParcelFault, SentRequest,
+    BoothLink, BoothRequest, DiskFolder, HeadsetStatus, HttpAnswer, KEPT, LinkAnswer, LinkFault,
+    MAX_SPOOL_ENTRIES, OutboxEvent, OutboxHost, OutboxLevel, OutboxOwner, OutboxSettings, Parcel,
+    ParcelFault, Sender, SentRequest, SpoolError,
 };
 
 const OWNER: OutboxOwner = OutboxOwner { site: SiteId([7; 16]), headset: 17 };
@@ -86,13 +89,21 @@ impl Folder {
         Folder(path)
     }
 
-    fn open(&self) -> OutboxDriver<DiskFolder, Link> {
-        self.open_as(OWNER)
+    fn open(&self) -> Sender<DiskFolder, Link> {
+        self.open_with(SETTINGS)
     }
 
-    fn open_as(&self, owner: OutboxOwner) -> OutboxDriver<DiskFolder, Link> {
+    fn open_with(&self, settings: OutboxSettings) -> Sender<DiskFolder, Link> {
         let folder = DiskFolder::open(&self.0).expect("a folder that nobody has open");
-        OutboxDriver::open(folder, Link::default(), owner, SETTINGS, 1).expect("a folder")
+        Sender::open(folder, Link::default(), OWNER, settings, 1).expect("a folder")
+    }
+
+    /// Changes a byte of a file.
+    fn spoil(&self, name: &str) {
+        let path = self.0.join(name);
+        let mut bytes = fs::read(&path).expect("a file");
+        bytes[70] ^= 1;
+        fs::write(&path, &bytes).expect("room on the disk");
     }
 
     fn names(&self) -> Vec<String> {
@@ -113,7 +124,6 @@ impl Drop for Folder {
 fn parcel(number: u8) -> Parcel {
     let facts = UploadFacts {
         id: SculptureId([number; 16]),
-        headset: OWNER.headset,
         badge: None,
         core_version: 1,
         side: 128,
@@ -122,7 +132,7 @@ fn parcel(number: u8) -> Parcel {
         mode: SessionMode::FreeForm,
         age_group: AgeGroup::Unknown,
         sculpting_seconds: 1,
-        finished_at: 1,
+        finished_at: number.into(),
         height_mm_tenths: 1200,
         volume_bytes: 0,
         volume_raw_bytes: 0,
@@ -132,168 +142,260 @@ fn parcel(number: u8) -> Parcel {
     Parcel::pack(&facts, &[number; 5000], Some(&[1, 2, 3])).expect("a parcel")
 }
 
-fn receipt_of(parcel: &Parcel) -> Vec<u8> {
-    let OutboxOwner { site, headset } = OWNER;
-    let (id, badge, outcome) = (parcel.facts().id, parcel.facts().badge, ReceiptOutcome::Kept);
-    Receipt { site, headset, id, hash: parcel.hash(), badge, outcome }.to_bytes().to_vec()
+fn id_of(number: u8) -> SculptureId {
+    SculptureId([number; 16])
 }
 
-/// Steps until a part is sent, and answers it so.
+/// The name of a sculpture's file.
+fn name_of(number: u8, end: &str) -> String {
+    format!("{}.{end}", id_of(number))
+}
+
+/// Steps until a parcel is sent, answers it so, and returns which it was.
 fn answer(
-    driver: &mut OutboxDriver<DiskFolder, Link>,
+    sender: &mut Sender<DiskFolder, Link>,
     host: &mut Host,
     status: u16,
-    body: Vec<u8>,
-) -> BoothRequest {
+    body: &[u8],
+) -> SculptureId {
     for _ in 0..200 {
         host.now_ms += 1000;
-        driver.step(host);
-        let link = driver.link();
+        sender.step(host);
+        let link = sender.link();
         let is_put = |request: &BoothRequest| matches!(request, BoothRequest::Put { .. });
         let put = link.sent.drain(..).find(is_put);
-        if let Some(BoothRequest::Put { number, .. }) = put {
-            let result = Ok(HttpAnswer { status, retry_after: None, body });
+        if let Some(BoothRequest::Put { number, id, body: file }) = put {
+            assert_eq!(file, parcel(id.0[0]).into_file(), "the file as it is");
+            let result = Ok(HttpAnswer { status, retry_after: None, body: body.into() });
             let request = SentRequest::Put { number };
             link.answers.push_back(LinkAnswer { request, result });
-            driver.step(host);
-            return put.expect("it was found");
+            sender.step(host);
+            return id;
         }
     }
     panic!("nothing is sent");
 }
 
-fn state(driver: &OutboxDriver<DiskFolder, Link>, parcel: &Parcel) -> Option<EntryState> {
-    driver.outbox().find(parcel.facts().id).map(|entry| entry.state)
+fn status(sender: &Sender<DiskFolder, Link>, number: u8) -> Option<UploadStatus> {
+    sender.spool().find(id_of(number)).map(|entry| entry.status)
+}
+
+/// Opens an outbox that keeps these parcels, all of which the booth has.
+fn send_all(folder: &Folder, host: &mut Host, numbers: &[u8]) -> Sender<DiskFolder, Link> {
+    let mut sender = folder.open();
+    for number in numbers {
+        sender.keep(&parcel(*number)).expect("room");
+        answer(&mut sender, host, 200, KEPT);
+    }
+    sender
 }
 
 #[test]
-fn a_parcel_outlives_starts_until_its_receipt_and_grace_are_over() {
-    let (folder, parcel) = (Folder::new("life"), parcel(1));
-    let name = "01010101010101010101010101010101.parcel";
-    let mut driver = folder.open();
-    driver.announce(parcel.facts().id, None).expect("room");
-    drop(driver);
-    let mut driver = folder.open();
-    assert_eq!(state(&driver, &parcel), Some(EntryState::Announced));
-    driver.keep(&parcel).expect("room");
-    driver.keep(&parcel).expect("it is kept");
-    drop(driver);
-    let mut driver = folder.open();
+fn a_parcel_outlives_starts_until_its_grace_is_over() {
+    let folder = Folder::new("life");
+    let mut sender = folder.open();
+    sender.announce(id_of(1), None).expect("room");
+    assert_eq!(status(&sender, 1), Some(UploadStatus::Making));
+    assert!(matches!(sender.announce(id_of(1), None), Err(SpoolError::KnownId)));
+    sender.keep(&parcel(1)).expect("room");
+    sender.keep(&parcel(1)).expect("it is kept");
+    drop(sender);
+    let mut sender = folder.open();
     let mut host = Host::default();
-    let sent = answer(&mut driver, &mut host, 200, receipt_of(&parcel));
-    let BoothRequest::Put { part, offset: 0, hash, .. } = sent else { panic!("{sent:?}") };
-    assert_eq!((&part[..], hash), (parcel.bytes(), parcel.hash()));
-    assert!(host.events.contains(&OutboxEvent::KeptAtBooth(parcel.facts().id)));
-    driver.step(&mut host);
-    drop(driver);
-    let mut driver = folder.open();
-    assert_eq!(state(&driver, &parcel), Some(EntryState::Receipted { seconds: 0 }));
-    assert_eq!(folder.names(), [name, "outbox.journal"]);
-    host.now_ms = 0;
-    driver.step(&mut host);
-    host.now_ms = 61_000;
-    (0..3).for_each(|_| driver.step(&mut host));
-    assert_eq!(
-        (state(&driver, &parcel), &folder.names()[..]),
-        (None, &["outbox.journal".into()][..])
-    );
+    assert_eq!(status(&sender, 1), Some(UploadStatus::Kept));
+    answer(&mut sender, &mut host, 200, KEPT);
+    assert!(host.events.contains(&OutboxEvent::KeptAtBooth(id_of(1))));
+    drop(sender);
+    let mut sender = folder.open();
+    assert_eq!(status(&sender, 1), Some(UploadStatus::Sent));
+    assert_eq!(folder.names(), [name_of(1, "sent")]);
+    sender.step(&mut host);
+    host.now_ms += 59_000;
+    sender.step(&mut host);
+    assert_eq!(status(&sender, 1), Some(UploadStatus::Sent));
+    host.now_ms += 3_000;
+    sender.step(&mut host);
+    assert_eq!((status(&sender, 1), folder.names().len()), (None, 0));
 }
 
-/// Keeps parcels, and has the booth sign for each.
-fn sign_all(
-    folder: &Folder,
-    host: &mut Host,
-    parcels: &[Parcel],
-) -> OutboxDriver<DiskFolder, Link> {
-    let mut driver = folder.open();
-    for parcel in parcels {
-        driver.keep(parcel).expect("room");
-        answer(&mut driver, host, 200, receipt_of(parcel));
-    }
-    driver
+/// The grace goes on while the program doesn't run.
+#[test]
+fn a_parcel_that_was_sent_long_ago_is_deleted_at_the_start() {
+    let folder = Folder::new("age");
+    let mut host = Host::default();
+    drop(send_all(&folder, &mut host, &[1, 2]));
+    let path = folder.0.join(name_of(1, "sent"));
+    let file = fs::File::options().write(true).open(path).expect("a file");
+    file.set_modified(SystemTime::now() - Duration::from_secs(100)).expect("a time");
+    let mut sender = folder.open();
+    sender.step(&mut host);
+    assert_eq!([1, 2].map(|number| status(&sender, number)), [None, Some(UploadStatus::Sent)]);
 }
 
 #[test]
 fn a_parcel_that_cant_be_removed_holds_up_no_other() {
-    let (folder, parcels) = (Folder::new("stuck"), [parcel(1), parcel(2), parcel(3)]);
+    let folder = Folder::new("stuck");
     let mut host = Host::default();
-    let mut driver = sign_all(&folder, &mut host, &parcels);
-    let stuck = [1, 2].map(|number| format!("{}.parcel", SculptureId([number; 16])));
-    for name in &stuck {
-        // No file's removal takes a folder away.
-        fs::remove_file(folder.0.join(name)).expect("it is kept");
-        fs::create_dir(folder.0.join(name)).expect("room on the disk");
-    }
+    let mut sender = send_all(&folder, &mut host, &[1, 2]);
+    let stuck = folder.0.join(name_of(1, "sent"));
+    // No file's removal takes a folder away.
+    fs::remove_file(&stuck).expect("it is kept");
+    fs::create_dir(&stuck).expect("room on the disk");
     host.now_ms += 200_000;
-    (0..6).for_each(|_| driver.step(&mut host));
-    let states = parcels.each_ref().map(|parcel| state(&driver, parcel));
-    assert_eq!(states, [Some(EntryState::Deletable), Some(EntryState::Deletable), None]);
-    fs::remove_dir(folder.0.join(&stuck[1])).expect("it is empty");
-    (0..4).for_each(|_| driver.step(&mut host));
-    assert_eq!(state(&driver, &parcels[1]), None);
-    assert_eq!(folder.names(), [&stuck[0], "outbox.journal"]);
+    sender.step(&mut host);
+    assert_eq!([1, 2].map(|number| status(&sender, number)), [Some(UploadStatus::Sent), None]);
+    fs::remove_dir(&stuck).expect("it is empty");
+    host.now_ms += 2_000;
+    sender.step(&mut host);
+    assert_eq!(status(&sender, 1), None);
 }
 
-/// What was signed for before the disk was full is what makes room on it.
 #[test]
-fn where_no_journal_can_be_written_what_it_calls_signed_for_goes_all_the_same() {
-    let (folder, parcels) = (Folder::new("full"), [parcel(1), parcel(2)]);
+fn each_answer_has_its_file() {
+    let folder = Folder::new("answers");
+    let mut sender = folder.open();
     let mut host = Host::default();
-    let mut driver = sign_all(&folder, &mut host, &parcels[..1]);
-    driver.step(&mut host);
+    sender.keep(&parcel(1)).expect("room");
+    // A captive portal's page, and what no booth says.
+    for (code, body) in [(200, &b"<html>Please log in</html>"[..]), (200, b""), (204, KEPT)] {
+        answer(&mut sender, &mut host, code, body);
+    }
+    for code in [202, 301, 400, 404, 408, 500, 503] {
+        answer(&mut sender, &mut host, code, KEPT);
+        assert_eq!(status(&sender, 1), Some(UploadStatus::Kept), "{code}");
+    }
+    for (code, event) in [(401, OutboxEvent::UnknownToken), (403, OutboxEvent::ShutOut)] {
+        answer(&mut sender, &mut host, code, b"");
+        assert!(host.events.contains(&event), "{code}");
+    }
+    let refused = OutboxEvent::RefusedByBooth(id_of(1));
+    for (times, code) in [409, 413, 422].into_iter().enumerate() {
+        answer(&mut sender, &mut host, code, b"no sculpture");
+        assert_eq!(status(&sender, 1), Some(UploadStatus::Refused));
+        assert_eq!(folder.names(), [name_of(1, "refused")]);
+        assert_eq!(host.events.iter().filter(|event| **event == refused).count(), times + 1);
+        // It is tried again after six hours at most, and in each start.
+        sender.link().sent.clear();
+        host.now_ms += 3 * 3600 * 1000 - 100;
+        sender.step(&mut host);
+        let is_put = |request: &BoothRequest| matches!(request, BoothRequest::Put { .. });
+        assert!(!sender.link().sent.iter().any(is_put), "too early");
+        if times == 0 {
+            drop(sender);
+            sender = folder.open();
+        } else {
+            host.now_ms += 3 * 3600 * 1000;
+        }
+    }
+    answer(&mut sender, &mut host, 410, b"deleted");
+    assert!(host.events.contains(&OutboxEvent::DeletedAtBooth(id_of(1))));
+    assert_eq!((status(&sender, 1), folder.names().len()), (None, 0));
+}
+
+/// A disk that doesn't rename has nothing noted: the parcel is sent again.
+#[test]
+fn an_answer_that_cant_be_noted_comes_again() {
+    let folder = Folder::new("unnoted");
+    let mut sender = folder.open();
+    let mut host = Host::default();
+    sender.keep(&parcel(1)).expect("room");
     // No file takes the place of a folder.
-    let journal = folder.0.join("outbox.journal");
-    fs::remove_file(&journal).expect("it was written");
-    fs::create_dir(&journal).expect("room on the disk");
-    driver.keep(&parcels[1]).expect("room");
-    answer(&mut driver, &mut host, 200, receipt_of(&parcels[1]));
-    host.now_ms += 200_000;
-    (0..3).for_each(|_| driver.step(&mut host));
-    assert!(host.events.iter().any(|event| matches!(event, OutboxEvent::JournalUnwritten(_))));
-    let states = parcels.each_ref().map(|parcel| state(&driver, parcel));
-    assert_eq!(states, [None, Some(EntryState::Deletable)], "the second one's receipt isn't saved");
-    fs::remove_dir(&journal).expect("it is empty");
-    host.now_ms += 2000;
-    (0..3).for_each(|_| driver.step(&mut host));
-    assert_eq!((state(&driver, &parcels[1]), folder.names().len()), (None, 1));
+    let place = folder.0.join(name_of(1, "sent"));
+    fs::create_dir(&place).expect("room on the disk");
+    answer(&mut sender, &mut host, 200, KEPT);
+    assert_eq!((status(&sender, 1), host.events.len()), (Some(UploadStatus::Kept), 0));
+    fs::remove_dir(&place).expect("it is empty");
+    answer(&mut sender, &mut host, 200, KEPT);
+    assert_eq!(status(&sender, 1), Some(UploadStatus::Sent));
 }
 
 #[test]
-fn nothing_but_its_own_receipt_is_one() {
-    let (folder, parcel) = (Folder::new("receipts"), parcel(1));
-    let mut driver = folder.open();
+fn the_newest_goes_first_and_one_that_fails_last() {
+    let folder = Folder::new("order");
+    let mut sender = folder.open();
     let mut host = Host::default();
-    driver.keep(&parcel).expect("room");
-    let mut of_another_site = receipt_of(&parcel);
-    of_another_site[1] ^= 1;
-    let torn = receipt_of(&parcel)[1..].to_vec();
-    let of_another = receipt_of(&self::parcel(2));
-    let portal = b"<html>Please log in</html>".to_vec();
-    for body in [torn, of_another_site, of_another, portal, Vec::new()] {
-        answer(&mut driver, &mut host, 200, body);
-        assert_eq!(state(&driver, &parcel), Some(EntryState::Sending { held: 0 }));
+    for number in [2, 3, 1] {
+        sender.keep(&parcel(number)).expect("room");
     }
-    for status in [202, 204, 301, 404, 500] {
-        answer(&mut driver, &mut host, status, b"what".to_vec());
-        assert_eq!(state(&driver, &parcel), Some(EntryState::Sending { held: 0 }), "{status}");
-    }
-    answer(&mut driver, &mut host, 202, 70u64.to_le_bytes().to_vec());
-    assert_eq!(state(&driver, &parcel), Some(EntryState::Sending { held: 70 }));
-    for (status, event) in [(401, OutboxEvent::UnknownToken), (403, OutboxEvent::ShutOut)] {
-        answer(&mut driver, &mut host, status, Vec::new());
-        assert!(host.events.contains(&event), "{status}");
-    }
-    answer(&mut driver, &mut host, 422, b"no sculpture".to_vec());
-    assert_eq!(state(&driver, &parcel), Some(EntryState::Refused));
-    let refused = OutboxEvent::RefusedByBooth(parcel.facts().id);
-    assert_eq!(host.events.iter().filter(|event| **event == refused).count(), 1);
-    assert_eq!(folder.names().len(), 2, "it is kept here");
+    drop(sender);
+    // By the time at which they were finished.
+    let mut sender = folder.open();
+    assert_eq!(answer(&mut sender, &mut host, 500, b""), id_of(3));
+    assert_eq!(answer(&mut sender, &mut host, 200, KEPT), id_of(2));
+    assert_eq!(answer(&mut sender, &mut host, 200, KEPT), id_of(1));
+    assert_eq!(answer(&mut sender, &mut host, 200, KEPT), id_of(3));
 }
 
 #[test]
-fn what_has_no_room_is_refused_and_nothing_is_written() {
+fn failures_are_followed_by_longer_and_longer_waits_up_to_a_minute() {
+    let folder = Folder::new("backoff");
+    let mut sender = folder.open();
+    let mut host = Host::default();
+    sender.keep(&parcel(1)).expect("room");
+    let mut waits = Vec::new();
+    for _ in 0..9 {
+        let begun = host.now_ms;
+        answer(&mut sender, &mut host, 500, b"");
+        waits.push((host.now_ms - begun) / 1000);
+    }
+    // Without random bits a wait is half of its longest.
+    assert_eq!(waits, [1, 1, 2, 4, 8, 16, 30, 30, 30]);
+    // A booth that says when is asked then, and nothing has failed.
+    host.now_ms += 30_000;
+    sender.step(&mut host);
+    let put = sender.link().sent.drain(..).find_map(|request| match request {
+        BoothRequest::Put { number, .. } => Some(number),
+        BoothRequest::Heartbeat { .. } => None,
+    });
+    let request = SentRequest::Put { number: put.expect("it is time") };
+    let result = Ok(HttpAnswer { status: 503, retry_after: Some(10), body: Vec::new() });
+    sender.link().answers.push_back(LinkAnswer { request, result });
+    sender.step(&mut host);
+    let begun = host.now_ms;
+    answer(&mut sender, &mut host, 200, KEPT);
+    assert_eq!((host.now_ms - begun) / 1000, 11);
+}
+
+/// Sent parcels make room, the oldest first; what the booth doesn't have never does.
+#[test]
+fn a_new_parcel_takes_the_place_of_the_oldest_sent_one() {
     let folder = Folder::new("room");
-    let mut driver = folder.open();
+    let length = parcel(1).file_bytes().len() as u64;
+    let settings = OutboxSettings { max_bytes: 3 * length, ..SETTINGS };
+    let mut host = Host::default();
+    drop(send_all(&folder, &mut host, &[1, 2]));
+    let mut sender = folder.open_with(settings);
+    assert_eq!((sender.spool().level(), sender.spool().full_percent()), (OutboxLevel::Fine, 0));
+    sender.keep(&parcel(3)).expect("room");
+    assert_eq!((sender.spool().level(), sender.spool().full_percent()), (OutboxLevel::Fine, 33));
+    sender.keep(&parcel(4)).expect("the oldest goes");
+    assert_eq!([1, 2].map(|number| status(&sender, number)), [None, Some(UploadStatus::Sent)]);
+    sender.keep(&parcel(5)).expect("the next goes");
+    assert_eq!((sender.spool().level(), sender.spool().depth()), (OutboxLevel::Full, 3));
+    assert!(matches!(sender.keep(&parcel(6)), Err(SpoolError::Full)));
+    assert_eq!(folder.names(), [3, 4, 5].map(|number| name_of(number, "parcel")));
+}
+
+#[test]
+fn so_many_are_announced_and_no_more() {
+    let folder = Folder::new("table");
+    let mut host = Host::default();
+    let mut sender = send_all(&folder, &mut host, &[1]);
+    let id = |number: usize| {
+        let mut id = [7; 16];
+        id[..8].copy_from_slice(&number.to_le_bytes());
+        SculptureId(id)
+    };
+    (0..MAX_SPOOL_ENTRIES).for_each(|number| sender.announce(id(number), None).expect("room"));
+    assert_eq!(status(&sender, 1), None, "it made room");
+    assert_eq!(sender.spool().level(), OutboxLevel::Full);
+    assert!(matches!(sender.announce(id(999), None), Err(SpoolError::Full)));
+    sender.abandon(id(3)).expect("it was announced");
+    assert!(matches!(sender.abandon(id(3)), Err(SpoolError::UnknownId)));
+}
+
+#[test]
+fn no_parcel_is_larger_than_a_booth_takes() {
     let mut noise = vec![0; 2 << 20];
     let mut bits = 1u32;
     noise.fill_with(|| {
@@ -302,33 +404,11 @@ fn what_has_no_room_is_refused_and_nothing_is_written() {
         bits ^= bits << 5;
         bits as u8
     });
+    let folder = Folder::new("large");
     let large = Parcel::pack(parcel(1).facts(), &noise, None).expect("a parcel of its size");
-    assert!(matches!(driver.keep(&large), Err(OutboxError::Refused(_))));
-    assert_eq!(folder.names(), ["outbox.journal"]);
+    assert!(matches!(folder.open().keep(&large), Err(SpoolError::Full)), "the outbox has 1 MiB");
     noise.push(0);
     let fault = Parcel::pack(parcel(1).facts(), &noise, None);
     assert!(matches!(fault, Err(ParcelFault::Head(_))), "no volume is so large: {fault:?}");
     assert!(matches!(Parcel::pack(parcel(1).facts(), &[], None), Err(ParcelFault::Head(_))));
-}
-
-#[test]
-fn an_unheard_heartbeat_is_followed_by_others() {
-    let folder = Folder::new("heartbeats");
-    let mut driver = folder.open();
-    let mut host = Host::default();
-    let mut numbers = Vec::new();
-    for _ in 0..30 {
-        host.now_ms += 1000;
-        driver.step(&mut host);
-        let link = driver.link();
-        for request in std::mem::take(&mut link.sent) {
-            if let BoothRequest::Heartbeat { number, .. } = request {
-                numbers.push(number);
-                let request = SentRequest::Heartbeat { number };
-                let result = Err(LinkFault::Unreachable);
-                link.answers.push_back(LinkAnswer { request, result });
-            }
-        }
-    }
-    assert!(numbers.len() >= 4 && numbers.is_sorted(), "{numbers:?}");
 }

@@ -2,8 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use paros_core::outbox::OutboxSettings;
-
+use crate::outbox::OutboxSettings;
 use crate::outbox::enrolment::enrolment_file;
 
 /// What an exhibition sets of the way to its booth.
@@ -13,7 +12,7 @@ pub struct BoothSettings {
     pub enrolment: Option<PathBuf>,
     /// Whether traces are sent.
     pub sends_traces: bool,
-    /// Days for which a sculpture stays here after its receipt.
+    /// Days for which a sculpture stays here once the booth has it.
     pub grace_days: u32,
     /// Megabytes that all parcels may take together.
     pub space_mb: u32,

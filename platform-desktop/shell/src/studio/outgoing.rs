@@ -6,7 +6,9 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use paros_core::badge::{BadgeNumber, Language};
 use paros_core::codec::trace::CORE_VERSION;
 use paros_core::limits::INTERVALS;
-use paros_core::outbox::messages::{AgeGroup, ContentHash, FinishCause, SculptureId, UploadFacts};
+use paros_core::outbox::messages::{
+    AgeGroup, ContentHash, FinishCause, SculptureId, UploadFacts, UploadStatus,
+};
 use paros_core::session::{SessionMode, SessionState, TICK_RATE};
 use paros_core::visit::{PlanSetting, VisitPhase};
 use paros_core::volume::{Grid, Size};
@@ -16,7 +18,7 @@ use sha2::{Digest as _, Sha256};
 use super::Studio;
 use super::sculpture_files::SentSculpture;
 use crate::outbox::Parcel;
-use crate::outbox::courier::{Courier, CourierSummary, Keeping, ParcelDraft};
+use crate::outbox::courier::{Courier, CourierSummary, ParcelDraft};
 use crate::rmap;
 use crate::statics::Resident;
 
@@ -39,8 +41,8 @@ pub struct BoothState {
     pub id: Option<SculptureId>,
     /// The badge that it is to have, once that may be shown.
     pub badge: Option<BadgeNumber>,
-    /// Where it stands; `None` before there is one.
-    pub keeping: Option<Keeping>,
+    /// The status of its upload; `None` before there is one.
+    pub status: Option<UploadStatus>,
     /// The whole outbox.
     pub outbox: CourierSummary,
 }
@@ -94,7 +96,6 @@ impl Outgoing {
         let language = language.or(self.plan.languages.first()).copied().unwrap_or_default();
         UploadFacts {
             id,
-            headset: self.courier.headset(),
             badge: None,
             core_version: CORE_VERSION,
             side: N as u16,
@@ -115,39 +116,14 @@ impl Outgoing {
         }
     }
 
-    /// The id that the finished sculpture in a save of the run before had, if its parcel is still to be made.
-    fn find_unkept(&self, volume: &[u8]) -> Found {
+    /// The finished sculpture in a save of the run before: its id, and whether its parcel was kept. `None` for a sculpture
+    /// that wasn't finished with a courier.
+    fn find_finished(&self, volume: &[u8]) -> Option<(SculptureId, bool)> {
         let hash = ContentHash(Sha256::digest(volume).into());
-        let last = self.courier.last_finished();
-        if let Some(last) = last.filter(|last| last.volume_hash == hash) {
-            let found = self.courier.found().iter().find(|(id, _)| *id == last.id);
-            let is_kept = found.is_some_and(|(_, keeping)| is_kept(*keeping));
-            return if last.is_kept || is_kept {
-                Found::Kept(last.id)
-            } else {
-                Found::Unkept(last.id)
-            };
-        }
-        // It was announced, and the mark not written any more.
-        let is_its = |id: SculptureId| last.is_none_or(|last| last.id != id);
-        let newest = self.courier.found().iter().rev();
-        let mut newest = newest.filter(|(_, keeping)| *keeping == Keeping::Making);
-        match newest.next() {
-            Some((id, _)) if is_its(*id) => Found::Unkept(*id),
-            _ => Found::Unknown,
-        }
+        let last = self.courier.last_finished().filter(|last| last.volume_hash == hash)?;
+        let is_spooled = self.courier.found().iter().any(|(id, _)| *id == last.id);
+        Some((last.id, last.is_kept || is_spooled))
     }
-}
-
-/// What an outbox knows of a finished sculpture.
-enum Found {
-    Kept(SculptureId),
-    Unkept(SculptureId),
-    Unknown,
-}
-
-const fn is_kept(keeping: Keeping) -> bool {
-    matches!(keeping, Keeping::KeptHere | Keeping::Refused | Keeping::KeptAtBooth)
 }
 
 /// A language's letters by ISO 639-1.
@@ -178,36 +154,22 @@ where
         let is_finished = self.world().session_state() == SessionState::Finished;
         let found = match &self.outgoing {
             Some(outgoing) if is_finished => {
-                outgoing.find_unkept(&rmap::encode(self.world().volume().maps()))
+                outgoing.find_finished(&rmap::encode(self.world().volume().maps()))
             }
-            _ => Found::Unknown,
+            _ => None,
         };
-        let resumed = match found {
-            Found::Kept(id) => {
-                if let Some(outgoing) = &mut self.outgoing {
-                    outgoing.sculpture = Some(id);
-                }
-                Some(id)
-            }
-            Found::Unkept(id) => {
+        match (found, &mut self.outgoing) {
+            (Some((id, true)), Some(outgoing)) => outgoing.sculpture = Some(id),
+            (Some((id, false)), _) => {
                 let is_written = !self.export.is_making_files();
                 if is_written {
                     self.export.begin_anew(self.session.world);
                 }
                 self.send(Some(id), FinishCause::CutOff, is_written);
-                Some(id)
             }
-            Found::Unknown if self.export.is_making_files() => {
-                self.send(None, FinishCause::CutOff, false);
-                None
-            }
-            Found::Unknown => None,
-        };
-        let Some(outgoing) = &self.outgoing else { return };
-        let found = outgoing.courier.found().iter();
-        let lost =
-            found.filter(|(id, keeping)| *keeping == Keeping::Making && Some(*id) != resumed);
-        lost.for_each(|(id, _)| outgoing.courier.abandon(*id));
+            _ if self.export.is_making_files() => self.send(None, FinishCause::CutOff, false),
+            _ => {}
+        }
     }
 
     /// Ends what brings sculptures to a booth, once it has done what it was told: another one may open the outbox then, and
@@ -230,7 +192,7 @@ where
         Some(BoothState {
             id: *sculpture,
             badge: sculpture.and_then(|id| courier.badge_of(id)),
-            keeping: sculpture.and_then(|id| courier.keeping(id)),
+            status: sculpture.and_then(|id| courier.upload_status(id)),
             outbox: courier.summary(),
         })
     }
@@ -303,7 +265,7 @@ where
 
     /// Whether a parcel is still being packed and written.
     pub(super) fn is_parcel_under_way(&self) -> bool {
-        self.booth_state().is_some_and(|state| state.keeping == Some(Keeping::Making))
+        self.booth_state().is_some_and(|state| state.status == Some(UploadStatus::Making))
     }
 
     /// Waits until the last parcel is kept, for a short while.

@@ -3,12 +3,12 @@
 use std::mem;
 
 use paros_core::badge::BadgeNumber;
+use paros_core::outbox::messages::UploadStatus;
 use paros_core::visit::{PanelAction, StaffCommand, VisitPhase};
 use paros_shaders::panel::layout::{self, Clock, HandoverTold, PanelNotice, palette};
 use paros_shaders::panel::{
     ButtonState, FillingValue, Icon, Language, Message, Panel, PanelButton,
 };
-use paros_shell::outbox::courier::Keeping;
 
 use super::{ButtonAction, MAX_PANELS, Question, Screen, ScreenState, is_at_work};
 use crate::cards::card_of_start;
@@ -351,12 +351,12 @@ fn new_visit_button() -> (PanelButton<'static>, ButtonAction) {
 
 /// What is told below a badge: where the sculpture is kept, once it is.
 fn badge_body(state: &ScreenState) -> Message {
-    match state.booth.and_then(|booth| booth.keeping) {
-        Some(Keeping::KeptHere) => Message::BadgeOnItsWay,
-        Some(Keeping::Refused) => Message::BadgeKeptHere,
-        Some(Keeping::KeptAtBooth) => Message::BadgeKeptAtBooth,
-        Some(Keeping::Lost) => Message::BadgeLost,
-        None | Some(Keeping::Making | Keeping::Waiting) => Message::BadgeBody,
+    match state.booth.and_then(|booth| booth.status) {
+        Some(UploadStatus::Kept) => Message::BadgeOnItsWay,
+        Some(UploadStatus::Refused) => Message::BadgeKeptHere,
+        Some(UploadStatus::Sent) => Message::BadgeKeptAtBooth,
+        Some(UploadStatus::Lost) => Message::BadgeLost,
+        None | Some(UploadStatus::Making | UploadStatus::Waiting) => Message::BadgeBody,
     }
 }
 

@@ -38,7 +38,6 @@ pub struct HttpsCaller {
     vm: JavaVM,
     url: String,
     ca: Vec<u8>,
-    timeout: Duration,
     /// An `SSLSocketFactory` that trusts the authority alone, once the first request has made it.
     sockets: Option<Global<JObject<'static>>>,
     watchdog: Watchdog,
@@ -71,12 +70,11 @@ impl From<jni::errors::Error> for AskError {
 }
 
 impl HttpsCaller {
-    /// Asks the booth at `https://HOST:PORT`, whose certificate is of the authority `ca` (DER), and waits so long for
-    /// each answer.
+    /// A caller of the booth at `https://HOST:PORT`, whose certificate is of the authority `ca` (DER).
     #[must_use]
-    pub fn new(vm: JavaVM, url: &str, ca: &[u8], timeout: Duration) -> Self {
+    pub fn new(vm: JavaVM, url: &str, ca: &[u8]) -> Self {
         let watchdog = Watchdog::start(vm.clone());
-        HttpsCaller { vm, url: url.to_owned(), ca: ca.to_vec(), timeout, sockets: None, watchdog }
+        HttpsCaller { vm, url: url.to_owned(), ca: ca.to_vec(), sockets: None, watchdog }
     }
 
     fn ask(
@@ -91,9 +89,9 @@ impl HttpsCaller {
         };
         let sockets = self.sockets.insert(sockets);
         let url = format!("{}{}", self.url, request.path);
-        let mut connection = Connection::prepare(caller, &url, sockets, self.timeout)?;
+        let mut connection = Connection::prepare(caller, &url, sockets, request.timeout)?;
         let watched = connection.caller.new_global(&connection.object)?;
-        let is_late = self.watchdog.watch(watched, Instant::now() + self.timeout);
+        let is_late = self.watchdog.watch(watched, Instant::now() + request.timeout);
         let answer = connection.send(request).and_then(|()| connection.read_answer());
         self.watchdog.rest();
         // A head that was cut off may be taken for a whole one.

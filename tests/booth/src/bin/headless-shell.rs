@@ -2,7 +2,7 @@
 //!
 //! `headless-shell FOLDER VISITS SEED`: the folder has an enrolment beside its sessions. Standard output tells
 //! `kept ID` once a visitor would read *kept here*, `signed ID` once it is *kept at the booth*, and `done` at the end,
-//! when the booth has signed for all.
+//! when the booth has all.
 #![forbid(unsafe_code)]
 
 use std::path::Path;
@@ -14,11 +14,12 @@ use glam::Vec3;
 use paros_core::TickInput;
 use paros_core::badge::Language;
 use paros_core::edit::Pose;
+use paros_core::outbox::messages::UploadStatus;
 use paros_core::session::{BenchItem, PointerCommand, SessionMode, SessionState, Tool};
 use paros_core::visit::{PanelAction, PlanSetting, Presence, VisitCommand, VisitInput, VisitPhase};
 use paros_core::volume::Grid;
 use paros_outbox_link::LinkTimes;
-use paros_shell::outbox::courier::{Courier, CourierLink, Keeping, read_clock_ms};
+use paros_shell::outbox::courier::{Courier, CourierLink, read_clock_ms};
 use paros_shell::outbox::enrolment::Enrolment;
 use paros_shell::settings::Settings;
 use paros_shell::statics::Resident;
@@ -161,7 +162,7 @@ impl Shell<'_> {
             }
             self.studio.poll_background_work();
             self.tell();
-            let is_made = state.is_none_or(|state| state.keeping != Some(Keeping::Making));
+            let is_made = state.is_none_or(|state| state.status != Some(UploadStatus::Making));
             if !self.studio.is_exporting() && is_made {
                 return;
             }
@@ -172,9 +173,9 @@ impl Shell<'_> {
     fn tell(&mut self) {
         let Some(state) = self.studio.booth_state() else { return };
         let Some(id) = state.id else { return };
-        let word = match state.keeping {
-            Some(Keeping::KeptHere) => "kept",
-            Some(Keeping::KeptAtBooth) => "signed",
+        let word = match state.status {
+            Some(UploadStatus::Kept) => "kept",
+            Some(UploadStatus::Sent) => "signed",
             _ => return,
         };
         let line = format!("{word} {id}");

@@ -9,7 +9,7 @@ use std::time::Duration;
 use paros_booth_process::find_booth;
 use paros_models::random_visitor::RandomSource;
 
-use crate::rig::{Place, Told, packed_volume};
+use crate::rig::{Place, Told};
 
 /// How often each is killed; `PAROS_KILLS` says otherwise.
 const KILLS: u32 = 6;
@@ -61,11 +61,11 @@ fn killed_at_any_moment_nothing_that_was_kept_is_lost_and_nothing_is_kept_twice(
     let last = place.run_shell_to_the_end(1, u64::from(kills));
     told.kept.extend(last.kept);
     let parcels = place.parcels_at_booth();
-    let ids: BTreeSet<_> = parcels.iter().map(|parcel| parcel.facts().id.to_string()).collect();
+    let ids: BTreeSet<_> = parcels.iter().map(|(facts, _)| facts.id.to_string()).collect();
     let lost: Vec<_> = told.kept.iter().filter(|id| !ids.contains(*id)).collect();
     assert!(lost.is_empty(), "kept and lost: {lost:?}");
     // Each visit cuts another stone: a volume that is there twice is a sculpture that is.
-    let volumes: BTreeSet<_> = parcels.iter().map(packed_volume).collect();
+    let volumes: BTreeSet<_> = parcels.iter().map(|(_, volume)| volume).collect();
     assert_eq!(volumes.len(), parcels.len(), "kept twice");
     assert!(parcels.len() as u32 > kills / 20, "they were hardly ever alive: {}", parcels.len());
     let (kept, came) = (told.kept.iter().collect::<BTreeSet<_>>().len(), parcels.len());

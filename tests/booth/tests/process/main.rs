@@ -7,11 +7,12 @@ use std::collections::BTreeSet;
 
 use paros_booth_process::find_booth;
 use paros_core::outbox::messages::DeviceName;
+use paros_core::outbox::messages::UploadFacts;
 use paros_outbox_link::HttpsCaller;
 use paros_shell::outbox::Parcel;
-use paros_shell::outbox::enrolment::{ENROL_TIMEOUT, FleetFile, NewDevice, enrol_by_fleet};
+use paros_shell::outbox::enrolment::{FleetFile, NewDevice, enrol_by_fleet};
 
-use rig::{Place, packed_volume, wait_for_log};
+use rig::{Place, wait_for_log};
 
 #[test]
 fn visits_sculptures_come_to_a_booth() {
@@ -24,18 +25,20 @@ fn visits_sculptures_come_to_a_booth() {
     assert_eq!((kept.len(), told.signed.is_empty()), (2, false), "{told:?}");
     let parcels = place.parcels_at_booth();
     assert_eq!(
-        parcels.iter().map(|parcel| parcel.facts().id.to_string()).collect::<BTreeSet<_>>(),
+        parcels.iter().map(|(facts, _)| facts.id.to_string()).collect::<BTreeSet<_>>(),
         kept.into_iter().cloned().collect()
     );
-    let kept: BTreeSet<_> = parcels.iter().map(packed_volume).collect();
-    let volumes = place.volumes();
-    let own = volumes.iter().map(|volume| Parcel::pack(parcels[0].facts(), volume, None));
-    let own: Vec<_> = own.map(|parcel| parcel.expect("a volume")).collect();
-    assert_eq!(kept, own.iter().map(packed_volume).collect(), "the visitors' own volumes");
+    let kept: BTreeSet<_> = parcels.iter().map(|(_, volume)| volume.clone()).collect();
+    let pack = |volume: Vec<u8>| {
+        let parcel = Parcel::pack(&parcels[0].0, &volume, None).expect("a volume");
+        let length = parcel.facts().volume_bytes as usize;
+        parcel.file_bytes()[UploadFacts::BYTES..][..length].to_vec()
+    };
+    let own = place.volumes().into_iter().map(pack).collect();
+    assert_eq!(kept, own, "the visitors' own volumes");
     wait_for_log(&running, "state=Made", 2);
     // The second badge is leased: the booth was heard by then.
-    let badges: Vec<_> =
-        parcels.iter().map(|parcel| parcel.facts().badge.expect("shown")).collect();
+    let badges: Vec<_> = parcels.iter().map(|(facts, _)| facts.badge.expect("shown")).collect();
     assert_ne!(badges[0], badges[1]);
 }
 
@@ -51,7 +54,7 @@ fn another_authority_is_told_and_nothing_is_sent_there() {
         [(stranger.address(), "isn't the booth"), ("https://127.0.0.1:1", "isn't reached")]
     {
         fleet.address = address.into();
-        let mut link = HttpsCaller::new(&fleet.address, &fleet.ca, ENROL_TIMEOUT);
+        let mut link = HttpsCaller::new(&fleet.address, &fleet.ca);
         let error = enrol_by_fleet(&mut link, &fleet, &device).expect_err("nothing is sent");
         assert!(error.to_string().contains(told), "{error}");
     }

@@ -10,10 +10,7 @@ use std::time::{Duration, Instant};
 use paros_booth_process::BoothProcess;
 use paros_core::outbox::messages::{DeviceName, UploadFacts};
 use paros_outbox_link::HttpsCaller;
-use paros_shell::outbox::Parcel;
-use paros_shell::outbox::enrolment::{
-    ENROL_TIMEOUT, FleetFile, NewDevice, enrol_by_fleet, enrolment_file,
-};
+use paros_shell::outbox::enrolment::{FleetFile, NewDevice, enrol_by_fleet, enrolment_file};
 
 /// How long anything may take.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -31,7 +28,7 @@ pub(crate) struct Told {
     pub(crate) kept: Vec<String>,
     /// Those of which it was *kept at the booth*.
     pub(crate) signed: Vec<String>,
-    /// Whether all were signed for.
+    /// Whether the booth has all.
     pub(crate) is_done: bool,
 }
 
@@ -42,7 +39,7 @@ impl Told {
             Some(("signed", id)) => self.signed.push(id.into()),
             _ => self.is_done |= line == "done",
         }
-        // What is signed for was kept before, though nobody looked in between.
+        // What the booth has was kept before, though nobody looked in between.
         if let Some(id) = self.signed.last().filter(|id| !self.kept.contains(id)) {
             self.kept.push(id.clone());
         }
@@ -79,7 +76,7 @@ impl Place {
         fs::write(&path, booth.make_fleet_file()).expect("room on the disk");
         let fleet = FleetFile::read(&path).expect("what the booth printed");
         let device = NewDevice::draw(None, DeviceName::new("test").expect("a name"));
-        let mut link = HttpsCaller::new(&fleet.address, &fleet.ca, ENROL_TIMEOUT);
+        let mut link = HttpsCaller::new(&fleet.address, &fleet.ca);
         let enrolled = enrol_by_fleet(&mut link, &fleet, &device.expect("bits"));
         enrolled.expect("a token").write(&self.enrolment_file()).expect("room on the disk");
     }
@@ -112,12 +109,17 @@ impl Place {
         told
     }
 
-    /// All that the booth keeps.
-    pub(crate) fn parcels_at_booth(&self) -> Vec<Parcel> {
+    /// All that the booth keeps: the head of each sculpture, and its packed volume.
+    pub(crate) fn parcels_at_booth(&self) -> Vec<(UploadFacts, Vec<u8>)> {
         let names = fs::read_dir(self.folder.join("booth/sculptures")).expect("a folder");
         let paths = names.map(|entry| entry.expect("a file").path());
         let kept = paths.filter(|path| path.extension() == Some("sculpture".as_ref()));
-        kept.map(|path| Parcel::read(fs::read(path).expect("a file")).expect("whole")).collect()
+        let read = |path: PathBuf| {
+            let mut bytes = fs::read(path).expect("a file");
+            let volume = bytes.split_off(UploadFacts::BYTES);
+            (UploadFacts::from_bytes(&bytes).expect("a head"), volume)
+        };
+        kept.map(read).collect()
     }
 
     /// The volumes in the shell's folder.
@@ -127,11 +129,6 @@ impl Place {
         let volumes = paths.filter(|path| path.extension() == Some("rmap".as_ref()));
         volumes.map(|path| fs::read(path).expect("a file")).collect()
     }
-}
-
-/// A parcel's volume, as it is packed.
-pub(crate) fn packed_volume(parcel: &Parcel) -> &[u8] {
-    &parcel.bytes()[UploadFacts::BYTES..][..parcel.facts().volume_bytes as usize]
 }
 
 /// Waits until a booth's log has a text so often.

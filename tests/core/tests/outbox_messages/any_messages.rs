@@ -3,10 +3,10 @@
 use paros_core::badge::{BadgeLease, BadgeLedger, BadgeNumber, DAY_SECONDS, LeaseReport};
 use paros_core::codec::BadBytes;
 use paros_core::outbox::messages::{
-    AgeGroup, Announcement, AnnouncementState, Announcements, BoothCommand, CommandKind,
-    CommandOutcome, CommandReport, ContentHash, DeviceHint, DeviceName, EnrolAnswer,
-    EnrolmentToken, FinishCause, FleetEnrolment, Heartbeat, HeartbeatAnswer, HeatLevel, Receipt,
-    ReceiptOutcome, SculptureId, SiteId, UploadFacts,
+    AgeGroup, Announcement, Announcements, BoothCommand, CommandKind, CommandOutcome,
+    CommandReport, ContentHash, DeviceHint, DeviceName, EnrolAnswer, EnrolmentToken, FinishCause,
+    FleetEnrolment, Heartbeat, HeartbeatAnswer, HeatLevel, SculptureId, SiteId, UploadFacts,
+    UploadStatus,
 };
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
@@ -39,7 +39,6 @@ pub(crate) fn any_facts(dice: &mut RandomSource) -> UploadFacts {
     let trace_raw_bytes = if has_trace { 1 + dice.next_bits() as u32 % 1_000_000 } else { 0 };
     UploadFacts {
         id: SculptureId(bytes(dice)),
-        headset: HEADSET,
         badge: any_badge(dice),
         core_version: dice.next_bits() as u16,
         side: pick(dice, &[128, 256]),
@@ -57,22 +56,11 @@ pub(crate) fn any_facts(dice: &mut RandomSource) -> UploadFacts {
     }
 }
 
-pub(crate) fn any_receipt(dice: &mut RandomSource) -> Receipt {
-    Receipt {
-        site: SiteId(bytes(dice)),
-        headset: HEADSET,
-        id: SculptureId(bytes(dice)),
-        hash: ContentHash(bytes(dice)),
-        badge: any_badge(dice),
-        outcome: pick(dice, &ReceiptOutcome::ALL),
-    }
-}
-
 pub(crate) fn any_announcements(dice: &mut RandomSource) -> Announcements {
     let any = |dice: &mut RandomSource| Announcement {
         id: SculptureId(bytes(dice)),
         badge: any_badge(dice),
-        state: pick(dice, &AnnouncementState::ALL),
+        status: pick(dice, &UploadStatus::ALL),
     };
     (0..dice.next_bits() % 33).map(|_| any(dice)).collect()
 }
@@ -158,7 +146,6 @@ pub(crate) fn list_messages(dice: &mut RandomSource) -> Vec<Written> {
     let fleet = EnrolmentToken(bytes(dice));
     vec![
         written!(any_facts(dice), UploadFacts),
-        written!(any_receipt(dice), Receipt),
         written!(any_heartbeat(dice), Heartbeat),
         written!(any_answer(dice), HeartbeatAnswer),
         written!(

@@ -15,7 +15,7 @@ mod words;
 use crate::engine::FuzzTarget;
 
 /// All targets.
-pub const ALL: [FuzzTarget; 18] = [
+pub const ALL: [FuzzTarget; 17] = [
     meshes::OBJ,
     meshes::STL,
     meshes::PLY,
@@ -28,7 +28,6 @@ pub const ALL: [FuzzTarget; 18] = [
     saves::SAVE,
     leases::LEASE,
     outbox::MESSAGE,
-    outbox::JOURNAL,
     outbox::PARCEL,
     enrolments::ENROLMENT,
     visits::LAST_USE,

@@ -1,16 +1,15 @@
-//! What the outbox reads: the booth's messages, its journal, parcels. Refused at an offset within the bytes, or read as
+//! What the outbox reads: the booth's messages and parcels. Refused at an offset within the bytes, or read as
 //! what they are: written again they are the same.
 
 use paros_core::codec::BadBytes;
-use paros_core::internals::checksum;
 use paros_core::outbox::messages::{
-    AgeGroup, ContentHash, EnrolAnswer, FinishCause, FleetEnrolment, Heartbeat, HeartbeatAnswer,
-    HeatLevel, Receipt, SculptureId, SiteId, UploadFacts,
+    AgeGroup, Announcement, Announcements, ContentHash, EnrolAnswer, FinishCause, FleetEnrolment,
+    Heartbeat, HeartbeatAnswer, HeatLevel, SculptureId, UploadFacts, UploadStatus,
 };
-use paros_core::outbox::{HeadsetStatus, Outbox, OutboxOwner, OutboxSettings};
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
 use paros_shell::outbox::{Parcel, ParcelFault};
+use sha2::{Digest as _, Sha256};
 
 use crate::engine::FuzzTarget;
 
@@ -24,17 +23,7 @@ pub(super) const MESSAGE: FuzzTarget = FuzzTarget {
     run: run_message,
 };
 
-/// An input is a journal without its checksum.
-pub(super) const JOURNAL: FuzzTarget = FuzzTarget {
-    name: "journal",
-    seeds: journal_seeds,
-    words: &[b"PBOX", b"\x05", b"\0\0\0\0", b"\xff\xff\xff\xff", b"\0\x01"],
-    longest: Outbox::JOURNAL_BYTES,
-    runs: 3_000,
-    run: run_journal,
-};
-
-/// An input is a parcel.
+/// An input is a parcel without its hash.
 pub(super) const PARCEL: FuzzTarget = FuzzTarget {
     name: "parcel",
     seeds: parcel_seeds,
@@ -44,24 +33,30 @@ pub(super) const PARCEL: FuzzTarget = FuzzTarget {
     run: run_parcel,
 };
 
-const OWNER: OutboxOwner = OutboxOwner { site: SiteId([7; 16]), headset: 17 };
-const SETTINGS: OutboxSettings = OutboxSettings { grace_seconds: 60, max_bytes: 1 << 20 };
-
-const STATUS: HeadsetStatus = HeadsetStatus {
+const HEARTBEAT: Heartbeat = Heartbeat {
+    headset: 17,
+    boot_id: 3,
+    number: 1,
     session_id: 5,
     is_charging: true,
     is_worn: false,
     is_glowing: false,
+    was_wiped: true,
     battery_percent: Some(50),
     heat: HeatLevel::Warm,
     phase: VisitPhase::Attract,
     worn_seconds: 0,
+    outbox_depth: 2,
+    outbox_full_percent: 1,
     app_version: [0, 1, 0],
+    core_version: 12,
+    lease: None,
+    last_command: None,
+    announcements: Announcements::new(),
 };
 
 const FACTS: UploadFacts = UploadFacts {
     id: SculptureId([1; 16]),
-    headset: 17,
     badge: None,
     core_version: 12,
     side: 128,
@@ -87,31 +82,25 @@ macro_rules! messages {
     };
 }
 
-const MESSAGES: [ReadAgain; 6] = messages! {
-    UploadFacts Receipt Heartbeat HeartbeatAnswer FleetEnrolment EnrolAnswer
+const MESSAGES: [ReadAgain; 5] = messages! {
+    UploadFacts Heartbeat HeartbeatAnswer FleetEnrolment EnrolAnswer
 };
 
-fn outbox() -> Box<Outbox> {
-    let mut outbox = Box::new(Outbox::new(OWNER, SETTINGS, 3));
-    for number in 1..5 {
-        let id = SculptureId([number; 16]);
-        outbox.announce(id, None).expect("room");
-        if number > 2 {
-            outbox.keep(id, None, ContentHash([number; 32]), 500).expect("announced");
-        }
-    }
-    outbox
-}
-
 fn message_seeds() -> Vec<Vec<u8>> {
-    let heartbeat = outbox().begin_heartbeat(&STATUS, None, 0);
-    let lengths = [Receipt::BYTES, HeartbeatAnswer::BYTES, FleetEnrolment::BYTES];
-    let ones = lengths.iter().zip([1, 3, 4]).map(|(&len, kind)| {
+    let statuses = [UploadStatus::Making, UploadStatus::Kept, UploadStatus::Sent];
+    let announced = statuses.map(|status| Announcement {
+        id: SculptureId([1 + status as u8; 16]),
+        badge: None,
+        status,
+    });
+    let heartbeat = Heartbeat { announcements: announced.into_iter().collect(), ..HEARTBEAT };
+    let lengths = [HeartbeatAnswer::BYTES, FleetEnrolment::BYTES];
+    let ones = lengths.iter().zip([2, 3]).map(|(&len, kind)| {
         let mut seed = vec![1; 1 + len];
         seed[0] = kind;
         seed
     });
-    let made = [[&[0][..], &FACTS.to_bytes()].concat(), [&[2][..], &heartbeat.to_bytes()].concat()];
+    let made = [[&[0][..], &FACTS.to_bytes()].concat(), [&[1][..], &heartbeat.to_bytes()].concat()];
     ones.chain(made).collect()
 }
 
@@ -130,56 +119,18 @@ fn run_message(bytes: &[u8]) -> String {
     }
 }
 
-fn save(outbox: &Outbox) -> Vec<u8> {
-    let mut bytes = Box::new([0; Outbox::JOURNAL_BYTES]);
-    outbox.save(&mut bytes);
-    bytes.to_vec()
-}
-
-fn journal_seeds() -> Vec<Vec<u8>> {
-    let mut bytes = save(&outbox());
-    bytes.truncate(Outbox::JOURNAL_BYTES - 8);
+fn parcel_seeds() -> Vec<Vec<u8>> {
+    let packed = Parcel::pack(&FACTS, b"not quite a volume", Some(b"nor a trace"));
+    let mut bytes = packed.expect("a parcel").into_file();
+    bytes.truncate(bytes.len() - ContentHash::BYTES);
     vec![bytes]
 }
 
-fn run_journal(bytes: &[u8]) -> String {
-    let saved = [bytes, &checksum(bytes).to_le_bytes()].concat();
-    let mut outbox = match Outbox::load(&saved, OWNER, SETTINGS, 9) {
-        Ok(outbox) => Box::new(outbox),
-        Err(bad) => {
-            assert!(bad.offset <= saved.len());
-            return bad.expected.into();
-        }
-    };
-    if !outbox.is_journal_due() {
-        let again = save(&outbox);
-        // All but the headset's number, which is this one's now.
-        assert_eq!(
-            (&again[..22], &again[26..saved.len() - 8]),
-            (&saved[..22], &saved[26..saved.len() - 8])
-        );
-    }
-    outbox.note_journal_written();
-    outbox.pass_time(0);
-    outbox.pass_time(10_000_000);
-    let heartbeat = outbox.begin_heartbeat(&STATUS, None, 7);
-    assert_eq!(Heartbeat::from_bytes(&heartbeat.to_bytes()).as_ref(), Ok(&heartbeat));
-    let is_sending = outbox.begin_upload(7).is_some();
-    format!("{} owed, {is_sending}, {:?}", outbox.depth(), outbox.level())
-}
-
-fn parcel_seeds() -> Vec<Vec<u8>> {
-    let packed = Parcel::pack(&FACTS, b"not quite a volume", Some(b"nor a trace"));
-    vec![packed.expect("a parcel").bytes().to_vec()]
-}
-
 fn run_parcel(bytes: &[u8]) -> String {
-    match Parcel::read(bytes.to_vec()) {
+    let file = [bytes, &Sha256::digest(bytes)[..]].concat();
+    match Parcel::from_file(file.clone()) {
         Ok(parcel) => {
-            assert_eq!(parcel.bytes(), bytes);
-            let renewed = parcel.renew(parcel.facts().headset).expect("only its id is another");
-            assert_eq!(renewed.bytes()[18..], bytes[18..]);
-            assert_eq!(Parcel::read_file(parcel.to_file()).as_ref(), Ok(&parcel));
+            assert_eq!(parcel.file_bytes(), file);
             "a parcel".into()
         }
         Err(ParcelFault::Head(bad)) => {

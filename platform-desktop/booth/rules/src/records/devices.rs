@@ -82,7 +82,7 @@ record! {
 
 record! {
     /// A sculpture that a headset said it had finished.
-    pub struct Announcement in "announcements", key 2, indexed ["badge"] {
+    pub struct Announcement in "announcements", key 2, indexed ["badge", "sculpture"] {
         /// Who said it.
         pub headset: u32,
         /// The sculpture.
@@ -91,8 +91,8 @@ record! {
         pub badge: Option<u32>,
         /// When that was first heard.
         pub heard_at: BoothTime,
-        /// Where it stood when that was last heard, by the number of `AnnouncementState`.
-        pub state: u8,
+        /// The status of its upload that was last heard, by the number of `UploadStatus`.
+        pub status: u8,
     }
 }
 

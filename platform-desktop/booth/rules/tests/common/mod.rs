@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use paros_booth_rules::records::{BlockGrant, Device, LedgerSave, TABLES};
 use paros_booth_rules::{
-    Access, Booth, BoothPlan, BoothTime, Chunk, Field as _, MemoryFiles, MemoryStore,
-    ParcelProgress, Query, Refusal, SiteKeys, Store, hash_of,
+    Access, Booth, BoothPlan, BoothTime, Field as _, MemoryFiles, MemoryStore, ParcelOutcome,
+    Query, Refusal, SiteKeys, Store, hash_of,
 };
 use paros_booth_rules::{update, view};
 use paros_core::badge::{BadgeLedger, BadgeNumber, LeaseReport};
@@ -77,34 +77,14 @@ impl Rig {
         self.booth.authenticate(&DeviceToken([byte; 32])).expect("it was enrolled")
     }
 
-    /// Sends a parcel in pieces of so many bytes, and has it kept.
-    pub(crate) fn upload_in(
-        &self,
-        device: &Device,
-        parcel: &Parcel,
-        piece: usize,
-        now: BoothTime,
-    ) -> Result<Receipt, Refusal> {
-        for (k, bytes) in parcel.bytes.chunks(piece).enumerate() {
-            match self.booth.take_chunk(device, &parcel.chunk((k * piece) as u64, bytes))? {
-                ParcelProgress::Done(receipt) => return Ok(receipt),
-                ParcelProgress::Held(held) => assert_eq!(held, (k * piece + bytes.len()) as u64),
-                ParcelProgress::Whole => break,
-            }
-        }
-        match self.booth.finish_parcel(device, (parcel.id, parcel.hash), &decode, now)? {
-            ParcelProgress::Done(receipt) => Ok(receipt),
-            other => panic!("{other:?}"),
-        }
-    }
-
+    /// Sends a parcel.
     pub(crate) fn upload(
         &self,
         device: &Device,
         parcel: &Parcel,
         now: BoothTime,
-    ) -> Result<Receipt, Refusal> {
-        self.upload_in(device, parcel, 1000, now)
+    ) -> Result<ParcelOutcome, Refusal> {
+        self.booth.take_parcel(device, parcel.id, &parcel.file(), &decode, now)
     }
 
     /// Has a headset ask for numbers, in a lease of this epoch. Returns all that it holds.
@@ -178,10 +158,9 @@ pub(crate) struct Parcel {
 }
 
 impl Parcel {
-    pub(crate) fn new(headset: u32, id: u8, badge: Option<BadgeNumber>) -> Self {
+    pub(crate) fn new(id: u8, badge: Option<BadgeNumber>) -> Self {
         Parcel::of_facts(UploadFacts {
             id: SculptureId([id; 16]),
-            headset,
             badge,
             core_version: 1,
             side: 128,
@@ -199,8 +178,8 @@ impl Parcel {
         })
     }
 
-    pub(crate) fn with_trace(headset: u32, id: u8) -> Self {
-        let facts = Parcel::new(headset, id, None).facts;
+    pub(crate) fn with_trace(id: u8) -> Self {
+        let facts = Parcel::new(id, None).facts;
         Parcel::of_facts(UploadFacts { trace_bytes: 700, trace_raw_bytes: 9000, ..facts })
     }
 
@@ -211,13 +190,13 @@ impl Parcel {
         Parcel { id: facts.id, facts, hash: hash_of(&bytes), bytes }
     }
 
-    pub(crate) fn chunk<'a>(&self, offset: u64, bytes: &'a [u8]) -> Chunk<'a> {
-        let parcel_bytes = self.bytes.len() as u64;
-        Chunk { id: self.id, hash: self.hash, parcel_bytes, offset, bytes }
+    /// The parcel with its hash, as it is sent.
+    pub(crate) fn file(&self) -> Vec<u8> {
+        [&self.bytes[..], &self.hash.0].concat()
     }
 
-    pub(crate) fn announcement(&self, state: AnnouncementState) -> Announcement {
-        Announcement { id: self.id, badge: self.facts.badge, state }
+    pub(crate) fn announcement(&self, status: UploadStatus) -> Announcement {
+        Announcement { id: self.id, badge: self.facts.badge, status }
     }
 }
 

@@ -3,35 +3,23 @@
 use std::collections::VecDeque;
 
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::messages::{CommandKind, HeatLevel, SculptureId};
-use paros_core::outbox::{EntryState, HeadsetStatus, Outbox, OutboxEntry, OutboxLevel};
+use paros_core::outbox::messages::{CommandKind, HeatLevel, SculptureId, UploadStatus};
 use paros_core::visit::VisitPhase;
+
+use super::CourierLink;
+use crate::outbox::events::HeadsetStatus;
+use crate::outbox::folder::DiskFolder;
+use crate::outbox::sender::Sender;
+use crate::outbox::spool::OutboxLevel;
 
 /// Badges that wait to be looked at: of the last sculpture, and some that nobody asked for again.
 const MAX_BADGES: usize = 8;
 
-/// Sculptures that the booth signed for, and that may be looked at once more.
-const MAX_SIGNED: usize = 8;
+/// Sent sculptures whose status may be looked at after they left the spool.
+const MAX_SENT: usize = 8;
 
 /// Lines that wait to be told.
 const MAX_NOTES: usize = 64;
-
-/// Where a sculpture stands.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Keeping {
-    /// Its parcel is being made.
-    Making,
-    /// Its parcel couldn't be kept, as the disk or the outbox is full. It is tried again.
-    Waiting,
-    /// *Kept here*: the parcel is on the disk.
-    KeptHere,
-    /// *Kept here*, and the booth can't take it: the staff must look.
-    Refused,
-    /// *Kept at the booth*: it signed.
-    KeptAtBooth,
-    /// It won't come.
-    Lost,
-}
 
 /// Why the booth answers a device nothing else.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -45,7 +33,7 @@ pub(super) enum DeviceRefusal {
 /// What is to be told of an outbox.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct CourierSummary {
-    /// Sculptures that the booth hasn't signed for.
+    /// Sculptures that the booth doesn't have.
     pub owed: u32,
     /// How full it is.
     pub level: OutboxLevel,
@@ -76,12 +64,13 @@ pub(super) struct Board {
     pub(super) notes: VecDeque<String>,
     /// Until it answers again.
     pub(super) refused: Option<DeviceRefusal>,
-    entries: Vec<OutboxEntry>,
-    /// Those whose parcels are being made, or couldn't be kept.
-    under_way: Vec<(SculptureId, Keeping)>,
+    /// The spool's sculptures.
+    spooled: Vec<(SculptureId, UploadStatus)>,
+    /// Sculptures whose parcels are being made, or couldn't be kept.
+    under_way: Vec<(SculptureId, UploadStatus)>,
     badges: VecDeque<(SculptureId, BadgeNumber)>,
-    /// Sculptures that the booth signed for, with the ids that they had before.
-    signed: VecDeque<(SculptureId, Option<SculptureId>)>,
+    /// Sculptures that the booth has, which may have left the spool.
+    sent: VecDeque<SculptureId>,
 }
 
 /// A headset of which nothing is known yet.
@@ -106,21 +95,21 @@ impl Board {
             commands: VecDeque::new(),
             notes: VecDeque::new(),
             refused: None,
-            entries: Vec::new(),
+            spooled: Vec::new(),
             under_way: Vec::new(),
             badges: VecDeque::new(),
-            signed: VecDeque::new(),
+            sent: VecDeque::new(),
         }
     }
 
     pub(super) fn note_making(&mut self, id: SculptureId) {
-        self.note_under_way(id, Some(Keeping::Making));
+        self.note_under_way(id, Some(UploadStatus::Making));
     }
 
     /// Notes where a sculpture stands that the outbox doesn't have whole; `None` once it has.
-    pub(super) fn note_under_way(&mut self, id: SculptureId, keeping: Option<Keeping>) {
+    pub(super) fn note_under_way(&mut self, id: SculptureId, status: Option<UploadStatus>) {
         self.under_way.retain(|(other, _)| *other != id);
-        self.under_way.extend(keeping.map(|keeping| (id, keeping)));
+        self.under_way.extend(status.map(|status| (id, status)));
     }
 
     pub(super) fn badge_of(&self, id: SculptureId) -> Option<BadgeNumber> {
@@ -134,19 +123,13 @@ impl Board {
         }
     }
 
-    /// Notes that the booth signed for a sculpture, which may leave the outbox at once.
-    pub(super) fn note_signed(&mut self, id: SculptureId) {
-        self.forget_signed(id);
-        let entry = self.entries.iter().find(|entry| entry.id == id);
-        self.signed.push_back((id, entry.and_then(|entry| entry.replaced)));
-        if self.signed.len() > MAX_SIGNED {
-            self.signed.pop_front();
+    /// Notes that the booth has a sculpture, which may leave the spool at once.
+    pub(super) fn note_sent(&mut self, id: SculptureId) {
+        self.sent.retain(|other| *other != id);
+        self.sent.push_back(id);
+        if self.sent.len() > MAX_SENT {
+            self.sent.pop_front();
         }
-    }
-
-    /// Notes that what the booth signed for isn't known there any more, nor here.
-    pub(super) fn forget_signed(&mut self, id: SculptureId) {
-        self.signed.retain(|(other, _)| *other != id);
     }
 
     pub(super) fn add_note(&mut self, note: String) {
@@ -169,44 +152,28 @@ impl Board {
     }
 
     /// Takes the outbox as it is.
-    pub(super) fn show(&mut self, outbox: &Outbox, badges_left: u32) {
-        // What has no room in the outbox isn't at the booth either.
-        let is_outside = |(id, _): &&(SculptureId, Keeping)| outbox.find(*id).is_none();
-        let owed = outbox.depth() + self.under_way.iter().filter(is_outside).count();
+    pub(super) fn show(&mut self, sender: &Sender<DiskFolder, CourierLink>, badges_left: u32) {
+        let spool = sender.spool();
+        // What has no room in the spool isn't at the booth either.
+        let is_outside = |(id, _): &&(SculptureId, UploadStatus)| spool.find(*id).is_none();
+        let owed = spool.depth() + self.under_way.iter().filter(is_outside).count();
         self.summary = CourierSummary {
             owed: u32::try_from(owed).unwrap_or(u32::MAX),
-            level: outbox.level(),
-            hears_booth: outbox.hears_booth(),
+            level: spool.level(),
+            hears_booth: sender.hears_booth(),
             badges_left,
         };
         if self.summary.hears_booth {
             self.refused = None;
         }
-        self.entries.clear();
-        self.entries.extend_from_slice(outbox.entries());
+        self.spooled.clear();
+        self.spooled.extend(spool.entries().iter().map(|entry| (entry.id, entry.status)));
     }
 
-    /// A sculpture that has another id now is found by its first one, too.
-    pub(super) fn keeping(&self, id: SculptureId) -> Option<Keeping> {
-        if let Some((_, keeping)) = self.under_way.iter().find(|(other, _)| *other == id) {
-            return Some(*keeping);
-        }
-        let entry = self.entries.iter().find(|entry| entry.id == id || entry.replaced == Some(id));
-        let is_it =
-            |(new, old): &(SculptureId, Option<SculptureId>)| *new == id || *old == Some(id);
-        let signed = || self.signed.iter().any(is_it).then_some(Keeping::KeptAtBooth);
-        entry.map(|entry| keeping_of(entry.state)).or_else(signed)
-    }
-}
-
-pub(super) const fn keeping_of(state: EntryState) -> Keeping {
-    match state {
-        EntryState::Announced => Keeping::Making,
-        EntryState::Kept | EntryState::Sending { .. } => Keeping::KeptHere,
-        EntryState::Refused => Keeping::Refused,
-        EntryState::Lost => Keeping::Lost,
-        EntryState::Receipted { .. } | EntryState::Deletable | EntryState::Gone => {
-            Keeping::KeptAtBooth
-        }
+    /// Where a sculpture stands; `None` where nothing is known of it.
+    pub(super) fn status_of(&self, id: SculptureId) -> Option<UploadStatus> {
+        let known = self.under_way.iter().chain(&self.spooled);
+        let status = known.clone().find(|(other, _)| *other == id).map(|(_, status)| *status);
+        status.or(self.sent.contains(&id).then_some(UploadStatus::Sent))
     }
 }

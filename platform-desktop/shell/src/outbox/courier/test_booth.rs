@@ -9,11 +9,13 @@ use std::time::{Duration, Instant};
 
 use paros_core::badge::{BadgeLedger, LeaseAnswer};
 use paros_core::outbox::messages::*;
-use paros_core::outbox::{OutboxOwner, OutboxSettings};
 
-use super::{Courier, CourierPlan};
+use super::{Courier, CourierLink, CourierPlan};
 use crate::outbox::enrolment::{Enrolment, NewDevice};
-use crate::outbox::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
+use crate::outbox::{
+    BoothLink, BoothRequest, HttpAnswer, KEPT, LinkAnswer, LinkFault, OutboxOwner, OutboxSettings,
+    SentRequest,
+};
 
 pub(crate) const OWNER: OutboxOwner = OutboxOwner { site: SiteId([7; 16]), headset: 17 };
 
@@ -22,7 +24,7 @@ pub(crate) fn clock() -> u64 {
     START.elapsed().as_millis() as u64
 }
 
-/// A booth that signs for whatever comes, unless it is down, or answers with another status.
+/// A booth that keeps whatever comes, unless it is down, or answers with another status.
 struct Booth {
     headset: u32,
     status: Arc<AtomicU16>,
@@ -33,21 +35,6 @@ struct Booth {
 }
 
 impl Booth {
-    fn sign(&self, id: SculptureId, hash: ContentHash, part: &[u8]) -> Vec<u8> {
-        let facts = UploadFacts::from_bytes(&part[..UploadFacts::BYTES]).expect("a small parcel");
-        assert_eq!((facts.headset, facts.id), (self.headset, id), "another headset's");
-        Receipt {
-            site: OWNER.site,
-            headset: self.headset,
-            id,
-            hash,
-            badge: facts.badge,
-            outcome: ReceiptOutcome::Kept,
-        }
-        .to_bytes()
-        .into()
-    }
-
     fn answer_heartbeat(&mut self, beat: &Heartbeat) -> Vec<u8> {
         let report = |report| self.ledger.answer_report(&report, 1_790_000_000).ok();
         let lease: Option<LeaseAnswer> = beat.lease.and_then(report);
@@ -71,9 +58,7 @@ impl BoothLink for Booth {
         let ok = |body| Ok(HttpAnswer { status: 200, retry_after: None, body });
         let is_down = self.is_down.load(Ordering::Relaxed);
         let (request, result) = match request {
-            BoothRequest::Put { number, id, hash, part, .. } => {
-                (SentRequest::Put { number }, ok(self.sign(id, hash, &part)))
-            }
+            BoothRequest::Put { number, .. } => (SentRequest::Put { number }, ok(KEPT.into())),
             BoothRequest::Heartbeat { number, body } => {
                 let beat = Heartbeat::from_bytes(&body[..]).expect("a heartbeat");
                 (SentRequest::Heartbeat { number }, ok(self.answer_heartbeat(&beat)))
@@ -125,15 +110,19 @@ impl Rig {
         };
         let settings = OutboxSettings { grace_seconds: self.grace_seconds, max_bytes: 1 << 20 };
         let plan = CourierPlan { folder: self.folder.clone(), enrolment, settings, clock };
-        let booth = Booth {
+        Courier::spawn(&plan, self.link(headset, command)).expect("a folder")
+    }
+
+    /// A link to the booth.
+    pub(crate) fn link(&self, headset: u32, command: Option<BoothCommand>) -> CourierLink {
+        Box::new(Booth {
             headset,
             status: self.status.clone(),
             is_down: self.is_down.clone(),
             answers: VecDeque::new(),
             ledger: Box::new(BadgeLedger::new(90)),
             command,
-        };
-        Courier::spawn(&plan, Box::new(booth)).expect("a folder")
+        })
     }
 }
 

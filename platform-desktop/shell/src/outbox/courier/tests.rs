@@ -9,13 +9,15 @@ use paros_core::badge::BadgeNumber;
 use paros_core::outbox::messages::*;
 use paros_core::session::SessionMode;
 
-use super::test_booth::{OWNER, Rig, wait};
-use super::{FinishedSculpture, Keeping, ParcelDraft};
+use super::test_booth::{OWNER, Rig, clock, wait};
+use super::{Courier, FinishedSculpture, ParcelDraft};
+use crate::outbox::OutboxOwner;
+use crate::outbox::enrolment::{Enrolment, NewDevice, enrolment_file};
+use crate::settings::BoothSettings;
 
 fn draft(id: SculptureId, badge: Option<BadgeNumber>) -> ParcelDraft {
     let facts = UploadFacts {
         id,
-        headset: OWNER.headset,
         badge,
         core_version: 1,
         side: 128,
@@ -34,11 +36,14 @@ fn draft(id: SculptureId, badge: Option<BadgeNumber>) -> ParcelDraft {
     ParcelDraft { facts, volume: b"a volume".to_vec(), trace: None }
 }
 
+/// How many parcels are in a folder, whether or not the booth has them.
 fn parcels(folder: &Path) -> usize {
     let names = std::fs::read_dir(folder).expect("a folder");
-    names
-        .filter(|name| name.as_ref().unwrap().path().extension() == Some("parcel".as_ref()))
-        .count()
+    let is_parcel = |path: &Path| {
+        let end = path.extension().and_then(|end| end.to_str());
+        matches!(end, Some("parcel" | "sent"))
+    };
+    names.filter(|name| is_parcel(&name.as_ref().unwrap().path())).count()
 }
 
 #[test]
@@ -48,16 +53,18 @@ fn a_sculpture_is_kept_here_and_then_at_the_booth_under_a_leased_badge() {
     let courier = rig.start(None);
     let id = SculptureId([1; 16]);
     courier.announce(id, b"a volume".to_vec());
-    assert_eq!(courier.keeping(id), Some(Keeping::Making));
+    assert_eq!(courier.upload_status(id), Some(UploadStatus::Making));
     courier.ask_badge(id);
     let badge = wait("a badge", || courier.badge_of(id));
     assert!(badge.is_provisional(), "the booth leased nothing yet");
     courier.keep(draft(id, Some(badge)));
-    wait("kept here", || (courier.keeping(id) == Some(Keeping::KeptHere)).then_some(()));
+    wait("kept here", || (courier.upload_status(id) == Some(UploadStatus::Kept)).then_some(()));
     assert_eq!(courier.summary().owed, 1);
     assert_eq!(parcels(&rig.folder), 1);
     rig.is_down.store(false, Ordering::Relaxed);
-    wait("kept at the booth", || (courier.keeping(id) == Some(Keeping::KeptAtBooth)).then_some(()));
+    wait("kept at the booth", || {
+        (courier.upload_status(id) == Some(UploadStatus::Sent)).then_some(())
+    });
     assert_eq!(courier.summary().owed, 0);
     wait("a lease", || (courier.summary().badges_left > 0).then_some(()));
     let next = SculptureId([2; 16]);
@@ -65,8 +72,8 @@ fn a_sculpture_is_kept_here_and_then_at_the_booth_under_a_leased_badge() {
     assert!(!wait("a badge", || courier.badge_of(next)).is_provisional());
 }
 
-/// The booth came back from a backup of before the device enrolled: it is told once, and what is here goes there as the
-/// headset's that the device becomes.
+/// The booth was restored from a backup of before the device enrolled: that is noted once, and the parcels that are here
+/// are sent once the device has enrolled again.
 #[test]
 fn one_that_is_forgotten_says_so_once_and_brings_all_as_the_headset_that_it_becomes() {
     let rig = Rig::new("forgotten");
@@ -81,14 +88,14 @@ fn one_that_is_forgotten_says_so_once_and_brings_all_as_the_headset_that_it_beco
     notes.extend(courier.take_notes());
     let told = |note: &&String| note.contains("must be enrolled anew");
     assert_eq!(notes.iter().filter(told).count(), 1, "{notes:?}");
-    assert_eq!(courier.keeping(id), Some(Keeping::KeptHere));
+    assert_eq!(courier.upload_status(id), Some(UploadStatus::Kept));
     rig.status.store(403, Ordering::Relaxed);
     wait("another one", || (!courier.is_forgotten()).then_some(()));
     wait("a note", || courier.take_notes().iter().any(|note| note.contains("shut")).then_some(()));
     rig.status.store(200, Ordering::Relaxed);
     drop(courier);
     let courier = rig.start_as(OWNER.headset + 1, None);
-    wait("a receipt", || (courier.keeping(id) == Some(Keeping::KeptAtBooth)).then_some(()));
+    wait("a receipt", || (courier.upload_status(id) == Some(UploadStatus::Sent)).then_some(()));
     assert!(!courier.is_forgotten());
     assert_eq!(parcels(&rig.folder), 1);
 }
@@ -106,13 +113,13 @@ fn a_start_finds_what_was_finished_last_and_whether_it_was_kept() {
     let courier = rig.start(None);
     let found = *courier.last_finished().expect("it was finished");
     assert_eq!((found.id, found.is_kept), (id, false));
-    assert_eq!(courier.found(), [(id, Keeping::Making)]);
+    assert_eq!(courier.found(), [], "its parcel isn't made");
     courier.announce(id, b"a volume".to_vec());
     courier.keep(draft(id, None));
     drop(courier);
     let courier = rig.start(None);
     assert_eq!(courier.last_finished(), Some(&FinishedSculpture { is_kept: true, ..found }));
-    assert_eq!(courier.found(), [(id, Keeping::KeptHere)]);
+    assert_eq!(courier.found(), [(id, UploadStatus::Kept)]);
 }
 
 /// The badge says *kept at the booth* for as long as it is shown, though the grace is over.
@@ -123,10 +130,12 @@ fn what_has_left_the_outbox_is_kept_at_the_booth_still() {
     let courier = rig.start(None);
     let id = SculptureId([8; 16]);
     courier.keep(draft(id, None));
-    wait("kept at the booth", || (courier.keeping(id) == Some(Keeping::KeptAtBooth)).then_some(()));
+    wait("kept at the booth", || {
+        (courier.upload_status(id) == Some(UploadStatus::Sent)).then_some(())
+    });
     wait("it leaves", || (parcels(&rig.folder) == 0).then_some(()));
     thread::sleep(Duration::from_millis(500));
-    assert_eq!(courier.keeping(id), Some(Keeping::KeptAtBooth));
+    assert_eq!(courier.upload_status(id), Some(UploadStatus::Sent));
 }
 
 #[test]
@@ -138,10 +147,10 @@ fn a_parcel_without_room_waits_and_is_kept_once_there_is() {
     let place = rig.folder.join(format!("{id}.parcel"));
     std::fs::create_dir(&place).expect("a folder");
     courier.keep(draft(id, None));
-    wait("a refusal", || (courier.keeping(id) == Some(Keeping::Waiting)).then_some(()));
+    wait("a refusal", || (courier.upload_status(id) == Some(UploadStatus::Waiting)).then_some(()));
     assert!(courier.take_notes().iter().any(|note| note.contains("isn't kept yet")));
     std::fs::remove_dir(&place).expect("it is empty");
-    wait("kept", || (courier.keeping(id) == Some(Keeping::KeptAtBooth)).then_some(()));
+    wait("kept", || (courier.upload_status(id) == Some(UploadStatus::Sent)).then_some(()));
 }
 
 /// As where a headset enrols anew while its outbox is full: the parcel is nowhere but in memory.
@@ -154,17 +163,14 @@ fn a_parcel_without_room_goes_on_to_the_next_courier() {
     let place = rig.folder.join(format!("{id}.parcel"));
     std::fs::create_dir(&place).expect("a folder");
     courier.keep(draft(id, None));
-    wait("a refusal", || (courier.keeping(id) == Some(Keeping::Waiting)).then_some(()));
+    wait("a refusal", || (courier.upload_status(id) == Some(UploadStatus::Waiting)).then_some(()));
     let without_room = courier.close();
     assert_eq!(without_room.len(), 1);
     let courier = rig.start_as(OWNER.headset + 1, None);
-    assert_eq!(courier.found(), [(id, Keeping::Making)]);
     courier.keep_parcels(without_room);
-    // As of all that a start before left unmade.
-    courier.abandon(id);
-    wait("a refusal", || (courier.keeping(id) == Some(Keeping::Waiting)).then_some(()));
+    wait("a refusal", || (courier.upload_status(id) == Some(UploadStatus::Waiting)).then_some(()));
     std::fs::remove_dir(&place).expect("it is empty");
-    wait("kept", || (courier.keeping(id) == Some(Keeping::KeptAtBooth)).then_some(()));
+    wait("kept", || (courier.upload_status(id) == Some(UploadStatus::Sent)).then_some(()));
 }
 
 #[test]
@@ -194,4 +200,40 @@ fn another_process_has_no_outbox_beside_it() {
     let _first = rig.start(None);
     let opened = std::panic::catch_unwind(|| rig.start(None));
     assert!(opened.is_err());
+}
+
+/// A device that enrolled at another site keeps what it owes the first one, and says where.
+#[test]
+fn each_site_has_its_own_outbox_and_an_old_one_is_refused() {
+    let rig = Rig::new("sites");
+    let settings = BoothSettings { grace_days: 1, space_mb: 1, ..BoothSettings::default() };
+    let sessions = &rig.folder;
+    let open = |site: u8| {
+        let device = NewDevice::draw(None, DeviceName::new("t").expect("a name"));
+        let enrolment = Enrolment {
+            address: "https://b:1".into(),
+            ca: vec![1],
+            token: device.expect("random bits").token,
+            owner: OutboxOwner { site: SiteId([site; 16]), headset: 1 },
+        };
+        enrolment.write(&enrolment_file(sessions)).expect("room on the disk");
+        let link = |_: &Enrolment| Ok(rig.link(1, None));
+        Courier::open_enrolled(&settings, sessions, clock, link)
+    };
+    let id = SculptureId([4; 16]);
+    rig.is_down.store(true, Ordering::Relaxed);
+    let courier = open(1).expect("an outbox").expect("it is enrolled");
+    courier.keep(draft(id, None));
+    wait("kept", || (courier.upload_status(id) == Some(UploadStatus::Kept)).then_some(()));
+    drop(courier);
+    let courier = open(2).expect("an outbox").expect("it is enrolled");
+    assert_eq!((courier.found(), courier.upload_status(id)), (&[][..], None));
+    let notes = courier.take_notes();
+    let left = sessions.join("outbox").join("01".repeat(16));
+    let expected = format!("1 sculptures wait for the booth of another site in {}", left.display());
+    assert_eq!(notes, [expected]);
+    drop(courier);
+    std::fs::write(sessions.join("outbox/outbox.journal"), b"PBOX").expect("room on the disk");
+    let why = open(1).expect_err("it is an old one");
+    assert!(why.contains("an outbox of another version"), "{why}");
 }

@@ -7,19 +7,19 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
 use paros_core::badge::LeaseReport;
-use paros_core::outbox::messages::{ContentHash, SculptureId};
-use paros_core::outbox::{HeadsetStatus, OutboxEntry, OutboxRefusal};
+use paros_core::outbox::messages::{ContentHash, SculptureId, UploadStatus};
 use sha2::{Digest as _, Sha256};
 
-use super::board::{Board, DeviceRefusal, Keeping, RemoteCommand, keeping_of};
+use super::board::{Board, DeviceRefusal, RemoteCommand};
 use super::mark;
 use super::orders::{CourierOrder, FinishedSculpture, ParcelDraft};
 use super::{CourierLink, CourierPlan};
-use crate::outbox::driver::OutboxDriver;
-use crate::outbox::events::{OutboxError, OutboxEvent, OutboxHost};
+use crate::outbox::events::{HeadsetStatus, OutboxEvent, OutboxHost};
 use crate::outbox::folder::DiskFolder;
 use crate::outbox::lease_keeper::LeaseKeeper;
 use crate::outbox::parcel::Parcel;
+use crate::outbox::sender::Sender;
+use crate::outbox::spool::SpoolError;
 
 /// How often the outbox is stepped.
 const STEP: Duration = Duration::from_millis(100);
@@ -32,7 +32,7 @@ const MAX_WAITING: usize = 8;
 
 /// The outbox with all that its thread has.
 pub(super) struct Work {
-    driver: OutboxDriver<DiskFolder, CourierLink>,
+    sender: Sender<DiskFolder, CourierLink>,
     host: CourierHost,
     mark_path: PathBuf,
     last_finished: Option<FinishedSculpture>,
@@ -85,19 +85,12 @@ impl OutboxHost for CourierHost {
                 return self.board().note_refused(DeviceRefusal::Forgotten);
             }
             OutboxEvent::ShutOut => return self.board().note_refused(DeviceRefusal::ShutOut),
-            OutboxEvent::KeptHere(_) => return,
-            OutboxEvent::KeptAtBooth(id) => return self.board().note_signed(id),
+            OutboxEvent::KeptAtBooth(id) => return self.board().note_sent(id),
             OutboxEvent::DeletedAtBooth(id) => format!("sculpture {id} was deleted at the booth"),
             OutboxEvent::RefusedByBooth(id) => {
                 format!("the booth can't take sculpture {id}: it stays here")
             }
-            OutboxEvent::Lost(id) => {
-                self.board().forget_signed(id);
-                format!("sculpture {id} can't be sent: its parcel is lost")
-            }
-            OutboxEvent::Renewed { old, new } => format!("sculpture {old} is {new} now"),
-            OutboxEvent::JournalUnwritten(why) => format!("the outbox can't be written: {why}"),
-            OutboxEvent::JournalDamaged => "the outbox's journal was damaged".into(),
+            OutboxEvent::Lost(id) => format!("sculpture {id} can't be sent: its parcel is lost"),
         };
         self.board().add_note(note);
     }
@@ -108,17 +101,17 @@ impl Work {
         plan: &CourierPlan,
         folder: DiskFolder,
         link: CourierLink,
-    ) -> Result<Self, OutboxError> {
+    ) -> Result<Self, SpoolError> {
         let owner = plan.enrolment.owner;
         let boot_id = getrandom::u64().unwrap_or_default() | 1;
-        let driver = OutboxDriver::open(folder, link, owner, plan.settings, boot_id)?;
+        let sender = Sender::open(folder, link, owner, plan.settings, boot_id)?;
         let lease = LeaseKeeper::open(&plan.folder, owner);
         let host =
             CourierHost { board: Arc::new(Mutex::new(Board::new())), clock: plan.clock, lease };
         let mark_path = mark::path_in(&plan.folder);
         let last_finished = mark::read(&mark_path);
         let waiting = Vec::new();
-        let work = Work { driver, host, mark_path, last_finished, waiting, tried: Instant::now() };
+        let work = Work { sender, host, mark_path, last_finished, waiting, tried: Instant::now() };
         work.show();
         Ok(work)
     }
@@ -127,11 +120,8 @@ impl Work {
         self.host.board.clone()
     }
 
-    pub(super) fn list_found(&self) -> Vec<(SculptureId, Keeping)> {
-        let entries = self.driver.outbox().entries().iter();
-        // One that goes on under another id is looked for by its first one, too.
-        let ids = |entry: &OutboxEntry| [Some(entry.id), entry.replaced].into_iter().flatten();
-        entries.flat_map(|entry| ids(entry).map(|id| (id, keeping_of(entry.state)))).collect()
+    pub(super) fn list_found(&self) -> Vec<(SculptureId, UploadStatus)> {
+        self.sender.spool().entries().iter().map(|entry| (entry.id, entry.status)).collect()
     }
 
     pub(super) const fn last_finished(&self) -> Option<FinishedSculpture> {
@@ -148,7 +138,7 @@ impl Work {
                 Ok(order) => self.carry_out(order),
                 Err(RecvTimeoutError::Timeout) => {
                     self.retry_waiting();
-                    self.driver.step(&mut self.host);
+                    self.sender.step(&mut self.host);
                     next_step = Instant::now() + STEP;
                 }
                 Err(RecvTimeoutError::Disconnected) => {
@@ -170,7 +160,7 @@ impl Work {
             }
             CourierOrder::NoteBadge { id, badge } => {
                 // Its parcel says so too.
-                let _ = self.driver.note_badge(id, badge);
+                let _ = self.sender.note_badge(id, badge);
             }
             CourierOrder::Keep(draft) => self.pack_and_keep(*draft),
             CourierOrder::KeepParcel(parcel) => self.keep(*parcel),
@@ -178,17 +168,17 @@ impl Work {
             CourierOrder::Abandon { id } if self.is_waiting(id) => {}
             CourierOrder::Abandon { id } => {
                 // Where it is kept, or isn't known, there is nothing to give up.
-                let _ = self.driver.abandon(id);
+                let _ = self.sender.abandon(id);
                 self.host.board().note_under_way(id, None);
             }
-            CourierOrder::CommandDone { id, outcome } => self.driver.note_command_done(id, outcome),
+            CourierOrder::CommandDone { id, outcome } => self.sender.note_command_done(id, outcome),
         }
     }
 
     fn announce(&mut self, id: SculptureId, volume: &[u8]) {
-        match self.driver.announce(id, None) {
-            // It was announced by the start before.
-            Ok(()) | Err(OutboxError::Refused(OutboxRefusal::KnownId)) => {}
+        match self.sender.announce(id, None) {
+            // Its parcel was kept by the start before.
+            Ok(()) | Err(SpoolError::KnownId) => {}
             Err(error) => self.host.board().add_note(format!("not announced: {error}")),
         }
         let volume_hash = ContentHash(Sha256::digest(volume).into());
@@ -215,24 +205,19 @@ impl Work {
 
     fn keep(&mut self, parcel: Parcel) {
         let id = parcel.facts().id;
-        let kept = self.driver.keep(&parcel);
+        let kept = self.sender.keep(&parcel);
         let is_last = |finished: &FinishedSculpture| finished.id == id;
         if let Some(finished) = self.last_finished.filter(is_last)
             && kept.is_ok()
         {
             self.mark_finished(FinishedSculpture { is_kept: true, ..finished });
         }
-        let keeping = match &kept {
-            Ok(()) => None,
-            // It was given up for another id, which is kept.
-            Err(OutboxError::Refused(OutboxRefusal::KnownId)) => None,
-            Err(error) => {
-                self.host.board().add_note(format!("sculpture {id} isn't kept yet: {error}"));
-                self.waiting.push(parcel);
-                Some(Keeping::Waiting)
-            }
-        };
-        self.host.board().note_under_way(id, keeping);
+        if let Err(error) = &kept {
+            self.host.board().add_note(format!("sculpture {id} isn't kept yet: {error}"));
+            self.waiting.push(parcel);
+        }
+        let status = kept.is_err().then_some(UploadStatus::Waiting);
+        self.host.board().note_under_way(id, status);
         if self.waiting.len() > MAX_WAITING {
             let id = self.waiting.remove(0).facts().id;
             self.carry_out(CourierOrder::Abandon { id });
@@ -253,6 +238,6 @@ impl Work {
 
     fn show(&self) {
         let left = self.host.lease.left_now();
-        self.host.board().show(self.driver.outbox(), left);
+        self.host.board().show(&self.sender, left);
     }
 }

@@ -1,10 +1,9 @@
 //! Enrolment by a fleet's file: one question, as site and authority are known beforehand.
 
-use paros_core::outbox::OutboxOwner;
 use paros_core::outbox::messages::{EnrolAnswer, FleetEnrolment};
 
 use super::{EnrolError, Enrolment, FleetFile, NewDevice, ask};
-use crate::outbox::BoothCaller;
+use crate::outbox::{BoothCaller, OutboxOwner};
 
 /// Enrols a device. `link` trusts the file's authority alone.
 ///

@@ -34,7 +34,7 @@ pub(super) const BOOTH_ROWS: [Setting; 4] = [
         kind: SettingKind::Whole { least: 0, most: 365 },
         default: SettingDefault::Whole(3),
         scope: SettingScope::Both,
-        summary: "At a booth: days for which a sculpture stays in the device after the booth has signed for it.",
+        summary: "At a booth: days for which a sculpture stays in the device once the booth has it.",
         reason: "a weekend, should the booth's disk fail on a Friday; a device that others get shall not keep them for long",
         store: |settings, value| settings.booth.grace_days = value.number().unwrap_or(0),
     },
@@ -45,7 +45,7 @@ pub(super) const BOOTH_ROWS: [Setting; 4] = [
         scope: SettingScope::Both,
         summary: "At a booth: megabytes that sculptures on their way may take in the device. Who hands it over is told when it is \
             nearly full.",
-        reason: "many times what five days of visits without the booth take, with traces; what is signed for makes room first",
+        reason: "many times what five days of visits without the booth take, with traces; what the booth has makes room first",
         store: |settings, value| settings.booth.space_mb = value.number().unwrap_or(0),
     },
 ];

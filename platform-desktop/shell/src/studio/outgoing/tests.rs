@@ -28,8 +28,12 @@ fn run_to_the_end(studio: &mut Studio<'_, 128>) {
 /// The parcels in an outbox.
 fn parcels(rig: &Rig) -> Vec<Parcel> {
     let names = fs::read_dir(&rig.folder).expect("a folder").map(|entry| entry.unwrap().path());
-    let parcels = names.filter(|path| path.extension() == Some("parcel".as_ref()));
-    parcels.map(|path| Parcel::read_file(fs::read(path).unwrap()).expect("whole")).collect()
+    let is_parcel = |path: &Path| {
+        let end = path.extension().and_then(|end| end.to_str());
+        matches!(end, Some("parcel" | "sent"))
+    };
+    let parcels = names.filter(|path| is_parcel(path));
+    parcels.map(|path| Parcel::from_file(fs::read(path).unwrap()).expect("whole")).collect()
 }
 
 fn prints(folder: &Path) -> Vec<Vec<u8>> {
@@ -77,24 +81,23 @@ fn show_badge(studio: &mut Studio<'_, 128>) -> BadgeNumber {
 }
 
 #[test]
-fn a_visits_sculpture_is_announced_kept_and_signed_for() {
+fn a_visits_sculpture_is_announced_kept_and_sent() {
     let place = Place::new("visit");
     place.rig.is_down.store(true, Ordering::Relaxed);
     place.run(|studio| {
         sculpt_in_a_visit(studio);
-        let keeping =
-            |studio: &Studio<'_, 128>| studio.booth_state().and_then(|state| state.keeping);
-        assert_eq!(keeping(studio), Some(Keeping::Making));
+        let status = |studio: &Studio<'_, 128>| studio.booth_state().and_then(|state| state.status);
+        assert_eq!(status(studio), Some(UploadStatus::Making));
         let badge = show_badge(studio);
         run_to_the_end(studio);
-        wait("kept here", || (keeping(studio) == Some(Keeping::KeptHere)).then_some(()));
+        wait("kept here", || (status(studio) == Some(UploadStatus::Kept)).then_some(()));
         let [parcel] = &parcels(&place.rig)[..] else { panic!("one parcel") };
         let facts = parcel.facts();
         assert_eq!(prints(&place.folder).len(), 1);
         assert_eq!((facts.badge, facts.language), (Some(badge), *b"el"));
         assert_eq!((facts.cause, facts.height_mm_tenths), (FinishCause::Finished, 1200));
         place.rig.is_down.store(false, Ordering::Relaxed);
-        wait("signed for", || (keeping(studio) == Some(Keeping::KeptAtBooth)).then_some(()));
+        wait("kept at the booth", || (status(studio) == Some(UploadStatus::Sent)).then_some(()));
     });
 }
 

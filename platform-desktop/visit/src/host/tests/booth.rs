@@ -1,11 +1,12 @@
 //! Visits at a booth: leased badges, where the sculpture is kept, and what the staff asks from its page.
 
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::OutboxLevel;
+use paros_core::outbox::messages::UploadStatus;
 use paros_core::outbox::messages::{CommandKind, CommandOutcome};
 use paros_core::session::TICK_RATE;
 use paros_core::visit::VisitPhase;
-use paros_shell::outbox::courier::{CourierSummary, Keeping, RemoteCommand};
+use paros_shell::outbox::OutboxLevel;
+use paros_shell::outbox::courier::{CourierSummary, RemoteCommand};
 use paros_shell::studio::BoothState;
 
 use super::super::keeping::BADGE_TICKS;
@@ -16,7 +17,7 @@ use crate::host::remote::GLOW_TICKS;
 fn booth() -> BoothState {
     let outbox =
         CourierSummary { owed: 1, level: OutboxLevel::Fine, hears_booth: false, badges_left: 0 };
-    BoothState { id: None, badge: None, keeping: Some(Keeping::Making), outbox }
+    BoothState { id: None, badge: None, status: Some(UploadStatus::Making), outbox }
 }
 
 /// To an export whose files are written already.
@@ -64,14 +65,13 @@ fn panels_tell_where_the_sculpture_is_and_follow_it() {
         finish(rig, BoothState { badge: Some(leased), ..booth() });
         rig.wait(4);
         assert_eq!(rig.phase(), VisitPhase::Badge);
-        for keeping in [Keeping::KeptHere, Keeping::KeptAtBooth] {
+        for status in [UploadStatus::Kept, UploadStatus::Sent] {
             let outbox = CourierSummary { level: OutboxLevel::NearlyFull, ..booth().outbox };
-            let state =
-                BoothState { id: None, keeping: Some(keeping), badge: Some(leased), outbox };
+            let state = BoothState { id: None, status: Some(status), badge: Some(leased), outbox };
             rig.export.booth = Some(state);
             rig.wait(1);
             let told = rig.host.screen.told_booth().expect("there is a booth");
-            assert_eq!((told.keeping, told.owed, told.is_nearly_full), (Some(keeping), 1, true));
+            assert_eq!((told.status, told.owed, told.is_nearly_full), (Some(status), 1, true));
         }
     });
 }

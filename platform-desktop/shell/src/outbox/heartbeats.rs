@@ -1,0 +1,249 @@
+//! What a headset tells the booth every two seconds, and what it takes from the answers.
+
+use paros_core::badge::LeaseReport;
+use paros_core::codec::trace::CORE_VERSION;
+use paros_core::limits::{MAX_ANNOUNCEMENTS, MAX_COMMAND_MS};
+use paros_core::outbox::messages::{
+    Announcement, Announcements, BoothCommand, CommandOutcome, CommandReport, Heartbeat,
+    HeartbeatAnswer, UploadStatus,
+};
+
+use super::events::{DueCommand, HeadsetStatus, OutboxEvent};
+use super::folder::OutboxFolder;
+use super::link::{BoothLink, HttpAnswer, LinkFault};
+use super::sender::{Sender, jittered_wait_ms};
+use super::spool::SpoolEntry;
+
+/// Milliseconds between heartbeats: the longest time that a button on the staff's page waits.
+const HEARTBEAT_MS: u64 = 2_000;
+
+/// Milliseconds without an answer after which a heartbeat has failed: a command in it would be dead.
+pub const HEARTBEAT_TIMEOUT_MS: u64 = MAX_COMMAND_MS as u64;
+
+/// Milliseconds between heartbeats that aren't answered, at most: as long as a command lives.
+const MAX_HEARTBEAT_WAIT_MS: u64 = MAX_COMMAND_MS as u64;
+
+/// Milliseconds after which a headset asks again whether the booth has a sent parcel that is still here. Bounds how soon
+/// sculptures lost in a restore are sent again.
+pub const CONFIRM_MS: u64 = 60_000;
+
+/// The heartbeat under way, when the next one is due, and the last command.
+#[derive(Debug, Default)]
+pub(super) struct HeartbeatClock {
+    heartbeats: u32,
+    /// When the heartbeat under way was sent, in milliseconds of the sender and of the host.
+    sent_ms: Option<(u64, u64)>,
+    due_ms: u64,
+    /// Heartbeats in a row that weren't answered.
+    failures: u8,
+    /// The entry from which on announcements are listed.
+    cursor: usize,
+    /// The last command that was taken; 0 for none.
+    last_command: u64,
+    /// Its outcome, once that is known.
+    report: Option<CommandReport>,
+}
+
+impl HeartbeatClock {
+    pub(super) fn forget_sent(&mut self) {
+        if self.sent_ms.take().is_some() {
+            self.failures = self.failures.saturating_add(1);
+        }
+    }
+
+    /// Notes the outcome of a command, which the next heartbeats report. That of an older one than the last isn't reported.
+    pub(super) fn note_command_done(&mut self, id: u64, outcome: CommandOutcome) {
+        if self.last_command == id && self.report.is_none() {
+            self.report = Some(CommandReport { id, outcome });
+        }
+    }
+}
+
+impl SpoolEntry {
+    /// `true` if the booth hasn't noted where the sculpture stands.
+    fn has_news(&self) -> bool {
+        self.announcement().is_some_and(|announcement| self.noted != Some(announcement))
+    }
+
+    /// The question whether the booth still has a sent parcel; `None` if it said so a short while ago.
+    fn question(&self, now_ms: u64) -> Option<Announcement> {
+        let is_due = |confirmed_ms: u64| now_ms.saturating_sub(confirmed_ms) >= CONFIRM_MS;
+        let is_asked = self.status == UploadStatus::Sent && self.confirmed_ms.is_none_or(is_due);
+        let SpoolEntry { id, badge, status, .. } = *self;
+        is_asked.then_some(Announcement { id, badge, status })
+    }
+}
+
+impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
+    /// `true` if a heartbeat is to be sent now. One that was sent ten seconds ago has failed.
+    pub(super) fn is_heartbeat_due(&self) -> bool {
+        let clock = &self.heartbeats;
+        let is_late = |(sent_ms, _): (u64, u64)| {
+            self.elapsed_ms.saturating_sub(sent_ms) >= HEARTBEAT_TIMEOUT_MS
+        };
+        self.elapsed_ms >= clock.due_ms && clock.sent_ms.is_none_or(is_late)
+    }
+
+    /// `true` if the booth answers.
+    #[must_use]
+    pub const fn hears_booth(&self) -> bool {
+        self.heartbeats.failures == 0 && self.heartbeats.heartbeats > 0
+    }
+
+    /// Makes a heartbeat, to be sent now. `random` bits spread the next one if the last ones weren't answered.
+    pub(super) fn begin_heartbeat(
+        &mut self,
+        status: &HeadsetStatus,
+        lease: Option<LeaseReport>,
+        random: u32,
+    ) -> Heartbeat {
+        self.heartbeats.forget_sent();
+        let announcements = self.list_announcements();
+        let (now_ms, host_ms) = (self.elapsed_ms, self.host_ms());
+        let clock = &mut self.heartbeats;
+        clock.heartbeats = clock.heartbeats.checked_add(1).unwrap_or(1);
+        clock.sent_ms = Some((now_ms, host_ms));
+        let backoff_ms =
+            jittered_wait_ms(2 * HEARTBEAT_MS, MAX_HEARTBEAT_WAIT_MS, clock.failures, random);
+        let wait_ms = if clock.failures == 0 { 0 } else { backoff_ms };
+        clock.due_ms = now_ms.saturating_add(wait_ms.max(HEARTBEAT_MS));
+        Heartbeat {
+            headset: self.owner.headset,
+            boot_id: self.boot_id,
+            number: clock.heartbeats,
+            session_id: status.session_id,
+            is_charging: status.is_charging,
+            is_worn: status.is_worn,
+            is_glowing: status.is_glowing,
+            was_wiped: self.was_wiped,
+            battery_percent: status.battery_percent.map(|percent| percent.min(100)),
+            heat: status.heat,
+            phase: status.phase,
+            worn_seconds: status.worn_seconds,
+            outbox_depth: u16::try_from(self.spool.depth()).unwrap_or(u16::MAX),
+            outbox_full_percent: self.spool.full_percent(),
+            app_version: status.app_version,
+            core_version: CORE_VERSION,
+            lease: lease.filter(|report| report.headset == self.owner.headset),
+            last_command: clock.report,
+            announcements,
+        }
+    }
+
+    /// First all sculptures whose status the booth hasn't noted, then the others that it doesn't have, in turn; then
+    /// questions of sent ones.
+    fn list_announcements(&mut self) -> Announcements {
+        let now_ms = self.elapsed_ms;
+        let entries = self.spool.entries_mut();
+        let count = entries.len();
+        let start = self.heartbeats.cursor;
+        let in_turn = (0..count).map(|step| (start + step) % count);
+        let news = in_turn.clone().filter(|&at| entries[at].has_news());
+        let others = in_turn.filter(|&at| !entries[at].has_news());
+        let owed = news.chain(others).filter_map(|at| Some((at, entries[at].announcement()?)));
+        let mut list = Announcements::new();
+        for (at, announcement) in owed.take(MAX_ANNOUNCEMENTS) {
+            // There is room: no more are taken.
+            let _ = list.push(announcement);
+            if list.len() == MAX_ANNOUNCEMENTS {
+                self.heartbeats.cursor = at + 1;
+            }
+        }
+        for entry in entries {
+            let question = entry.question(now_ms).filter(|_| !list.is_full());
+            entry.is_asked_for = question.is_some();
+            list.extend(question);
+        }
+        list
+    }
+
+    /// Takes the result of a heartbeat; `session_id` is that of the visit under way.
+    pub(super) fn take_heartbeat_result(
+        &mut self,
+        number: u32,
+        result: &Result<HttpAnswer, LinkFault>,
+        session_id: u64,
+    ) {
+        let answer = match result {
+            Ok(HttpAnswer { status: 200, body, .. }) => HeartbeatAnswer::from_bytes(body).ok(),
+            Ok(HttpAnswer { status: status @ (401 | 403), .. }) => {
+                self.note_stranger(*status);
+                None
+            }
+            _ => None,
+        };
+        let is_taken = answer.is_some_and(|answer| self.take_heartbeat_answer(answer, session_id));
+        if !is_taken && number == self.heartbeats.heartbeats {
+            self.heartbeats.forget_sent();
+        }
+    }
+
+    /// Takes an answer to the heartbeat under way. Returns `false` for the answer to another one, or of another booth:
+    /// nothing of it counts.
+    fn take_heartbeat_answer(&mut self, answer: HeartbeatAnswer, session_id: u64) -> bool {
+        let is_own = (answer.site, answer.headset) == (self.owner.site, self.owner.headset);
+        let is_last = (answer.boot_id, answer.number) == (self.boot_id, self.heartbeats.heartbeats);
+        let under_way = self.heartbeats.sent_ms.filter(|_| is_own && is_last);
+        let Some((sent_ms, host_sent_ms)) = under_way else { return false };
+        self.heartbeats.sent_ms = None;
+        self.heartbeats.failures = 0;
+        self.was_wiped = false;
+        if answer.lease.as_ref().is_some_and(|lease| lease.is_void) {
+            // A restored booth knows no leases: it may know fewer sculptures too.
+            self.spool.entries_mut().iter_mut().for_each(|entry| entry.confirmed_ms = None);
+        }
+        answer.noted.iter().for_each(|announcement| self.note_announced(announcement));
+        if let Some(lease) = answer.lease {
+            self.push_event(OutboxEvent::Lease(lease));
+        }
+        if let Some(command) = answer.command
+            && let Some(due) = self.take_command(&command, session_id, sent_ms)
+        {
+            let ends_ms = host_sent_ms.saturating_add(u64::from(command.lives_ms));
+            self.push_event(OutboxEvent::Command { command: due, session_id, ends_ms });
+        }
+        true
+    }
+
+    fn note_announced(&mut self, noted: &Announcement) {
+        let now_ms = self.elapsed_ms;
+        let Some(entry) = self.spool.find_mut(noted.id) else { return };
+        if entry.is_asked_for {
+            entry.is_asked_for = false;
+            match noted.status {
+                UploadStatus::Sent => entry.confirmed_ms = Some(now_ms),
+                // A restore lost it, or it was deleted there: the answer to another upload says which. Where the disk refuses
+                // the new name, the booth is asked again.
+                _ => _ = self.spool.rename(noted.id, UploadStatus::Kept, now_ms),
+            }
+        } else if entry.announcement() == Some(*noted) {
+            entry.noted = Some(*noted);
+            if noted.status == UploadStatus::Lost {
+                self.spool.forget(noted.id);
+            }
+        }
+    }
+
+    /// At most once: numbers grow, and each start takes its own commands alone.
+    fn take_command(
+        &mut self,
+        command: &BoothCommand,
+        session_id: u64,
+        sent_ms: u64,
+    ) -> Option<DueCommand> {
+        let waited_ms = self.elapsed_ms.saturating_sub(sent_ms);
+        let clock = &mut self.heartbeats;
+        if command.id <= clock.last_command {
+            return None;
+        }
+        (clock.last_command, clock.report) = (command.id, None);
+        let is_alive = waited_ms < u64::from(command.lives_ms);
+        let is_for_this = !command.kind.is_for_visit()
+            || command.session_id != 0 && command.session_id == session_id;
+        if command.boot_id == self.boot_id && is_alive && is_for_this {
+            return Some(DueCommand { id: command.id, kind: command.kind });
+        }
+        clock.report = Some(CommandReport { id: command.id, outcome: CommandOutcome::Expired });
+        None
+    }
+}

@@ -1,0 +1,354 @@
+//! The sender: decides which parcel goes to the booth when, and renames its file by the answer.
+
+use std::mem;
+use std::time::Duration;
+
+use paros_core::badge::BadgeNumber;
+use paros_core::outbox::messages::{CommandOutcome, SculptureId, UploadStatus};
+
+use super::events::{OutboxEvent, OutboxHost, OutboxOwner};
+use super::folder::OutboxFolder;
+use super::heartbeats::HeartbeatClock;
+use super::http::LinkTimes;
+use super::link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
+use super::parcel::Parcel;
+use super::spool::{OutboxSettings, Spool, SpoolEntry, SpoolError};
+
+/// Milliseconds after the first failed request; doubled after each further one.
+const UPLOAD_WAIT_MS: u64 = 2_000;
+
+/// Milliseconds between failing requests at most: a visitor waits no longer at the booth once it is back.
+const MAX_UPLOAD_WAIT_MS: u64 = 60_000;
+
+/// Seconds of `Retry-After` that are respected at most.
+const MAX_RETRY_AFTER_SECONDS: u32 = 600;
+
+/// Milliseconds until a refused parcel is sent again, once somebody may have mended the booth: six hours.
+const REFUSED_RETRY_MS: u64 = 6 * 3600 * 1000;
+
+/// Milliseconds between sweeps of the spool.
+const SWEEP_MS: u64 = 1_000;
+
+/// An outbox with its spool and its link to the booth.
+#[derive(Debug)]
+pub struct Sender<F, L> {
+    pub(super) spool: Spool<F>,
+    link: L,
+    pub(super) owner: OutboxOwner,
+    /// Random bits of this start, not 0.
+    pub(super) boot_id: u64,
+    /// `true` if the folder was empty, until a heartbeat that says so is answered.
+    pub(super) was_wiped: bool,
+    /// The host's clock as it was read last, in milliseconds.
+    host_ms: Option<u64>,
+    /// Milliseconds of this start.
+    pub(super) elapsed_ms: u64,
+    uploads: UploadClock,
+    pub(super) heartbeats: HeartbeatClock,
+    next_sweep_ms: u64,
+    events: Vec<OutboxEvent>,
+}
+
+/// The request under way, and when the next one may be made.
+#[derive(Debug, Default)]
+struct UploadClock {
+    requests: u32,
+    in_flight: Option<InFlight>,
+    /// Failed requests in a row.
+    failures: u8,
+    wait_until_ms: u64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct InFlight {
+    number: u32,
+    id: SculptureId,
+    late_ms: u64,
+}
+
+/// Exponential backoff with jitter, between half of the wait and all of it, so that headsets that lost the booth at one
+/// moment don't return at one.
+pub(super) fn jittered_wait_ms(first_ms: u64, longest_ms: u64, failures: u8, random: u32) -> u64 {
+    let doublings = u32::from(failures.saturating_sub(1)).min(20);
+    let full = (first_ms << doublings).min(longest_ms);
+    full / 2 + u64::from(random) % (full / 2 + 1)
+}
+
+impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
+    /// Opens the outbox in a folder. `boot_id` is random bits of this start, not 0.
+    ///
+    /// # Errors
+    /// `Disk` if the folder can't be listed.
+    pub fn open(
+        folder: F,
+        link: L,
+        owner: OutboxOwner,
+        settings: OutboxSettings,
+        boot_id: u64,
+    ) -> Result<Self, SpoolError> {
+        let spool = Spool::open(folder, settings)?;
+        let lost = spool.entries().iter().filter(|entry| entry.status == UploadStatus::Lost);
+        let events = lost.map(|entry| OutboxEvent::Lost(entry.id)).collect();
+        Ok(Sender {
+            was_wiped: spool.is_new(),
+            spool,
+            link,
+            owner,
+            boot_id,
+            host_ms: None,
+            elapsed_ms: 0,
+            uploads: UploadClock::default(),
+            heartbeats: HeartbeatClock::default(),
+            next_sweep_ms: 0,
+            events,
+        })
+    }
+
+    /// The sculptures of the outbox.
+    #[must_use]
+    pub const fn spool(&self) -> &Spool<F> {
+        &self.spool
+    }
+
+    /// Seconds since the booth took a parcel that is still here.
+    #[must_use]
+    pub fn sent_seconds(&self, id: SculptureId) -> Option<u64> {
+        let sent = self.spool.find(id).filter(|entry| entry.status == UploadStatus::Sent)?;
+        Some(sent.sent_seconds(self.elapsed_ms))
+    }
+
+    /// `true` if the outbox was empty at the start, and the booth hasn't heard so yet.
+    #[must_use]
+    pub const fn was_wiped(&self) -> bool {
+        self.was_wiped
+    }
+
+    /// The link.
+    pub const fn link(&mut self) -> &mut L {
+        &mut self.link
+    }
+
+    /// Notes a finished sculpture, which the next heartbeats announce.
+    ///
+    /// # Errors
+    /// Those of [`Spool::announce`].
+    pub fn announce(
+        &mut self,
+        id: SculptureId,
+        badge: Option<BadgeNumber>,
+    ) -> Result<(), SpoolError> {
+        self.spool.announce(id, badge)
+    }
+
+    /// Notes the badge of a sculpture whose parcel isn't made yet.
+    ///
+    /// # Errors
+    /// Those of [`Spool::note_badge`].
+    pub fn note_badge(&mut self, id: SculptureId, badge: BadgeNumber) -> Result<(), SpoolError> {
+        self.spool.note_badge(id, badge)
+    }
+
+    /// Writes a parcel to the disk: *kept here*.
+    ///
+    /// # Errors
+    /// Those of [`Spool::keep`].
+    pub fn keep(&mut self, parcel: &Parcel) -> Result<(), SpoolError> {
+        self.spool.keep(parcel)
+    }
+
+    /// Notes that the parcel of a sculpture won't be made.
+    ///
+    /// # Errors
+    /// Those of [`Spool::abandon`].
+    pub fn abandon(&mut self, id: SculptureId) -> Result<(), SpoolError> {
+        self.spool.abandon(id)?;
+        self.events.push(OutboxEvent::Lost(id));
+        Ok(())
+    }
+
+    /// Notes the outcome of a command.
+    pub fn note_command_done(&mut self, id: u64, outcome: CommandOutcome) {
+        self.heartbeats.note_command_done(id, outcome);
+    }
+
+    /// Takes answers, deletes what is over, sends a parcel and a heartbeat. To be called ten times a second or so.
+    pub fn step(&mut self, host: &mut impl OutboxHost) {
+        self.pass_time(host.now_ms());
+        while let Some(answer) = self.link.poll() {
+            self.take_answer(&answer, host);
+        }
+        if self.elapsed_ms >= self.next_sweep_ms {
+            self.next_sweep_ms = self.elapsed_ms + SWEEP_MS;
+            self.spool.sweep(self.elapsed_ms);
+        }
+        self.send_parcel(host.random());
+        if self.is_heartbeat_due() {
+            self.send_heartbeat(host);
+        }
+        for event in mem::take(&mut self.events) {
+            host.on_event(event);
+        }
+    }
+
+    /// A clock that is set back stands still; one that is set forward only makes waits shorter.
+    fn pass_time(&mut self, now_ms: u64) {
+        let before = self.host_ms.replace(now_ms).unwrap_or(now_ms);
+        if now_ms < before {
+            // The age of the heartbeat under way isn't known any more.
+            self.heartbeats.forget_sent();
+        }
+        self.elapsed_ms = self.elapsed_ms.saturating_add(now_ms.saturating_sub(before));
+    }
+
+    fn take_answer(&mut self, answer: &LinkAnswer, host: &mut impl OutboxHost) {
+        match answer.request {
+            SentRequest::Put { number } => {
+                self.take_put_answer(number, &answer.result, host.random());
+            }
+            SentRequest::Heartbeat { number } => {
+                let session_id = host.status().session_id;
+                self.take_heartbeat_result(number, &answer.result, session_id);
+            }
+        }
+    }
+
+    /// Sends the next parcel, if it is time and none is under way.
+    ///
+    /// The newest sculpture goes first: its visitor is on the way to the booth. One whose requests failed goes after all
+    /// others, so that none holds up the rest; a refused one is tried again every six hours and once in each start.
+    fn send_parcel(&mut self, random: u32) {
+        let now_ms = self.elapsed_ms;
+        if let Some(late) = self.uploads.in_flight.take_if(|request| now_ms >= request.late_ms) {
+            self.note_failed(late.id, random);
+        }
+        if self.uploads.in_flight.is_some() || now_ms < self.uploads.wait_until_ms {
+            return;
+        }
+        let is_due = |entry: &&SpoolEntry| match entry.status {
+            UploadStatus::Kept => true,
+            UploadStatus::Refused => now_ms >= entry.retry_ms,
+            _ => false,
+        };
+        let due = self.spool.entries().iter().rev().filter(is_due);
+        let Some(id) = due.min_by_key(|entry| entry.failures).map(|entry| entry.id) else { return };
+        let Some(parcel) = self.spool.read(id) else {
+            if self.spool.find(id).is_some_and(|entry| entry.status == UploadStatus::Lost) {
+                self.events.push(OutboxEvent::Lost(id));
+            }
+            return self.note_failed(id, random);
+        };
+        self.uploads.requests = self.uploads.requests.wrapping_add(1);
+        let (number, body) = (self.uploads.requests, parcel.into_file());
+        // A little longer than the link waits, so that no request waits for one that was given up.
+        let timeout = LinkTimes::default().of_parcel(body.len()) + Duration::from_secs(5);
+        let late_ms = now_ms + u64::try_from(timeout.as_millis()).unwrap_or(u64::MAX);
+        self.uploads.in_flight = Some(InFlight { number, id, late_ms });
+        self.link.send(BoothRequest::Put { number, id, body });
+    }
+
+    /// Takes the answer to a parcel. An answer that is none of the booth's, as a portal's page, is a failure.
+    fn take_put_answer(
+        &mut self,
+        number: u32,
+        result: &Result<HttpAnswer, LinkFault>,
+        random: u32,
+    ) {
+        // A late answer says nothing of the request under way; its parcel is sent again, which is harmless.
+        let in_flight = self.uploads.in_flight.take_if(|request| request.number == number);
+        let Some(InFlight { id, .. }) = in_flight else { return };
+        let (status, retry_after) = match result {
+            Ok(HttpAnswer { status, retry_after, .. }) => (*status, retry_after.unwrap_or(0)),
+            Err(_) => (0, 0),
+        };
+        let is_done = match status {
+            200 if is_kept_answer(result) => self.take_settled(id, OutboxEvent::KeptAtBooth(id)),
+            410 => self.take_settled(id, OutboxEvent::DeletedAtBooth(id)),
+            409 | 413 | 422 => self.take_refused(id, random),
+            429 | 503 if retry_after > 0 => return self.wait_for_booth(retry_after, random),
+            401 | 403 => {
+                self.note_stranger(status);
+                false
+            }
+            _ => false,
+        };
+        match is_done {
+            true => self.uploads.failures = 0,
+            false => self.note_failed(id, random),
+        }
+    }
+
+    /// The booth has the parcel, or deleted it. Returns `false` if the disk refuses to note that.
+    fn take_settled(&mut self, id: SculptureId, event: OutboxEvent) -> bool {
+        let is_kept = matches!(event, OutboxEvent::KeptAtBooth(_));
+        let is_done = match is_kept {
+            true => self.spool.rename(id, UploadStatus::Sent, self.elapsed_ms),
+            false => self.spool.delete(id),
+        };
+        if is_done {
+            self.events.push(event);
+        }
+        is_done
+    }
+
+    fn take_refused(&mut self, id: SculptureId, random: u32) -> bool {
+        if !self.spool.rename(id, UploadStatus::Refused, self.elapsed_ms) {
+            return false;
+        }
+        let wait_ms = jittered_wait_ms(REFUSED_RETRY_MS, REFUSED_RETRY_MS, 1, random);
+        let retry_ms = self.elapsed_ms.saturating_add(wait_ms);
+        if let Some(entry) = self.spool.find_mut(id) {
+            entry.retry_ms = retry_ms;
+        }
+        self.events.push(OutboxEvent::RefusedByBooth(id));
+        true
+    }
+
+    /// Reports that the booth doesn't let this headset in, by the status of HTTP.
+    pub(super) fn note_stranger(&mut self, status: u16) {
+        self.events.push(match status {
+            401 => OutboxEvent::UnknownToken,
+            _ => OutboxEvent::ShutOut,
+        });
+    }
+
+    /// The booth is there and asks to wait: no failure.
+    fn wait_for_booth(&mut self, retry_after_seconds: u32, random: u32) {
+        let asked_ms = u64::from(retry_after_seconds.min(MAX_RETRY_AFTER_SECONDS)) * 1000;
+        let spread_ms = jittered_wait_ms(UPLOAD_WAIT_MS, UPLOAD_WAIT_MS, 1, random);
+        self.uploads.failures = 0;
+        self.uploads.wait_until_ms = self.elapsed_ms.saturating_add(asked_ms + spread_ms);
+    }
+
+    fn note_failed(&mut self, id: SculptureId, random: u32) {
+        let failures = self.uploads.failures.saturating_add(1);
+        let wait_ms = jittered_wait_ms(UPLOAD_WAIT_MS, MAX_UPLOAD_WAIT_MS, failures, random);
+        self.uploads.failures = failures;
+        self.uploads.wait_until_ms = self.elapsed_ms.saturating_add(wait_ms);
+        if let Some(entry) = self.spool.find_mut(id) {
+            entry.failures = entry.failures.saturating_add(1);
+        }
+    }
+
+    fn send_heartbeat(&mut self, host: &mut impl OutboxHost) {
+        let (status, lease, random) = (host.status(), host.lease_report(), host.random());
+        let heartbeat = self.begin_heartbeat(&status, lease, random);
+        let (number, body) = (heartbeat.number, Box::new(heartbeat.to_bytes()));
+        self.link.send(BoothRequest::Heartbeat { number, body });
+    }
+
+    pub(super) fn push_event(&mut self, event: OutboxEvent) {
+        self.events.push(event);
+    }
+
+    /// Milliseconds of the host's clock.
+    pub(super) fn host_ms(&self) -> u64 {
+        self.host_ms.unwrap_or_default()
+    }
+}
+
+/// The body of the booth's 200: no captive portal answers so.
+pub const KEPT: &[u8] = b"kept\n";
+
+fn is_kept_answer(result: &Result<HttpAnswer, LinkFault>) -> bool {
+    result.as_ref().is_ok_and(|answer| answer.body == KEPT)
+}

@@ -1,0 +1,448 @@
+//! The spool: the parcels in an outbox's folder. The folder is the state; a file's name says where its sculpture stands.
+
+use std::collections::BTreeSet;
+use std::io;
+
+use paros_core::badge::BadgeNumber;
+use paros_core::outbox::messages::{Announcement, SculptureId, UploadStatus};
+
+use super::folder::OutboxFolder;
+use super::parcel::{MAX_FILE_BYTES, Parcel};
+
+/// Sculptures that a spool knows: five days of 50 visits without the booth, and some.
+pub const MAX_SPOOL_ENTRIES: usize = 256;
+
+/// What an exhibition sets.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct OutboxSettings {
+    /// Seconds that a parcel stays here after the booth has it.
+    pub grace_seconds: u32,
+    /// Bytes that all parcels may take together.
+    pub max_bytes: u64,
+}
+
+/// How full an outbox is with parcels that the booth doesn't have.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum OutboxLevel {
+    /// There is room.
+    Fine,
+    /// Four fifths are taken: staff see a warning.
+    NearlyFull,
+    /// No room for another sculpture.
+    Full,
+}
+
+/// Why the spool doesn't do what it was asked. Nothing has changed.
+#[derive(Debug, thiserror::Error)]
+pub enum SpoolError {
+    /// There is no room, and nothing that may be deleted.
+    #[error("the outbox is full with sculptures that the booth doesn't have")]
+    Full,
+    /// There is a sculpture of this id.
+    #[error("there is a sculpture of this id")]
+    KnownId,
+    /// There is no sculpture of this id whose parcel is still to be made.
+    #[error("there is no sculpture of this id whose parcel is to be made")]
+    UnknownId,
+    /// The disk refused.
+    #[error("the outbox's {name}: {source}")]
+    Disk {
+        /// The file.
+        name: String,
+        /// The system's reason.
+        source: io::Error,
+    },
+}
+
+/// A sculpture in the spool.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct SpoolEntry {
+    /// The sculpture's id.
+    pub id: SculptureId,
+    /// The badge that the visitor was shown, once there is one.
+    pub badge: Option<BadgeNumber>,
+    /// Where the sculpture stands.
+    pub status: UploadStatus,
+    /// Bytes of its file; 0 without one.
+    pub bytes: u64,
+    /// Seconds since 1970 by the headset's wall clock: the order of the entries.
+    finished_at: u64,
+    /// When the booth took the parcel, in milliseconds of the sender; below 0 where that was before this start.
+    sent_ms: i64,
+    /// The announcement that the booth noted last.
+    pub(super) noted: Option<Announcement>,
+    /// Failed requests in a row.
+    pub(super) failures: u8,
+    /// When a refused parcel is sent again, in milliseconds of the sender.
+    pub(super) retry_ms: u64,
+    /// When the booth last said that it has the sent parcel, in milliseconds of the sender; `None` in this start.
+    pub(super) confirmed_ms: Option<u64>,
+    /// `true` if the heartbeat under way asks whether the booth has the sent parcel.
+    pub(super) is_asked_for: bool,
+}
+
+/// The parcels of a folder.
+#[derive(Debug)]
+pub struct Spool<F> {
+    folder: F,
+    settings: OutboxSettings,
+    /// The oldest first.
+    entries: Vec<SpoolEntry>,
+    /// `true` if there are parcels in the folder that the table has no room for, or that couldn't be read.
+    has_unlisted: bool,
+}
+
+/// The end of the name of a file in this status; `None` where there is no file.
+const fn extension(status: UploadStatus) -> Option<&'static str> {
+    match status {
+        UploadStatus::Kept => Some("parcel"),
+        UploadStatus::Refused => Some("refused"),
+        UploadStatus::Sent => Some("sent"),
+        UploadStatus::Lost => Some("damaged"),
+        UploadStatus::Making | UploadStatus::Waiting => None,
+    }
+}
+
+/// The name of a sculpture's file; empty for a status without one.
+pub(super) fn file_name(id: SculptureId, status: UploadStatus) -> String {
+    extension(status).map(|extension| format!("{id}.{extension}")).unwrap_or_default()
+}
+
+/// The sculpture and the status that a file's name says.
+fn parse_name(name: &str) -> Option<(SculptureId, UploadStatus)> {
+    let (id, end) = name.split_once('.')?;
+    let is_it = |status: &UploadStatus| extension(*status) == Some(end);
+    let status = UploadStatus::ALL.into_iter().find(is_it)?;
+    let id = SculptureId::parse_hex(id).filter(|known| known.to_string() == id)?;
+    Some((id, status))
+}
+
+impl SpoolEntry {
+    fn new(id: SculptureId, badge: Option<BadgeNumber>, status: UploadStatus) -> Self {
+        SpoolEntry {
+            id,
+            badge,
+            status,
+            bytes: 0,
+            finished_at: u64::MAX,
+            sent_ms: 0,
+            noted: None,
+            failures: 0,
+            retry_ms: 0,
+            confirmed_ms: None,
+            is_asked_for: false,
+        }
+    }
+
+    /// Seconds since the booth took the parcel, `now_ms` being the sender's time.
+    #[must_use]
+    pub(super) fn sent_seconds(&self, now_ms: u64) -> u64 {
+        let now_ms = i64::try_from(now_ms).unwrap_or(i64::MAX);
+        u64::try_from(now_ms.saturating_sub(self.sent_ms) / 1000).unwrap_or(0)
+    }
+
+    /// The announcement of a sculpture that the booth doesn't have.
+    #[must_use]
+    pub fn announcement(&self) -> Option<Announcement> {
+        let SpoolEntry { id, badge, status, .. } = *self;
+        (status != UploadStatus::Sent).then_some(Announcement { id, badge, status })
+    }
+}
+
+impl<F: OutboxFolder> Spool<F> {
+    /// Opens a folder: names damaged files so, and removes what a cut-off write left.
+    ///
+    /// # Errors
+    /// `Disk` if the folder can't be listed.
+    pub fn open(folder: F, settings: OutboxSettings) -> Result<Self, SpoolError> {
+        let mut spool = Spool { folder, settings, entries: Vec::new(), has_unlisted: false };
+        let names = spool.list()?;
+        for name in names.iter().filter(|name| name.starts_with(".paros-")) {
+            // Nobody else writes here. If it stays, the next start tries again.
+            let _ = spool.folder.remove(name);
+        }
+        spool.take_in(&names);
+        Ok(spool)
+    }
+
+    /// `true` if the folder has no file yet: the device is new, or its data was wiped.
+    #[must_use]
+    pub fn is_new(&self) -> bool {
+        self.entries.is_empty() && self.list().is_ok_and(|names| names.is_empty())
+    }
+
+    fn list(&self) -> Result<Vec<String>, SpoolError> {
+        let listed = self.folder.list();
+        listed.map_err(|source| SpoolError::Disk { name: "folder".into(), source })
+    }
+
+    /// Takes in files that the table doesn't know, the sent ones last: they leave first where there is no room.
+    fn take_in(&mut self, names: &[String]) {
+        self.has_unlisted = false;
+        let files: BTreeSet<_> =
+            names.iter().filter_map(|name| parse_name(name)).map(|(id, at)| (at, id)).collect();
+        for (status, id) in files {
+            if self.find(id).is_some() {
+                // A rename was cut off, and both names are there: the first is sent again, which is harmless.
+                continue;
+            }
+            if self.entries.len() >= MAX_SPOOL_ENTRIES {
+                self.has_unlisted = true;
+                continue;
+            }
+            let entry = self.read_entry(id, status);
+            self.entries.extend(entry);
+        }
+        self.entries.sort_by_key(|entry| (entry.finished_at, entry.id));
+    }
+
+    fn read_entry(&mut self, id: SculptureId, status: UploadStatus) -> Option<SpoolEntry> {
+        let mut entry = SpoolEntry::new(id, None, status);
+        let name = file_name(id, status);
+        if status == UploadStatus::Lost {
+            return Some(entry);
+        }
+        let Ok(bytes) = self.folder.read(&name, MAX_FILE_BYTES) else {
+            // The next sweep reads it again.
+            self.has_unlisted = true;
+            return None;
+        };
+        entry.bytes = bytes.len() as u64;
+        let parcel = Parcel::from_file(bytes).ok().filter(|parcel| parcel.facts().id == id);
+        let Some(parcel) = parcel else {
+            entry.status = self.set_aside(id, status)?;
+            entry.bytes = 0;
+            return Some(entry);
+        };
+        (entry.badge, entry.finished_at) = (parcel.facts().badge, parcel.facts().finished_at);
+        if status == UploadStatus::Sent {
+            let age_ms = self.folder.age_seconds(&name).saturating_mul(1000);
+            entry.sent_ms = i64::try_from(age_ms).map_or(i64::MIN, |age_ms| -age_ms);
+        }
+        Some(entry)
+    }
+
+    /// Gives a damaged file the name of one; a sent one is removed. Returns the status then, `None` for nothing.
+    fn set_aside(&mut self, id: SculptureId, status: UploadStatus) -> Option<UploadStatus> {
+        let name = file_name(id, status);
+        if status == UploadStatus::Sent {
+            return self.folder.remove(&name).is_err().then_some(status);
+        }
+        let renamed = self.folder.rename(&name, &file_name(id, UploadStatus::Lost));
+        Some(if renamed.is_ok() { UploadStatus::Lost } else { status })
+    }
+
+    /// All sculptures, the oldest first.
+    #[must_use]
+    pub fn entries(&self) -> &[SpoolEntry] {
+        &self.entries
+    }
+
+    pub(super) fn entries_mut(&mut self) -> &mut [SpoolEntry] {
+        &mut self.entries
+    }
+
+    /// The sculpture of an id.
+    #[must_use]
+    pub fn find(&self, id: SculptureId) -> Option<&SpoolEntry> {
+        self.entries.iter().find(|entry| entry.id == id)
+    }
+
+    pub(super) fn find_mut(&mut self, id: SculptureId) -> Option<&mut SpoolEntry> {
+        self.entries.iter_mut().find(|entry| entry.id == id)
+    }
+
+    fn owed(&self) -> impl Iterator<Item = &SpoolEntry> {
+        self.entries.iter().filter(|entry| entry.status != UploadStatus::Sent)
+    }
+
+    /// Sculptures that the booth doesn't have.
+    #[must_use]
+    pub fn depth(&self) -> usize {
+        self.owed().count()
+    }
+
+    /// How full the outbox is with parcels that the booth doesn't have, in percent of its entries or bytes, whichever is
+    /// fuller.
+    #[must_use]
+    pub fn full_percent(&self) -> u8 {
+        let bytes: u64 = self.owed().map(|entry| entry.bytes).sum();
+        let of_entries = (self.depth() * 100 / MAX_SPOOL_ENTRIES) as u64;
+        let of_bytes = bytes.saturating_mul(100).checked_div(self.settings.max_bytes);
+        of_entries.max(of_bytes.unwrap_or(100)).min(100) as u8
+    }
+
+    /// How full the outbox is, as a level.
+    #[must_use]
+    pub fn level(&self) -> OutboxLevel {
+        match self.full_percent() {
+            0..80 => OutboxLevel::Fine,
+            80..100 => OutboxLevel::NearlyFull,
+            _ => OutboxLevel::Full,
+        }
+    }
+
+    /// Notes a finished sculpture whose parcel is being made.
+    ///
+    /// # Errors
+    /// `KnownId`; `Full`. The visit continues without.
+    pub fn announce(
+        &mut self,
+        id: SculptureId,
+        badge: Option<BadgeNumber>,
+    ) -> Result<(), SpoolError> {
+        if self.find(id).is_some() {
+            return Err(SpoolError::KnownId);
+        }
+        self.make_room(1, 0)?;
+        self.entries.push(SpoolEntry::new(id, badge, UploadStatus::Making));
+        Ok(())
+    }
+
+    /// Notes the badge of a sculpture whose parcel isn't made yet.
+    ///
+    /// # Errors
+    /// `UnknownId`.
+    pub fn note_badge(&mut self, id: SculptureId, badge: BadgeNumber) -> Result<(), SpoolError> {
+        self.find_making(id)?.badge = Some(badge);
+        Ok(())
+    }
+
+    /// Notes that the parcel of a sculpture won't be made.
+    ///
+    /// # Errors
+    /// `UnknownId`.
+    pub fn abandon(&mut self, id: SculptureId) -> Result<(), SpoolError> {
+        self.find_making(id)?.status = UploadStatus::Lost;
+        Ok(())
+    }
+
+    fn find_making(&mut self, id: SculptureId) -> Result<&mut SpoolEntry, SpoolError> {
+        let found = self.find_mut(id).filter(|entry| entry.status == UploadStatus::Making);
+        found.ok_or(SpoolError::UnknownId)
+    }
+
+    /// Writes a parcel to the disk: *kept here*. A parcel that is here already changes nothing.
+    ///
+    /// # Errors
+    /// `Full`; `Disk`.
+    pub fn keep(&mut self, parcel: &Parcel) -> Result<(), SpoolError> {
+        let facts = parcel.facts();
+        let known = self.find(facts.id).map(|entry| entry.status);
+        if matches!(known, Some(UploadStatus::Kept | UploadStatus::Refused | UploadStatus::Sent)) {
+            return Ok(());
+        }
+        let bytes = parcel.file_bytes().len() as u64;
+        self.make_room(usize::from(known.is_none()), bytes)?;
+        self.write(&file_name(facts.id, UploadStatus::Kept), parcel.file_bytes())?;
+        self.entries.retain(|entry| entry.id != facts.id);
+        let entry = SpoolEntry::new(facts.id, facts.badge, UploadStatus::Kept);
+        self.entries.push(SpoolEntry { bytes, finished_at: facts.finished_at, ..entry });
+        Ok(())
+    }
+
+    /// Writes a file. On a full disk sent parcels make room, the oldest first.
+    fn write(&mut self, name: &str, bytes: &[u8]) -> Result<(), SpoolError> {
+        loop {
+            let Err(source) = self.folder.write(name, bytes) else { return Ok(()) };
+            let is_full = source.kind() == io::ErrorKind::StorageFull;
+            if !is_full || !self.delete_oldest_sent() {
+                return Err(SpoolError::Disk { name: name.into(), source });
+            }
+        }
+    }
+
+    /// Deletes the oldest sent parcel that can be deleted. Returns `false` if there is none.
+    fn delete_oldest_sent(&mut self) -> bool {
+        let sent = self.entries.iter().filter(|entry| entry.status == UploadStatus::Sent);
+        let ids: Vec<SculptureId> = sent.map(|entry| entry.id).collect();
+        ids.into_iter().any(|id| self.delete(id))
+    }
+
+    /// Deletes sent parcels, the oldest first, until there is room for so many entries and bytes more.
+    fn make_room(&mut self, more_entries: usize, more_bytes: u64) -> Result<(), SpoolError> {
+        loop {
+            let bytes: u64 = self.entries.iter().map(|entry| entry.bytes).sum();
+            let fits = bytes.saturating_add(more_bytes) <= self.settings.max_bytes;
+            if fits && self.entries.len() + more_entries <= MAX_SPOOL_ENTRIES {
+                return Ok(());
+            }
+            if !self.delete_oldest_sent() {
+                return Err(SpoolError::Full);
+            }
+        }
+    }
+
+    /// The parcel of a sculpture; `None` if it can't be read now. A parcel that is gone or damaged is lost.
+    pub(super) fn read(&mut self, id: SculptureId) -> Option<Parcel> {
+        let status = self.find(id)?.status;
+        let bytes = match self.folder.read(&file_name(id, status), MAX_FILE_BYTES) {
+            Ok(bytes) => bytes,
+            Err(error) => {
+                if error.kind() == io::ErrorKind::NotFound {
+                    self.note_lost(id);
+                }
+                return None;
+            }
+        };
+        let parcel = Parcel::from_file(bytes).ok().filter(|parcel| parcel.facts().id == id);
+        if parcel.is_none() && self.set_aside(id, status) == Some(UploadStatus::Lost) {
+            self.note_lost(id);
+        }
+        parcel
+    }
+
+    fn note_lost(&mut self, id: SculptureId) {
+        if let Some(entry) = self.find_mut(id) {
+            (entry.status, entry.bytes) = (UploadStatus::Lost, 0);
+        }
+    }
+
+    /// Gives a parcel another status, and its file the name of that. Returns `false` if the disk refuses.
+    pub(super) fn rename(&mut self, id: SculptureId, status: UploadStatus, now_ms: u64) -> bool {
+        let Some(before) = self.find(id).map(|entry| entry.status) else { return false };
+        let names = [before, status].map(|status| file_name(id, status));
+        let is_done = before == status || self.folder.rename(&names[0], &names[1]).is_ok();
+        if let Some(entry) = self.find_mut(id).filter(|_| is_done) {
+            (entry.status, entry.failures, entry.noted) = (status, 0, None);
+            entry.sent_ms = i64::try_from(now_ms).unwrap_or(i64::MAX);
+            (entry.confirmed_ms, entry.is_asked_for) = (Some(now_ms), false);
+        }
+        is_done
+    }
+
+    /// Deletes a sculpture's file. Returns `false` if the disk refuses.
+    pub(super) fn delete(&mut self, id: SculptureId) -> bool {
+        let Some(status) = self.find(id).map(|entry| entry.status) else { return true };
+        let is_done = self.folder.remove(&file_name(id, status)).is_ok();
+        if is_done {
+            self.forget(id);
+        }
+        is_done
+    }
+
+    /// Removes a sculpture from the table. Its file, if there is one, stays for people to look at.
+    pub(super) fn forget(&mut self, id: SculptureId) {
+        self.entries.retain(|entry| entry.id != id);
+    }
+
+    /// Deletes sent parcels whose grace is over, and takes in files that are in the folder and not in the table.
+    pub(super) fn sweep(&mut self, now_ms: u64) {
+        let grace_seconds = u64::from(self.settings.grace_seconds);
+        let is_over = |entry: &&SpoolEntry| {
+            entry.status == UploadStatus::Sent && entry.sent_seconds(now_ms) > grace_seconds
+        };
+        let ids: Vec<SculptureId> =
+            self.entries.iter().filter(is_over).map(|entry| entry.id).collect();
+        for id in ids {
+            // One that can't be deleted now is tried again by the next sweep.
+            self.delete(id);
+        }
+        if self.has_unlisted
+            && self.entries.len() < MAX_SPOOL_ENTRIES
+            && let Ok(names) = self.list()
+        {
+            self.take_in(&names);
+        }
+    }
+}
