@@ -82,10 +82,9 @@
 //! # Where things are
 //! The root has the dozen types that a program starts from. What their signatures name stands in five
 //! modules: [`volume`] (grid, axes, columns, rectangles), [`edit`] (operations, poses, reports),
-//! [`convert`] (meshes in, prints out), [`session`] (input, tools, hands) and [`codec`] (saves and traces). Three more
-//! know no stone: [`visit`], what comes after what from the headset put on to the badge in hand, [`badge`], alone: the
-//! pictures by which a visitor finds a sculpture again, and who may give them out, and [`outbox`], what a headset owes
-//! the booth.
+//! [`convert`] (meshes in, prints out), [`session`] (input, tools, hands) and [`codec`] (saves and traces). Two more
+//! know no stone: [`visit`], what comes after what from the headset put on to the badge in hand, and [`badge`], the
+//! pictures by which a visitor finds a sculpture again, and who may give them out.
 //! Each is told in three lines: what it takes and gives, and what it doesn't know. [`limits`] has every
 //! capacity, and [`internals`] what tools and tests use besides.
 //!
@@ -113,7 +112,6 @@ pub mod convert;
 pub mod edit;
 pub mod internals;
 pub mod limits;
-pub mod outbox;
 pub mod session;
 pub mod visit;
 pub mod volume;

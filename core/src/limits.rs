@@ -2,16 +2,11 @@
 //! the grid, N.
 
 mod badge;
-mod outbox;
 
 pub use badge::{
     ALLOWANCE_SECONDS, BADGE_CANDIDATES, BLOCK_NUMBERS, DAY_BLOCKS, FORMER_EPOCHS, MAX_ALLOWANCE,
     MAX_HEADSETS, MAX_LEASED_BLOCKS, MAX_REPORT_SECONDS, RESERVE_NUMBERS, RESTORE_BLOCKS,
     SHORTEST_TAIL,
-};
-pub use outbox::{
-    MAX_ANNOUNCEMENTS, MAX_COMMAND_MS, MAX_PACKED_SURPLUS, MAX_PARCEL_BYTES,
-    MAX_PARCEL_TRACE_BYTES, MAX_PARCEL_VOLUME_BYTES,
 };
 
 /// Intervals of a column in the shells, K. One is the paper's volume and holds every shape that is seen

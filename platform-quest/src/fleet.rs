@@ -9,7 +9,7 @@ use std::sync::{Arc, mpsc};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use paros_core::outbox::messages::{DeviceHint, DeviceName};
+use paros_protocol::{DeviceHint, DeviceName};
 use paros_shell::outbox::BoothCaller;
 use paros_shell::outbox::enrolment::{
     EnrolError, Enrolment, FLEET_FILE_NAME, FleetFile, NewDevice, enrol_by_fleet,

@@ -1,4 +1,4 @@
-//! What a headset and the booth tell each other about a lease: reports and answers, as bytes of fixed width.
+//! Reports and answers by which a headset and the booth agree on a lease.
 //!
 //! Either may be lost, late or doubled. A report says all that was taken so far, an answer all that is left, so the
 //! newest one makes up for all before.
@@ -11,12 +11,6 @@ use crate::limits::{BLOCK_NUMBERS, MAX_LEASED_BLOCKS};
 
 /// The blocks of a lease, in the order of their use.
 pub type LeasedBlocks = Vec<LeasedBlock, MAX_LEASED_BLOCKS>;
-
-/// The version of both messages, their first byte.
-const MESSAGE_VERSION: u8 = 1;
-
-/// What the error for another version expects.
-const EXPECTED_VERSION: &str = "version 1 of a lease's messages";
 
 /// The tail of a block of numbers: one at least, the last one of the block always among them.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -90,67 +84,6 @@ impl LeasedBlock {
     }
 }
 
-impl LeaseReport {
-    /// Length of a written report in bytes.
-    pub const BYTES: usize = 21;
-
-    /// Writes [`LeaseReport::BYTES`] bytes.
-    pub fn write(&self, to: &mut ByteWriter<'_>) {
-        to.u8(MESSAGE_VERSION);
-        to.u32(self.headset);
-        to.u64(self.epoch);
-        to.u32(self.report);
-        to.u32(self.taken);
-    }
-
-    /// Reads what [`LeaseReport::write`] wrote.
-    ///
-    /// # Errors
-    /// [`BadBytes`] for another version, or at the end.
-    pub fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
-        read_version(from)?;
-        Ok(LeaseReport {
-            headset: from.u32()?,
-            epoch: from.u64()?,
-            report: from.u32()?,
-            taken: from.u32()?,
-        })
-    }
-}
-
-impl LeaseAnswer {
-    /// Length of a written answer in bytes.
-    pub const BYTES: usize = LeaseReport::BYTES + 1 + blocks_bytes();
-
-    /// Writes [`LeaseAnswer::BYTES`] bytes: those of a report, and what is beside it.
-    pub fn write(&self, to: &mut ByteWriter<'_>) {
-        let LeaseAnswer { headset, epoch, report, taken, .. } = *self;
-        LeaseReport { headset, epoch, report, taken }.write(to);
-        to.u8(u8::from(self.is_void));
-        write_blocks(to, &self.blocks);
-    }
-
-    /// Reads what [`LeaseAnswer::write`] wrote.
-    ///
-    /// # Errors
-    /// [`BadBytes`] for another version, blocks that don't exist or are there twice, or at the end.
-    pub fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
-        let LeaseReport { headset, epoch, report, taken } = LeaseReport::read(from)?;
-        let bad = from.error_here("0, or 1 for a lease that is void");
-        let is_void = match from.u8()? {
-            0 => false,
-            1 => true,
-            _ => return Err(bad),
-        };
-        let bad = from.error_here("no blocks in a lease that is void");
-        let blocks = read_blocks(from)?;
-        if is_void && !blocks.is_empty() {
-            return Err(bad);
-        }
-        Ok(LeaseAnswer { headset, epoch, report, taken, is_void, blocks })
-    }
-}
-
 /// The blocks without their first `taken` numbers.
 pub(crate) fn skip_taken(blocks: &[LeasedBlock], mut taken: u32) -> LeasedBlocks {
     let mut rest = LeasedBlocks::new();
@@ -204,9 +137,4 @@ pub(crate) fn read_blocks(from: &mut ByteReader<'_>) -> Result<LeasedBlocks, Bad
         }
     }
     Ok(blocks)
-}
-
-fn read_version(from: &mut ByteReader<'_>) -> Result<(), BadBytes> {
-    let bad = from.error_here(EXPECTED_VERSION);
-    if from.u8()? == MESSAGE_VERSION { Ok(()) } else { Err(bad) }
 }

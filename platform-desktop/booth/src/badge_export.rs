@@ -7,7 +7,7 @@ use paros_booth_rules::limits::MAX_EXPORTED;
 use paros_booth_rules::records::{MailState, Sculpture};
 use paros_booth_rules::{BadgeRecords, Booth, BoothTime, Refusal, SculptureRecords};
 use paros_core::badge::{BadgeNumber, Language, write_words};
-use paros_core::outbox::messages::{SculptureId, UploadFacts};
+use paros_protocol::{SculptureId, UploadFacts};
 use serde_json::{Value, json};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
@@ -100,7 +100,7 @@ fn tell_sculpture(known: &SculptureRecords) -> Value {
         "kept_until": BoothTime::of_day(keep_day.saturating_add(1)).0,
         "withdrawn_at": withdrawn_at.map(|at| at.0),
         "has_trace": has_trace,
-        "visit": UploadFacts::from_bytes(&known.sculpture.facts).ok().map(|facts| tell_facts(&facts)),
+        "visit": UploadFacts::from_json(&known.sculpture.facts).ok().map(|facts| tell_facts(&facts)),
         "mails": mails.collect::<Vec<_>>(),
         "prints": prints.collect::<Vec<_>>(),
         "audit": audit.collect::<Vec<_>>(),
@@ -121,7 +121,7 @@ fn tell_facts(facts: &UploadFacts) -> Value {
 
 /// A trace as it was before it was packed: it was checked when it came.
 fn unpack_trace(sculpture: &Sculpture, packed: &[u8]) -> Result<Vec<u8>, Refusal> {
-    let facts = UploadFacts::from_bytes(&sculpture.facts);
+    let facts = UploadFacts::from_json(&sculpture.facts);
     let most = facts.map_or(0, |facts| u64::from(facts.trace_raw_bytes));
     let mut trace = Vec::new();
     DeflateDecoder::new(packed).take(most).read_to_end(&mut trace)?;

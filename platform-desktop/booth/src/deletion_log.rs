@@ -114,7 +114,7 @@ pub(crate) fn parse_deletions(bytes: Vec<u8>) -> Result<Vec<Deletion>, String> {
 mod tests {
     use std::os::unix::fs::PermissionsExt as _;
 
-    use paros_core::outbox::messages::{ContentHash, SculptureId};
+    use paros_protocol::{ContentHash, SculptureId};
 
     use super::*;
 

@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use paros_booth_rules::{Booth, BoothTime, Refusal, hash_of};
 use paros_core::badge::{BadgeLease, BadgeNumber};
 use paros_core::codec::trace::CORE_VERSION;
-use paros_core::outbox::messages::{
-    AgeGroup, Announcements, ContentHash, DeviceHint, DeviceName, DeviceToken, EnrolmentToken,
-    FinishCause, FleetEnrolment, Heartbeat, HeatLevel, SculptureId, UploadFacts,
-};
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
+use paros_protocol::{
+    AgeGroup, ContentHash, DeviceHint, DeviceName, DeviceToken, EnrolmentToken, FinishCause,
+    FleetEnrolment, Heartbeat, HeatLevel, SculptureId, UploadFacts,
+};
 use paros_shell::outbox::Parcel;
 
 use crate::demo_shapes::{SHAPES, SIDE, make_volume};
@@ -158,7 +158,7 @@ fn first_heartbeat(headset: u32) -> Heartbeat {
         core_version: CORE_VERSION,
         lease: None,
         last_command: None,
-        announcements: Announcements::new(),
+        announcements: Vec::new(),
     }
 }
 
@@ -178,7 +178,8 @@ mod tests {
             let badge = BadgeNumber::new(k as u32).expect("a number");
             let parcel = make_parcel(k, &volume, badge, BoothTime(1)).expect("a parcel");
             let facts = parcel.facts();
-            let packed = &parcel.file_bytes()[UploadFacts::BYTES..][..facts.volume_bytes as usize];
+            let packed =
+                &parcel.file_bytes()[facts.to_head().len()..][..facts.volume_bytes as usize];
             check_parcel(facts, packed, &[]).expect("it decodes");
             let mut check = crate::mesh_check::MeshCheck::new();
             check.look_at(&export_volume(facts, &volume).expect("a mesh"));

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 use paros_booth_rules::records::{ExportState, Sculpture};
 use paros_booth_rules::{Booth, Refusal};
 use paros_core::convert::HEIGHT_RANGE_MM;
-use paros_core::outbox::messages::{SculptureId, UploadFacts};
 use paros_core::volume::{Grid, Size};
+use paros_protocol::{SculptureId, UploadFacts};
 use paros_shell::rmap;
 use paros_shell::statics::{Resident, ResidentBitGrid};
 use paros_shell::stl_export::StlExporter;
@@ -84,9 +84,7 @@ pub(crate) fn make_stl(kept: &[u8]) -> Result<Vec<u8>, String> {
 
 /// The facts and the volume of a kept sculpture.
 fn read_kept(kept: &[u8]) -> Result<(UploadFacts, Vec<u8>), String> {
-    let (head, packed) = kept.split_at_checked(UploadFacts::BYTES).ok_or("it has no head")?;
-    let facts = UploadFacts::from_bytes(head)
-        .map_err(|bad| format!("its head at byte {}: expected {}", bad.offset, bad.expected))?;
+    let (facts, packed) = UploadFacts::split_head(kept).map_err(|why| why.to_string())?;
     let volume = unpack_volume(&facts, packed)?;
     Ok((facts, volume))
 }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use paros_booth_rules::{Booth, BoothTime, Expected, Refusal};
-use paros_core::outbox::messages::EnrolmentToken;
+use paros_protocol::EnrolmentToken;
 
 use crate::random::random_bytes;
 

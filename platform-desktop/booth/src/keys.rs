@@ -6,7 +6,7 @@ use std::os::unix::fs::DirBuilderExt as _;
 use std::path::Path;
 
 use paros_booth_rules::{SiteKeys, hash_of};
-use paros_core::outbox::messages::SiteId;
+use paros_protocol::SiteId;
 use paros_shell::durable::write_private_file;
 use rcgen::{
     BasicConstraints, CertificateParams, DnType, IsCa, KeyPair, KeyUsagePurpose,

@@ -17,7 +17,7 @@ use lettre::{Address, Message, SmtpTransport, Transport as _};
 use paros_booth_rules::records::ExportState;
 use paros_booth_rules::{Booth, MailJob, MailOutcome, Refusal};
 use paros_core::badge::{BadgeNumber, Language, write_words};
-use paros_core::outbox::messages::SculptureId;
+use paros_protocol::SculptureId;
 use tokio_rustls::rustls;
 use tracing::{info, warn};
 

@@ -6,7 +6,7 @@ use std::os::unix::fs::{DirBuilderExt as _, OpenOptionsExt as _};
 use std::path::{Path, PathBuf};
 
 use paros_booth_rules::{BoothPlan, BoothTime, RestoreReport};
-use paros_core::outbox::messages::{ContentHash, SculptureId};
+use paros_protocol::{ContentHash, SculptureId};
 use zip::ZipArchive;
 use zip::read::{ZipFile, read_zipfile_from_stream};
 use zip::result::ZipError;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use axum::body::{Body, Bytes, to_bytes};
+use axum::body::{Bytes, to_bytes};
 use axum::extract::{DefaultBodyLimit, Extension, Path, Request, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::middleware::{Next, from_fn_with_state};
@@ -14,10 +14,9 @@ use axum::routing::{get, post, put};
 use axum::{Router, middleware};
 use paros_booth_rules::records::{Device, ExportState, Sculpture};
 use paros_booth_rules::{ParcelOutcome, Query, Refusal};
-use paros_core::limits::MAX_PARCEL_BYTES;
-use paros_core::outbox::messages::{
-    ContentHash, DeviceToken, FleetEnrolment, Heartbeat, SculptureId,
-};
+use paros_protocol::ProtocolError;
+use paros_protocol::limits::MAX_PARCEL_BYTES;
+use paros_protocol::{ContentHash, DeviceToken, FleetEnrolment, Heartbeat, SculptureId};
 use paros_shell::outbox::KEPT;
 use tokio::sync::OwnedSemaphorePermit;
 use tracing::{info, warn};
@@ -236,19 +235,19 @@ async fn take_heartbeat(
     Extension(device): Extension<Device>,
     bytes: Bytes,
 ) -> Answer {
-    let beat = read_message(Heartbeat::from_bytes(&bytes))?;
+    let beat = read_message(Heartbeat::from_json(&bytes))?;
     let answer =
         app.run_small(move |app| app.booth.take_heartbeat(&device, &beat, booth_time())).await?;
     app.metrics.heartbeats.add(1);
-    Ok(bytes_answer(StatusCode::OK, &answer.to_bytes()))
+    Ok(json_answer(answer.to_json()))
 }
 
 /// `POST /v1/enrol/fleet`.
 async fn enrol_fleet(State(app): State<Arc<BoothApp>>, bytes: Bytes) -> Answer {
-    let asked = read_message(FleetEnrolment::from_bytes(&bytes))?;
+    let asked = read_message(FleetEnrolment::from_json(&bytes))?;
     let answer = app.run(move |app| app.booth.enrol_fleet(&asked, booth_time())).await?;
     info!(headset = answer.headset, "enrolled by a fleet's token");
-    Ok(bytes_answer(StatusCode::OK, &answer.to_bytes()))
+    Ok(json_answer(answer.to_json()))
 }
 
 /// `GET /healthz`: whether store and disk answer.
@@ -273,15 +272,12 @@ async fn tell_metrics(State(app): State<Arc<BoothApp>>) -> Answer {
     Ok(([(header::CONTENT_TYPE, "text/plain; version=0.0.4")], text.await?).into_response())
 }
 
-fn read_message<T>(message: Result<T, paros_core::codec::BadBytes>) -> Result<T, Refusal> {
-    message.map_err(|bad| {
-        Refusal::BadRequest(format!("byte {}: expected {}", bad.offset, bad.expected))
-    })
+fn read_message<T>(message: Result<T, ProtocolError>) -> Result<T, Refusal> {
+    message.map_err(|why| Refusal::BadRequest(why.to_string()))
 }
 
-fn bytes_answer(status: StatusCode, bytes: &[u8]) -> Response {
-    let kind = [(header::CONTENT_TYPE, "application/octet-stream")];
-    (status, kind, Body::from(bytes.to_vec())).into_response()
+fn json_answer(json: Vec<u8>) -> Response {
+    ([(header::CONTENT_TYPE, "application/json")], json).into_response()
 }
 
 impl From<Refusal> for RefusalAnswer {

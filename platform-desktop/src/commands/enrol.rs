@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use paros_core::outbox::messages::{DeviceHint, DeviceName};
 use paros_headless::Error;
 use paros_outbox_link::HttpsCaller;
+use paros_protocol::{DeviceHint, DeviceName};
 use paros_shell::durable::{self, WriteTarget};
 use paros_shell::outbox::enrolment::{
     EnrolError, Enrolment, FleetFile, NewDevice, enrol_by_fleet, enrolment_file, hint_of_device,

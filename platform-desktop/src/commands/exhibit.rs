@@ -14,9 +14,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use paros_core::outbox::messages::DeviceName;
 use paros_headless::Error;
 use paros_outbox_link::HttpsCaller;
+use paros_protocol::DeviceName;
 use paros_shell::durable;
 use paros_shell::outbox::enrolment::{
     Enrolment, FleetFile, NewDevice, enrol_by_fleet, enrolment_file,

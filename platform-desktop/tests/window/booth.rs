@@ -6,7 +6,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use paros_booth_process::{BoothProcess, find_booth};
-use paros_core::outbox::messages::UploadFacts;
+use paros_protocol::UploadFacts;
 use paros_shell::outbox::Parcel;
 use paros_shell::require::{MissingDependency, require_or_skip};
 
@@ -35,7 +35,7 @@ fn a_visitor_s_sculpture_is_kept_here_and_at_the_booth() -> Result<(), MissingDe
     choose_the_owl(&mut visit, &display);
     cut_and_see_badge(&mut visit, &display);
     let kept = wait_for_sculpture(&folder.join("booth/sculptures"));
-    let facts = UploadFacts::from_bytes(&kept[..UploadFacts::BYTES]).expect("a head");
+    let (facts, _) = UploadFacts::split_head(&kept).expect("a head");
     let volume = fs::read(folder.join("Paros/sculpture-001.rmap")).expect("the visitor's volume");
     let parcel = Parcel::pack(&facts, &volume, None).expect("a volume");
     assert!(parcel.file_bytes().starts_with(&kept), "the visitor's own volume");

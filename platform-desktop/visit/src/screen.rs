@@ -5,9 +5,9 @@ mod guide;
 mod rays;
 
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::messages::UploadStatus;
 use paros_core::session::{SessionMode, TICK_RATE};
 use paros_core::visit::{GuideStep, PanelAction, PlanSetting, StaffCommand, Visit, VisitPhase};
+use paros_protocol::UploadStatus;
 use paros_shaders::panel::layout::PinEntry;
 use paros_shaders::panel::{Language, Message, Panel};
 use paros_shell::outbox::OutboxLevel;

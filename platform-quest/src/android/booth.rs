@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use paros_core::outbox::messages::DeviceName;
+use paros_protocol::DeviceName;
 use paros_shell::outbox::LinkTimes;
 use paros_shell::outbox::courier::CourierLink;
 use paros_shell::outbox::enrolment::{Enrolment, FleetFile, enrolment_file, hint_of_device};

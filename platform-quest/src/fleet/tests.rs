@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::sync::Mutex;
 
-use paros_core::outbox::messages::{EnrolAnswer, SiteId};
+use paros_protocol::{EnrolAnswer, SiteId};
 use paros_shell::outbox::{HttpAnswer, HttpRequest, LinkError, LinkFault};
 
 use super::*;
@@ -32,7 +32,7 @@ fn answer(status: u16, body: &[u8]) -> Answer {
 }
 
 fn accepted() -> Answer {
-    answer(200, &EnrolAnswer { headset: 5, site: SiteId([7; 16]) }.to_bytes())
+    answer(200, &EnrolAnswer { headset: 5, site: SiteId([7; 16]) }.to_json())
 }
 
 fn folder(name: &str) -> PathBuf {

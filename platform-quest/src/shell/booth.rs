@@ -3,10 +3,10 @@
 use std::mem;
 
 use paros_core::limits::INTERVALS;
-use paros_core::outbox::messages::HeatLevel;
 use paros_core::session::SessionState;
 use paros_core::visit::VisitPhase;
 use paros_core::volume::{Grid, Size};
+use paros_protocol::HeatLevel;
 use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
 use paros_shell::outbox::Parcel;
 use paros_shell::outbox::courier::Courier;
@@ -120,7 +120,7 @@ const fn heat_of(thermal: ThermalState) -> HeatLevel {
 
 #[cfg(test)]
 mod tests {
-    use paros_core::outbox::messages::HeatLevel;
+    use paros_protocol::HeatLevel;
     use paros_shell::headset::device_health::{
         Battery, DeviceHealth, ThermalReading, ThermalState, ThermalStatus,
     };

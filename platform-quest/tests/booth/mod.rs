@@ -12,8 +12,8 @@ use std::{fs, thread};
 
 use jni::{InitArgsBuilder, JavaVM};
 use paros_booth_process::{BoothProcess, find_booth};
-use paros_core::outbox::messages::UploadStatus;
-use paros_core::outbox::messages::{DeviceName, DeviceToken, SculptureId};
+use paros_protocol::UploadStatus;
+use paros_protocol::{DeviceName, DeviceToken, SculptureId};
 use paros_quest::device::HttpsCaller;
 use paros_quest::fleet::{Enroller, FleetSources, HeadsetNames, follow_fleet_file};
 use paros_shell::outbox::courier::{Courier, read_clock_ms};

@@ -1,6 +1,6 @@
 //! What visitors, staff, thieves and misfortune do.
 
-use paros_core::outbox::messages::{CommandKind, SculptureId, UploadFacts};
+use paros_protocol::{CommandKind, SculptureId, UploadFacts};
 use paros_shell::outbox::{BoothRequest, Parcel};
 
 use crate::exhibition::{Exhibition, THIEF};
@@ -165,7 +165,7 @@ impl Exhibition {
         let _ = self.booth.booth.delete(&id, "staff", now);
         let (_, tombstones) = self.booth.list_all();
         if tombstones.iter().any(|tombstone| tombstone.id == id.0) {
-            let facts = UploadFacts::from_bytes(&sculptures[at].facts).expect("checked facts");
+            let facts = UploadFacts::from_json(&sculptures[at].facts).expect("checked facts");
             self.truth.made[number_of_facts(&facts)].was_deleted = true;
         }
         self.note(&format!("the staff deletes {id}"));

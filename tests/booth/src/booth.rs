@@ -9,11 +9,11 @@ use paros_booth_rules::{
     Access, Booth, BoothPlan, BoothTime, Deletion, KeptName, MemoryStore, ParcelFiles,
     ParcelOutcome, Query, Refusal, SiteKeys, Store, StoreError, Transaction, hash_of, view,
 };
-use paros_core::outbox::messages::{
+use paros_models::random_visitor::RandomSource;
+use paros_protocol::{
     ContentHash, DeviceHint, DeviceName, DeviceToken, EnrolmentToken, FleetEnrolment, Heartbeat,
     SiteId, UploadFacts,
 };
-use paros_models::random_visitor::RandomSource;
 use paros_shell::outbox::{BoothRequest, HttpAnswer, KEPT};
 
 use crate::truth::is_poison;
@@ -235,10 +235,10 @@ impl SimBooth {
         let device = self.booth.authenticate(&token_of(device))?;
         match request {
             BoothRequest::Heartbeat { body, .. } => {
-                let beat = Heartbeat::from_bytes(&body[..]);
-                let beat = beat.map_err(|bad| Refusal::BadRequest(bad.expected.into()))?;
+                let beat = Heartbeat::from_json(&body[..]);
+                let beat = beat.map_err(|bad| Refusal::BadRequest(bad.to_string()))?;
                 let answer = self.booth.take_heartbeat(&device, &beat, now)?;
-                Ok((200, answer.to_bytes().to_vec()))
+                Ok((200, answer.to_json()))
             }
             BoothRequest::Put { id, body, .. } => {
                 match self.booth.take_parcel(&device, *id, body, &decode, now)? {

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use paros_booth_rules::records::BadgeClaim;
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::messages::{SculptureId, UploadFacts, UploadStatus};
+use paros_protocol::{SculptureId, UploadFacts, UploadStatus};
 
 use crate::exhibition::Exhibition;
 use crate::headset::SimHeadset;
@@ -56,12 +56,12 @@ fn check_booth(exhibition: &Exhibition) -> Kept {
     kept.settled.extend(tombstones.iter().map(|tombstone| SculptureId(tombstone.id)));
     for sculpture in &sculptures {
         let id = SculptureId(sculpture.id);
-        let facts = UploadFacts::from_bytes(&sculpture.facts).expect("facts that were checked");
+        let facts = UploadFacts::from_json(&sculpture.facts).expect("facts that were checked");
         let number = number_of_facts(&facts);
         assert!(kept.numbers.insert(number), "{number}: it is stored twice, as {id} too");
         assert!(kept.settled.insert(id), "{id}: it is kept and deleted");
         let bytes = exhibition.booth.booth.read_kept(sculpture);
-        assert!(bytes.is_ok_and(|bytes| bytes.starts_with(&sculpture.facts)), "{id}: no file");
+        assert!(bytes.is_ok_and(|bytes| bytes.starts_with(&facts.to_head())), "{id}: no file");
         let badge = sculpture.badge.and_then(BadgeNumber::new);
         // A thief's is whatever it says.
         let is_leased = badge.is_some_and(|badge| !badge.is_provisional());

@@ -1,8 +1,8 @@
 //! An exhibition of some headsets, a thief among them, and all that may happen.
 
 use paros_booth_rules::BoothTime;
-use paros_core::outbox::messages::{CommandOutcome, HeartbeatAnswer};
 use paros_models::random_visitor::RandomSource;
+use paros_protocol::{CommandOutcome, HeartbeatAnswer};
 use paros_shell::outbox::{BoothRequest, HttpAnswer, LinkAnswer, OutboxEvent};
 use paros_shell::outbox::{DueCommand, OutboxSettings};
 
@@ -173,7 +173,7 @@ impl Exhibition {
     /// What the booth says that it noted, whether or not it is heard.
     fn note_noted(&mut self, h: usize, request: &BoothRequest, answer: &HttpAnswer) {
         let is_heartbeat = matches!(request, BoothRequest::Heartbeat { .. });
-        if let Ok(answer) = HeartbeatAnswer::from_bytes(&answer.body)
+        if let Ok(answer) = HeartbeatAnswer::from_json(&answer.body)
             && is_heartbeat
         {
             let number = self.headsets[h].number;

@@ -5,9 +5,9 @@ use std::collections::BTreeSet;
 use std::rc::Rc;
 
 use paros_core::badge::{AnswerOutcome, BadgeLease, BadgeNumber, LeaseAnswer, LeaseReport};
-use paros_core::outbox::messages::{HeatLevel, SiteId};
 use paros_core::visit::VisitPhase;
 use paros_models::random_visitor::RandomSource;
+use paros_protocol::{HeatLevel, SiteId};
 use paros_shell::outbox::{HeadsetStatus, OutboxOwner, OutboxSettings};
 use paros_shell::outbox::{OutboxEvent, OutboxFolder, OutboxHost, Parcel, Sender};
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use paros_booth_rules::Deletion;
-use paros_core::outbox::messages::{SculptureId, UploadFacts, UploadStatus};
+use paros_protocol::{SculptureId, UploadFacts, UploadStatus};
 use paros_shell::outbox::CONFIRM_MS;
 
 use crate::exhibition::Exhibition;
@@ -63,7 +63,7 @@ impl Exhibition {
         let (sculptures, tombstones) = self.booth.list_all();
         let numbers: BTreeSet<usize> = sculptures
             .iter()
-            .filter_map(|kept| UploadFacts::from_bytes(&kept.facts).ok())
+            .filter_map(|kept| UploadFacts::from_json(&kept.facts).ok())
             .map(|facts| number_of_facts(&facts))
             .collect();
         for number in 0..self.truth.made.len() {

@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::messages::{AgeGroup, CommandKind, FinishCause, SculptureId, UploadFacts};
 use paros_core::session::SessionMode;
+use paros_protocol::{AgeGroup, CommandKind, FinishCause, SculptureId, UploadFacts};
 
 /// A sculpture that somebody made.
 #[derive(Clone, Debug)]

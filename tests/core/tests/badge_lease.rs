@@ -4,10 +4,8 @@ use paros_core::badge::{
     AnswerOutcome, BadgeLease, BadgeLedger, BadgeNumber, DAY_SECONDS, LEASED_NUMBERS, LeaseAnswer,
     LeaseReport, LeasedBlock,
 };
-use paros_core::codec::ByteReader;
-use paros_core::internals::{ByteWriter, checksum};
+use paros_core::internals::checksum;
 use paros_core::limits::{ALLOWANCE_SECONDS, MAX_ALLOWANCE, RESERVE_NUMBERS};
-use paros_models::random_visitor::RandomSource;
 
 const HEADSET: u32 = 7;
 const EPOCH: u64 = 0x1234_5678_9abc_def0;
@@ -160,36 +158,6 @@ fn damaged_bytes_are_refused_at_their_place() {
         forged[bytes.len() - 8..].copy_from_slice(&sum);
         let bad = BadgeLease::load(&forged, HEADSET).expect_err(expected);
         assert_eq!((bad.offset, bad.expected), (offset, expected), "byte {at}");
-    }
-}
-
-#[test]
-fn messages_come_back_from_their_bytes() {
-    let mut dice = RandomSource::new(1);
-    let report = LeaseReport { headset: 9, epoch: EPOCH, report: 3, taken: 70 };
-    let mut bytes = [0; LeaseReport::BYTES];
-    report.write(&mut ByteWriter::new(&mut bytes));
-    assert_eq!(LeaseReport::read(&mut ByteReader::new(&bytes)), Ok(report));
-    bytes[0] = 2;
-    assert!(LeaseReport::read(&mut ByteReader::new(&bytes)).is_err());
-
-    let answer = answer_with(report, &[(8, 3), (2, 0), (28_671, 63)]);
-    let mut bytes = [0; LeaseAnswer::BYTES];
-    let mut to = ByteWriter::new(&mut bytes);
-    answer.write(&mut to);
-    assert_eq!(to.len(), LeaseAnswer::BYTES);
-    assert_eq!(LeaseAnswer::read(&mut ByteReader::new(&bytes)), Ok(answer));
-    // Whatever becomes of its bytes, what is read is written alike.
-    for _ in 0..20_000 {
-        let mut other = bytes;
-        for _ in 0..=dice.below(2) {
-            other[dice.below(bytes.len() as u64) as usize] = dice.below(256) as u8;
-        }
-        if let Ok(answer) = LeaseAnswer::read(&mut ByteReader::new(&other)) {
-            let mut again = [0; LeaseAnswer::BYTES];
-            answer.write(&mut ByteWriter::new(&mut again));
-            assert_eq!(again, other);
-        }
     }
 }
 

@@ -28,7 +28,6 @@ mod hands;
 mod islands;
 mod islands_in_flight;
 mod ledger;
-mod outbox_messages;
 mod pitching;
 mod rasp;
 mod row;

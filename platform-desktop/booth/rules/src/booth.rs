@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use paros_core::outbox::messages::{ContentHash, SiteId};
+use paros_protocol::{ContentHash, SiteId};
 use sha2::{Digest as _, Sha256};
 
 use crate::parcel_files::ParcelFiles;

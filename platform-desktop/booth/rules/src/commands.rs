@@ -1,6 +1,6 @@
 //! What staff ask of headsets.
 
-use paros_core::outbox::messages::CommandKind;
+use paros_protocol::CommandKind;
 
 use crate::audit::{Subject, note};
 use crate::booth::Booth;

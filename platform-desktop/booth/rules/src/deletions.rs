@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use paros_core::outbox::messages::{ContentHash, SculptureId};
+use paros_protocol::{ContentHash, SculptureId};
 
 use crate::records::Tombstone;
 use crate::time::BoothTime;

@@ -1,7 +1,7 @@
 //! Who a headset is, and how one is let in or shut out.
 
 use paros_core::limits::MAX_HEADSETS;
-use paros_core::outbox::messages::{ContentHash, DeviceHint, DeviceToken};
+use paros_protocol::{ContentHash, DeviceHint, DeviceToken};
 use subtle::ConstantTimeEq as _;
 
 use crate::audit::{Subject, note};

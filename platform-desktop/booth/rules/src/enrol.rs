@@ -1,6 +1,6 @@
 //! Enrolment by a token that expires, is counted and can be revoked.
 
-use paros_core::outbox::messages::{EnrolAnswer, EnrolmentToken, FleetEnrolment};
+use paros_protocol::{EnrolAnswer, EnrolmentToken, FleetEnrolment};
 
 use crate::audit::{Subject, note};
 use crate::booth::{Booth, Tx, hash_of};

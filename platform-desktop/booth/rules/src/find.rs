@@ -1,7 +1,7 @@
 //! How staff find a sculpture: by its badge, by one that was misread, or newest first.
 
 use paros_core::badge::{Badge, BadgeNumber};
-use paros_core::outbox::messages::SculptureId;
+use paros_protocol::SculptureId;
 
 use crate::booth::{Booth, Tx};
 use crate::limits::{MAX_LISTED, MAX_NEAREST};

@@ -4,9 +4,8 @@
 //! looked at once more in the transaction that writes it.
 
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::messages::{
-    Announcements, BoothCommand, CommandKind, CommandOutcome, Heartbeat, HeartbeatAnswer,
-    UploadStatus,
+use paros_protocol::{
+    BoothCommand, CommandKind, CommandOutcome, Heartbeat, HeartbeatAnswer, UploadStatus,
 };
 
 use crate::booth::{Booth, Tx};
@@ -26,7 +25,7 @@ struct HeartbeatPlan {
     commands: Vec<Command>,
     announcements: Vec<Announcement>,
     /// What is known once these are written.
-    noted: Announcements,
+    noted: Vec<paros_protocol::Announcement>,
     /// What rides on the answer.
     command: Option<BoothCommand>,
 }
@@ -95,7 +94,7 @@ pub fn device_status(device: &Device) -> Result<Option<Heartbeat>, StoreError> {
         return Ok(None);
     }
     let bad = StoreError::BadRow { table: "devices", column: "status" };
-    Heartbeat::from_bytes(&device.status).map(Some).map_err(|_| bad)
+    Heartbeat::from_json(&device.status).map(Some).map_err(|_| bad)
 }
 
 fn plan_heartbeat(
@@ -125,7 +124,7 @@ fn plan_status(
         number: 1,
         lease: None,
         last_command: None,
-        announcements: Announcements::new(),
+        announcements: Vec::new(),
         ..beat.clone()
     };
     let last = device_status(&device)?;
@@ -143,7 +142,7 @@ fn plan_status(
         device.wiped_at = Some(now);
     }
     device.seen_at = Some(now);
-    device.status = status.to_bytes().to_vec();
+    device.status = status.to_json();
     Ok(Some(device))
 }
 
@@ -253,9 +252,7 @@ fn plan_announcements(
             }
             plan.announcements.push(note);
         }
-        // There is room: there are no more of them than in the heartbeat.
-        let _ =
-            plan.noted.push(paros_core::outbox::messages::Announcement { status, ..*announced });
+        plan.noted.push(paros_protocol::Announcement { status, ..*announced });
     }
     Ok(())
 }

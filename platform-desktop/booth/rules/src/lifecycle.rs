@@ -3,7 +3,7 @@
 use std::io::ErrorKind;
 use std::time::Duration;
 
-use paros_core::outbox::messages::{ContentHash, SculptureId};
+use paros_protocol::{ContentHash, SculptureId};
 
 use crate::audit::{Subject, drop_old_entries, forget_badge, note};
 use crate::booth::{Booth, Tx};

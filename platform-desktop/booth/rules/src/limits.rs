@@ -11,7 +11,8 @@ pub const SILENCE_OF_WIPED: Duration = Duration::from_secs(15);
 pub const STATUS_LIFE: Duration = Duration::from_secs(10);
 
 /// How long a command lives: the visitor's situation isn't the same for longer.
-pub const COMMAND_LIFE: Duration = Duration::from_millis(paros_core::limits::MAX_COMMAND_MS as u64);
+pub const COMMAND_LIFE: Duration =
+    Duration::from_millis(paros_protocol::limits::MAX_COMMAND_MS as u64);
 
 /// Commands of a headset that wait at once.
 pub const MAX_WAITING_COMMANDS: u64 = 8;

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use hmac::{Hmac, KeyInit as _, Mac as _};
-use paros_core::outbox::messages::SculptureId;
+use paros_protocol::SculptureId;
 use sha2::Sha256;
 use subtle::ConstantTimeEq as _;
 

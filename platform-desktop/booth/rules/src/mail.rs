@@ -5,7 +5,7 @@
 use std::time::Duration;
 
 use paros_core::badge::Language;
-use paros_core::outbox::messages::SculptureId;
+use paros_protocol::SculptureId;
 
 use crate::audit::note;
 use crate::booth::{Booth, Tx};

@@ -1,6 +1,6 @@
 //! Sculptures that visitors want printed: an order each, from when it is asked for to when the print is there.
 
-use paros_core::outbox::messages::SculptureId;
+use paros_protocol::SculptureId;
 
 use crate::audit::note;
 use crate::booth::{Booth, Tx};

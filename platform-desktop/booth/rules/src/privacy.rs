@@ -1,7 +1,7 @@
 //! All that is known of a badge, and its deletion.
 
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::messages::SculptureId;
+use paros_protocol::SculptureId;
 
 use crate::audit::note;
 use crate::booth::{Booth, Tx};

@@ -1,8 +1,10 @@
 //! Parcels: checked as a whole, and kept.
 
+use std::fmt::Display;
+
 use paros_core::badge::BadgeNumber;
-use paros_core::limits::MAX_PARCEL_BYTES;
-use paros_core::outbox::messages::{ContentHash, SculptureId, UploadFacts};
+use paros_protocol::limits::MAX_PARCEL_BYTES;
+use paros_protocol::{ContentHash, SculptureId, UploadFacts};
 
 use crate::booth::{Booth, Tx, hash_of};
 use crate::grants::is_granted;
@@ -31,8 +33,9 @@ pub type DecodeParcel<'a> = dyn Fn(&UploadFacts, &[u8], &[u8]) -> Result<(), Str
 struct CheckedParcel<'a> {
     facts: UploadFacts,
     hash: ContentHash,
-    /// Head and volume.
+    /// Head and packed volume.
     sculpture: &'a [u8],
+    volume: &'a [u8],
     trace: &'a [u8],
 }
 
@@ -56,8 +59,7 @@ impl Booth {
         if let Some(outcome) = known {
             return Ok(outcome);
         }
-        let volume = &parcel.sculpture[UploadFacts::BYTES..];
-        decode(&parcel.facts, volume, parcel.trace).map_err(Refusal::Undecodable)?;
+        decode(&parcel.facts, parcel.volume, parcel.trace).map_err(Refusal::Undecodable)?;
         self.keep_parcel(device.headset, &parcel, now)
     }
 
@@ -68,8 +70,8 @@ impl Booth {
         parcel: &CheckedParcel<'_>,
         now: BoothTime,
     ) -> Result<ParcelOutcome, Refusal> {
-        let CheckedParcel { facts: UploadFacts { id, badge, .. }, hash, sculpture, trace } =
-            *parcel;
+        let CheckedParcel { facts, hash, sculpture, trace, .. } = *parcel;
+        let UploadFacts { id, badge, .. } = facts;
         let name = |part| KeptName { id, hash, part };
         self.files.keep(&name(KeptPart::Sculpture), sculpture)?;
         if !trace.is_empty() {
@@ -86,7 +88,7 @@ impl Booth {
                 hash: hash.0,
                 badge: badge.map(BadgeNumber::get),
                 claim,
-                facts: sculpture[..UploadFacts::BYTES].to_vec(),
+                facts: facts.to_json(),
                 received_at: now,
                 keep_day: now.day().saturating_add(u32::from(self.plan.retention_days)),
                 is_in_ledger: false,
@@ -147,20 +149,17 @@ fn check_parcel(id: SculptureId, file: &[u8]) -> Result<CheckedParcel<'_>, Refus
     if hash_of(bytes) != hash {
         return Err(Refusal::BadRequest("expected a parcel with its SHA-256 at the end".into()));
     }
-    let undecodable = |why: &str| Refusal::Undecodable(why.into());
-    let head = bytes.get(..UploadFacts::BYTES);
-    let head = head.ok_or_else(|| undecodable("it is shorter than its head"))?;
-    let facts = UploadFacts::from_bytes(head).map_err(|bad| {
-        Refusal::Undecodable(format!("its head at byte {}: expected {}", bad.offset, bad.expected))
-    })?;
+    let undecodable = |why: &dyn Display| Refusal::Undecodable(why.to_string());
+    let (facts, packed) = UploadFacts::split_head(bytes).map_err(|why| undecodable(&why))?;
     if facts.id != id {
-        return Err(undecodable("its head is of another sculpture"));
+        return Err(undecodable(&"its head is of another sculpture"));
     }
-    if facts.parcel_bytes() != bytes.len() as u64 {
-        return Err(undecodable("its head tells another length"));
+    if facts.packed_bytes() != packed.len() as u64 {
+        return Err(undecodable(&"its head tells another length"));
     }
-    let (sculpture, trace) = bytes.split_at(UploadFacts::BYTES + facts.volume_bytes as usize);
-    Ok(CheckedParcel { facts, hash, sculpture, trace })
+    let (volume, trace) = packed.split_at(facts.volume_bytes as usize);
+    let (sculpture, _) = bytes.split_at(bytes.len() - trace.len());
+    Ok(CheckedParcel { facts, hash, sculpture, volume, trace })
 }
 
 /// What a badge says of a sculpture that has just come.

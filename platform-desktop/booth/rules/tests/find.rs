@@ -1,11 +1,9 @@
 //! How a sculpture is found, by staff and by its visitor.
 
-mod common;
-
-use common::*;
+use super::common::*;
 use paros_booth_rules::{FoundByBadge, HeardBadge, LinkToken, WordsFault};
 use paros_core::badge::{Badge, BadgeNumber, Language, Pictogram, write_words};
-use paros_core::outbox::messages::SculptureId;
+use paros_protocol::SculptureId;
 use proptest::prelude::*;
 
 fn found(rig: &Rig, badge: &Badge) -> Vec<SculptureId> {
@@ -45,8 +43,7 @@ fn a_wrong_badge_finds_the_nearest_that_something_has() {
     let rig = Rig::new();
     let device = rig.enrol(1);
     rig.upload(&device, &Parcel::new(1, leased(9)), START).unwrap();
-    let announced =
-        Parcel::new(2, leased(700)).announcement(paros_core::outbox::messages::UploadStatus::Kept);
+    let announced = Parcel::new(2, leased(700)).announcement(paros_protocol::UploadStatus::Kept);
     rig.beat(&device, &announcing(&heartbeat(device.headset), &[announced]), START);
     for number in [9, 700] {
         let right = leased(number).unwrap().badge();

@@ -1,13 +1,11 @@
 //! What headset and booth tell each other every two seconds.
 
-mod common;
-
-use common::*;
+use super::common::*;
 use paros_booth_rules::limits::{COMMAND_LIFE, MAX_ANNOUNCED, MAX_WAITING_COMMANDS, STATUS_LIFE};
 use paros_booth_rules::records::{CommandState, Device};
 use paros_booth_rules::{BoothTime, ParcelOutcome, Query, RowOrder, view};
 use paros_core::badge::{AnswerOutcome, BadgeLease, BadgeNumber, DAY_SECONDS};
-use paros_core::outbox::messages::*;
+use paros_protocol::*;
 
 fn device_of(rig: &Rig, headset: u32) -> Device {
     rig.booth.list_devices().unwrap().into_iter().find(|device| device.headset == headset).unwrap()

@@ -1,12 +1,10 @@
 //! Prints that go to a printer on the network.
 
-mod common;
-
-use common::*;
+use super::common::*;
 use paros_booth_rules::limits::{LIFE_AT_PRINTER, SENDING_LIFE};
 use paros_booth_rules::records::{PrintOrder, PrintState};
 use paros_booth_rules::{PrintSize, PrintStep, PrintWish, PrinterTask, PrinterWord, SliceOutcome};
-use paros_core::outbox::messages::*;
+use paros_protocol::*;
 
 const LEFT: &str = "Left";
 
@@ -35,7 +33,7 @@ impl Rig {
         self.booth.next_printer_task(LEFT, seconds(now)).unwrap()
     }
 
-    fn step(&self, order: u64, step: PrintStep) {
+    fn step_print(&self, order: u64, step: PrintStep) {
         self.booth.step_print(order, (step, true), "bob", seconds(50)).unwrap();
     }
 
@@ -78,7 +76,7 @@ fn a_printer_has_one_print() {
     assert_eq!(status(send(8)), 409, "one waits for it");
     rig.booth.begin_print(7, "a.gcode", START).unwrap();
     assert_eq!(status(send(8)), 409, "it prints one");
-    rig.step(7, PrintStep::Cancel);
+    rig.step_print(7, PrintStep::Cancel);
     assert_eq!(status(send(8)), 409, "it is yet to be stopped");
     assert!(matches!(rig.task(60), Some(PrinterTask::Stop(order)) if order.order == 7));
     rig.booth.release_printer(7).unwrap();
@@ -123,7 +121,7 @@ fn what_a_printer_says_ends_a_print() {
     assert_eq!(rig.order(7).state, PrintState::Printing, "it takes the file in");
     rig.booth.note_printer_word(7, PrinterWord::Other, seconds(life + 1)).unwrap();
     assert_eq!(rig.order(7).state, PrintState::Failed);
-    rig.step(7, PrintStep::Retry);
+    rig.step_print(7, PrintStep::Retry);
     assert_eq!(rig.task(99), None, "it isn't sent again by itself");
 }
 
@@ -131,10 +129,10 @@ fn what_a_printer_says_ends_a_print() {
 fn people_and_withdrawals_go_before_the_printer() {
     let (rig, _) = with_prints();
     rig.send(7);
-    rig.step(7, PrintStep::Finish);
+    rig.step_print(7, PrintStep::Finish);
     assert_eq!((rig.order(7).state, rig.task(60)), (PrintState::Done, None));
     rig.booth.send_print(8, LEFT, "bob", START).unwrap();
-    rig.step(8, PrintStep::Start);
+    rig.step_print(8, PrintStep::Start);
     assert_eq!((rig.order(8).printer, rig.task(60)), (None, None), "it is printed by hand");
     let (rig, id) = with_prints();
     rig.booth.send_print(7, LEFT, "bob", START).unwrap();

@@ -1,13 +1,11 @@
 //! What the booth promises, whatever is lost, doubled, late or deleted, by several headsets at once.
 
-mod common;
-
 use std::collections::BTreeMap;
 
-use common::*;
+use super::common::*;
 use paros_booth_rules::records::{BadgeClaim, Device, Sculpture, Tombstone};
 use paros_booth_rules::{BoothTime, KeptPart, ParcelOutcome, Query, view};
-use paros_core::outbox::messages::*;
+use paros_protocol::*;
 use proptest::prelude::*;
 
 /// What happens next, to one of the sculptures.

@@ -1,19 +1,17 @@
 //! A store that comes back from a copy.
 
-mod common;
-
 use std::collections::BTreeSet;
 use std::io;
 use std::sync::Arc;
 
-use common::*;
+use super::common::*;
 use paros_booth_rules::records::{EnrolToken, MailOrder, MailState, Sculpture, Tombstone};
 use paros_booth_rules::{
     Booth, BoothPlan, BoothTime, Deletion, KeptName, MemoryFiles, MemoryStore, ParcelFiles,
     ParcelOutcome, Query, SessionBits, SiteKeys, view,
 };
 use paros_core::badge::BadgeLease;
-use paros_core::outbox::messages::*;
+use paros_protocol::*;
 
 /// A booth of the same site on a copy, whose sculptures' files are the same.
 fn restored(store: MemoryStore, files: Arc<MemoryFiles>) -> Rig {

@@ -1,10 +1,8 @@
 //! Who may do what at the booth.
 
-mod common;
-
 use std::time::Duration;
 
-use common::*;
+use super::common::*;
 use paros_booth_rules::limits::{SESSION_IDLE, SESSION_LIFE};
 use paros_booth_rules::records::StaffRole;
 use paros_booth_rules::{BoothTime, SessionBits};

@@ -1,13 +1,11 @@
 //! What is taken and kept.
 
-mod common;
-
-use common::*;
+use super::common::*;
 use paros_booth_rules::records::{BadgeClaim, ExportState};
 use paros_booth_rules::{FoundByBadge, ParcelOutcome, hash_of};
 use paros_core::badge::BadgeNumber;
-use paros_core::limits::MAX_PARCEL_BYTES;
-use paros_core::outbox::messages::*;
+use paros_protocol::limits::MAX_PARCEL_BYTES;
+use paros_protocol::*;
 
 #[test]
 fn a_parcel_is_kept_once_however_often_it_comes() {
@@ -16,7 +14,7 @@ fn a_parcel_is_kept_once_however_often_it_comes() {
     let parcel = Parcel::new(40, leased(9));
     assert_eq!(rig.upload(&device, &parcel, START).expect("a sculpture"), ParcelOutcome::Kept);
     let kept = rig.booth.find_sculpture(&parcel.id, START).expect("it is kept");
-    assert_eq!((kept.facts.as_slice(), kept.hash), (&parcel.facts.to_bytes()[..], parcel.hash.0));
+    assert_eq!((kept.facts.as_slice(), kept.hash), (&parcel.facts.to_json()[..], parcel.hash.0));
     assert_eq!(kept.export, ExportState::Queued, "the answer doesn't wait for the mesh");
     assert_eq!(rig.booth.read_kept(&kept).expect("its file"), parcel.bytes);
     // The answer was lost; or the device enrolled again and has another number.
@@ -60,7 +58,7 @@ fn no_sculpture_is_refused_and_nothing_of_it_stays() {
     let mut short = Parcel::new(44, None);
     short.bytes.pop();
     let mut no_head = Parcel::new(45, None);
-    no_head.bytes[0] = 9;
+    no_head.bytes[5] = b'?';
     let mut stub = Parcel::new(46, None);
     stub.bytes.truncate(20);
     for parcel in [wrong_bytes, other_id, short, no_head, stub].map(hashed) {

@@ -1,18 +1,16 @@
 //! What several booths on the same records do once.
 
-mod common;
-
 use std::collections::BTreeSet;
 use std::sync::Mutex;
 
-use common::*;
+use super::common::*;
 use paros_booth_rules::limits::WORK_LIFE;
 use paros_booth_rules::records::{ExportState, WorkKind, WorkLease};
 use paros_booth_rules::{
     Booth, BoothTime, MailOutcome, PrintSize, PrintStep, PrintWish, PrinterTask, Query,
     SliceOutcome, view,
 };
-use paros_core::outbox::messages::*;
+use paros_protocol::*;
 
 /// A booth with so many sculptures, and two of its processes.
 fn with_sculptures(count: u8) -> (Rig, [Booth; 2]) {

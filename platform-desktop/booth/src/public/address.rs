@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use maud::{Markup, PreEscaped, html};
 use paros_booth_rules::LinkToken;
-use paros_core::outbox::messages::SculptureId;
+use paros_protocol::SculptureId;
 use qrcode::{Color, EcLevel, QrCode};
 use tokio_rustls::TlsAcceptor;
 use tokio_rustls::rustls::ServerConfig;
@@ -101,7 +101,7 @@ fn load_tls(cert: &Path, key: &Path) -> Result<TlsAcceptor, Error> {
 mod tests {
     use super::{PublicAddress, PublicOptions, draw_qr};
     use paros_booth_rules::LinkToken;
-    use paros_core::outbox::messages::SculptureId;
+    use paros_protocol::SculptureId;
 
     fn at(url: &str) -> Result<Option<PublicAddress>, crate::Error> {
         let listen = Some("127.0.0.1:0".parse().unwrap());

@@ -17,7 +17,7 @@ use maud::{DOCTYPE, Markup, html};
 use paros_booth_rules::records::Sculpture;
 use paros_booth_rules::{BoothTime, Expected, LinkToken, Reason, Refusal};
 use paros_core::badge::{BadgeNumber, Language};
-use paros_core::outbox::messages::SculptureId;
+use paros_protocol::SculptureId;
 use tracing::warn;
 
 use super::address::path_of;

@@ -9,7 +9,7 @@ use axum::response::{IntoResponse, Response};
 use maud::{Markup, html};
 use paros_booth_rules::records::{Account, AuditEntry, EnrolToken, StaffRole};
 use paros_booth_rules::{BoothTime, Expected, LoggedIn, Reason, Refusal};
-use paros_core::outbox::messages::{ContentHash, SculptureId};
+use paros_protocol::{ContentHash, SculptureId};
 
 use super::admin_texts::AdminTexts;
 use super::done::Done;

@@ -8,7 +8,7 @@ use axum::response::Response;
 use maud::{Markup, html};
 use paros_booth_rules::records::{Command, Device};
 use paros_booth_rules::{BoothTime, LoggedIn, Reason, Refusal, device_status};
-use paros_core::outbox::messages::{CommandKind, Heartbeat};
+use paros_protocol::{CommandKind, Heartbeat};
 
 use super::done::Done;
 use super::page::{StaffAnswer, StaffForm, StaffView, action_button};

@@ -198,7 +198,7 @@ pub(super) async fn begin_session(app: &Arc<BoothApp>, name: String) -> Result<R
 fn read_cookie(headers: &HeaderMap) -> Option<[u8; 32]> {
     let value = find_cookie(headers, COOKIE)?;
     // Its form is that of all tokens of 256 bits.
-    paros_core::outbox::messages::DeviceToken::parse_hex(value).map(|token| token.0)
+    paros_protocol::DeviceToken::parse_hex(value).map(|token| token.0)
 }
 
 fn login_page(texts: &Texts, refused: Option<&Refused>) -> Response {

@@ -7,7 +7,7 @@ use axum::response::Response;
 use maud::{Markup, html};
 use paros_booth_rules::records::{MailOrder, MailState, Sculpture};
 use paros_booth_rules::{LoggedIn, Reason, Refusal};
-use paros_core::outbox::messages::{AgeGroup, SculptureId, UploadFacts};
+use paros_protocol::{AgeGroup, SculptureId, UploadFacts};
 
 use super::admin_texts::AdminTexts;
 use super::done::Done;
@@ -60,7 +60,7 @@ pub(crate) fn mails_of(
     form: Option<FormView<'_>>,
 ) -> Markup {
     let action = format!("/staff/sculptures/{}/mail", SculptureId(sculpture.id));
-    let facts = UploadFacts::from_bytes(&sculpture.facts);
+    let facts = UploadFacts::from_json(&sculpture.facts);
     let is_under_age = facts.is_ok_and(|facts| facts.age_group == AgeGroup::UnderAge);
     html! {
         @if let Some(form) = form.filter(|_| sculpture.withdrawn_at.is_none()) {

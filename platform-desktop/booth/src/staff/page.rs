@@ -31,7 +31,7 @@ impl Fields {
     /// Checks that the form was made for this login.
     fn check(&self, login: &LoggedIn) -> Result<(), Refusal> {
         // The form's token has the form of an id.
-        let token = paros_core::outbox::messages::SculptureId::parse_hex(&self.get("form"));
+        let token = paros_protocol::SculptureId::parse_hex(&self.get("form"));
         login.check_form(&token.map_or([0; 16], |token| token.0))
     }
 }

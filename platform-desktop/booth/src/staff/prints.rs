@@ -12,7 +12,7 @@ use paros_booth_rules::records::{EstimateState, PrintOrder, PrintState, Sculptur
 use paros_booth_rules::{
     Expected, LoggedIn, PrintJob, PrintSize, PrintStep, PrintWish, Reason, Refusal,
 };
-use paros_core::outbox::messages::{SculptureId, UploadFacts};
+use paros_protocol::{SculptureId, UploadFacts};
 
 use super::done::Done;
 use super::forms::FormView;
@@ -160,7 +160,7 @@ fn order_form(
     (form, can_slice): (FormView<'_>, bool),
 ) -> Markup {
     let action = format!("/staff/sculptures/{}/print", SculptureId(sculpture.id));
-    let facts = UploadFacts::from_bytes(&sculpture.facts);
+    let facts = UploadFacts::from_json(&sculpture.facts);
     let height = facts.map_or(120, |facts| facts.height_mm_tenths / 10);
     let (least, most) = (PRINT_TENTHS_MM.start() / 10, PRINT_TENTHS_MM.end() / 10);
     html! {

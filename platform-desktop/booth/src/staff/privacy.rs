@@ -10,7 +10,7 @@ use maud::{Markup, html};
 use paros_booth_rules::records::{BadgeClaim, MailOrder};
 use paros_booth_rules::{BadgeRecords, BoothTime, Reason, Refusal, SculptureRecords};
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::messages::SculptureId;
+use paros_protocol::SculptureId;
 
 use super::admin_texts::AdminTexts;
 use super::done::Done;

@@ -9,7 +9,7 @@ use maud::{Markup, html};
 use paros_booth_rules::records::{PrintOrder, Sculpture};
 use paros_booth_rules::{LoggedIn, PrintJob};
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::messages::SculptureId;
+use paros_protocol::SculptureId;
 
 use super::page::{StaffAnswer, StaffView, action_button};
 use super::print_texts::PrintTexts;

@@ -3,7 +3,7 @@
 use axum::http::{HeaderMap, header};
 use paros_booth_rules::records::{BadgeClaim, CommandState, ExportState, MailState, Sculpture};
 use paros_core::badge::Language;
-use paros_core::outbox::messages::CommandKind;
+use paros_protocol::CommandKind;
 
 use super::page::find_cookie;
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use paros_booth::{DiskFiles, Files, S3Files};
 use paros_booth_rules::{BoothTime, KeptName, KeptPart, MemoryFiles, ParcelFiles, hash_of};
-use paros_core::outbox::messages::SculptureId;
+use paros_protocol::SculptureId;
 
 use crate::s3_server::S3Server;
 

@@ -1,6 +1,6 @@
 //! The tests of the decisions, which their own crate runs over a store in memory: here over `crate::new_store`.
-#![allow(clippy::duplicate_mod)] // there each is a program of its own, with the same rig
-
+#[path = "../../rules/tests/common/mod.rs"]
+mod common;
 #[path = "../../rules/tests/enrol.rs"]
 mod enrol;
 #[path = "../../rules/tests/find.rs"]

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use paros_booth::{check_parcel, internals};
 use paros_booth_rules::{BoothTime, Deletion};
-use paros_core::outbox::messages::{ContentHash, SculptureId, UploadFacts};
+use paros_protocol::{ContentHash, SculptureId, UploadFacts};
 use paros_tests_fuzz::engine::FuzzTarget;
 use paros_tests_fuzz::fuzz_tests;
 
@@ -27,10 +27,10 @@ const UPLOAD: FuzzTarget = FuzzTarget {
     longest: 8192,
     runs: 2000,
     run: |bytes| {
-        let Some((head, first)) = bytes.split_at_checked(UploadFacts::BYTES) else {
-            return "no head".into();
+        let (facts, first) = match UploadFacts::split_head(bytes) {
+            Ok(parts) => parts,
+            Err(why) => return why.to_string(),
         };
-        let Ok(facts) = UploadFacts::from_bytes(head) else { return "a wrong head".into() };
         // A longer one is refused before it is unpacked.
         let packed = if facts.trace_bytes % 2 == 0 { deflate(first) } else { first.to_vec() };
         let facts = UploadFacts {
@@ -45,7 +45,7 @@ const UPLOAD: FuzzTarget = FuzzTarget {
             ..facts
         };
         let checked = check_parcel(&facts, &packed, &[]);
-        let kept = [&facts.to_bytes()[..], &packed].concat();
+        let kept = [&facts.to_head()[..], &packed].concat();
         // What is kept is made into a mesh, or it is told why not; nothing panics.
         match (checked, internals::make_stl(&kept)) {
             (Ok(()), Ok(_)) => "a mesh".into(),

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
 use paros_core::codec::trace::CORE_VERSION;
-use paros_core::outbox::messages::*;
 use paros_core::session::SessionMode;
+use paros_protocol::*;
 use paros_shell::rmap;
 use paros_shell::statics::Resident;
 
@@ -78,5 +78,5 @@ pub(crate) fn upload_seed() -> Vec<u8> {
         trace_bytes: 0,
         trace_raw_bytes: 0,
     };
-    [&facts.to_bytes()[..], &first].concat()
+    [&facts.to_head()[..], &first].concat()
 }

@@ -1,6 +1,6 @@
 //! Accounts, tokens of fleets and the audit, as admins see them, and attendants don't.
 
-use paros_core::outbox::messages::*;
+use paros_protocol::*;
 
 use crate::rig::{BoothFolder, Headset};
 use crate::staff::{Browser, cookie_of, post_form};
@@ -108,7 +108,7 @@ fn a_fleets_file_is_downloaded_lets_headsets_in_and_is_taken_back() {
         hint: DeviceHint([9; 16]),
         name: DeviceName::new("Quest").expect("a name"),
     };
-    assert_eq!(client.post("/v1/enrol/fleet", &asked.to_bytes()).status, 401);
+    assert_eq!(client.post("/v1/enrol/fleet", &asked.to_json()).status, 401);
     assert!(ana.get("/staff/admin").text().contains("taken back"));
     assert!(!folder.log().contains(&word("enrolment_token = ")));
 }

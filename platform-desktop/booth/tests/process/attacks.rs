@@ -4,8 +4,8 @@ use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-use paros_core::limits::MAX_PARCEL_VOLUME_BYTES;
-use paros_core::outbox::messages::*;
+use paros_protocol::limits::MAX_PARCEL_VOLUME_BYTES;
+use paros_protocol::*;
 
 use crate::rig::{BoothFolder, Headset, Parcel, deflate, path_of, read_answer, write_request};
 
@@ -23,19 +23,20 @@ fn who_has_no_token_or_anothers_gets_nothing() {
     assert_eq!(client.ask("POST", "/v1/heartbeat", &[], &[]).unwrap().status, 401);
     let basic = ("Authorization", "Basic eDp5".to_owned());
     assert_eq!(client.ask("POST", "/v1/heartbeat", &[basic], &[]).unwrap().status, 401);
-    // Another's sculpture, before and after it is there.
-    assert_eq!(thief.upload(client, &parcel).unwrap().expect_err("not its own").status, 422);
+    // Another parcel under the id of one that is there.
     mine.upload(client, &parcel).unwrap().expect("it is taken");
-    assert_eq!(thief.upload(client, &parcel).unwrap().expect_err("not its own").status, 409);
+    let facts = UploadFacts { sculpting_seconds: 1, ..parcel.facts };
+    let other = parcel.with_facts(facts);
+    assert_eq!(thief.upload(client, &other).unwrap().expect_err("not its own").status, 409);
     let asked = FleetEnrolment {
         enrolment_token: EnrolmentToken([5; 32]),
         token_hash: ContentHash([5; 32]),
         hint: DeviceHint([5; 16]),
         name: DeviceName::new("").expect("a name"),
     };
-    assert_eq!(client.post("/v1/enrol/fleet", &asked.to_bytes()).status, 401);
+    assert_eq!(client.post("/v1/enrol/fleet", &asked.to_json()).status, 401);
     // Guessing comes to an end.
-    let guesses = (0..400).map(|_| client.post("/v1/enrol/fleet", &asked.to_bytes()).status);
+    let guesses = (0..400).map(|_| client.post("/v1/enrol/fleet", &asked.to_json()).status);
     assert!(guesses.filter(|status| *status == 429).count() > 50);
     mine.upload(client, &parcel).unwrap().expect("who has a token isn't held up");
 }
@@ -84,10 +85,10 @@ fn what_is_too_large_or_no_sculpture_is_refused() {
     let zeros = Parcel::pack(parcel.facts, &vec![0; parcel.facts.volume_raw_bytes as usize], &[]);
     assert!(refused(&zeros).contains("RMAP"));
     let other_side = UploadFacts { side: 256, ..parcel.facts };
-    let other_side = Parcel::of_packed(other_side, &parcel.bytes[UploadFacts::BYTES..], &[]);
+    let other_side = parcel.with_facts(other_side);
     assert!(refused(&other_side).contains("side"));
     let traced = UploadFacts { trace_bytes: 3, trace_raw_bytes: 9, ..parcel.facts };
-    let traced = Parcel::of_packed(traced, &parcel.bytes[UploadFacts::BYTES..], &[1, 2, 3]);
+    let traced = Parcel::of_packed(traced, parcel.packed(), &[1, 2, 3]);
     assert!(refused(&traced).contains("trace"));
     assert_eq!(client.metric("paros_booth_sculptures"), 0);
     headset.upload(client, &parcel).unwrap().expect("it is taken");

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use paros_core::badge::{AnswerOutcome, BadgeLease};
-use paros_core::outbox::messages::*;
+use paros_protocol::*;
 
 use crate::rig::{
     BoothFolder, BoothProcess, Client, Headset, Parcel, figure, heartbeat, mail_arguments,
@@ -41,8 +41,8 @@ fn show(client: &Client, headset: &Headset, lease: &mut BadgeLease, shown: &mut 
         assert!(number.is_provisional() || shown.insert(number.get()), "{number:?} is shown again");
     }
     let beat = Heartbeat { lease: Some(lease.make_report()), ..heartbeat(headset.number) };
-    let answer = client.ask("POST", "/v1/heartbeat", &[headset.bearer()], &beat.to_bytes());
-    let answer = HeartbeatAnswer::from_bytes(&answer.expect("an answer").body).expect("a message");
+    let answer = client.ask("POST", "/v1/heartbeat", &[headset.bearer()], &beat.to_json());
+    let answer = HeartbeatAnswer::from_json(&answer.expect("an answer").body).expect("a message");
     if lease.take_answer(&answer.lease.expect("it was asked")) == AnswerOutcome::Void {
         *lease = BadgeLease::new(headset.number, 0x5eed + u64::from(headset.number));
     }

@@ -1,6 +1,6 @@
 //! Sculptures go to a mail server that speaks SMTP.
 
-use paros_core::outbox::messages::*;
+use paros_protocol::*;
 
 use crate::rig::{BoothFolder, BoothProcess, Client, Headset, Parcel, figure, mail_arguments};
 use crate::smtp_sink::{Heard, SinkTls, SmtpSink, wait_until};
@@ -17,7 +17,7 @@ fn with_sculpture(client: &Client, folder: &BoothFolder) -> String {
     let headset = Headset::enrol(client, folder.fleet_token(), 1);
     let parcel = Parcel::volume(77);
     let facts = UploadFacts { language: *b"el", ..parcel.facts };
-    let parcel = Parcel::of_packed(facts, &parcel.bytes[UploadFacts::BYTES..], &[]);
+    let parcel = parcel.with_facts(facts);
     headset.upload(client, &parcel).unwrap().expect("it is taken");
     wait_until(|| (client.metric("paros_booth_exports_queued") == 0).then_some(()));
     format!("/staff/sculptures/{}", parcel.facts.id)

@@ -12,9 +12,9 @@ use paros_core::TickInput;
 use paros_core::badge::BadgeNumber;
 use paros_core::codec::trace::{HEADER_BYTES, RECORD_BYTES};
 use paros_core::limits::INTERVALS;
-use paros_core::outbox::messages::*;
 use paros_core::session::SessionMode;
 use paros_core::volume::Grid;
+use paros_protocol::*;
 use paros_shell::rmap;
 use paros_shell::statics::Resident;
 use paros_shell::stl_export::StlExporter;
@@ -41,7 +41,7 @@ pub(crate) fn heartbeat(headset: u32) -> Heartbeat {
         core_version: 1,
         lease: None,
         last_command: None,
-        announcements: Announcements::new(),
+        announcements: Vec::new(),
     }
 }
 
@@ -123,13 +123,14 @@ impl Parcel {
             let stored = deflate_by(&raw, Compression::none());
             [raw, stored]
         });
-        let Parcel { facts, bytes, .. } = Parcel::volume(id);
+        let parcel = Parcel::volume(id);
+        let facts = parcel.facts;
         let facts = UploadFacts {
             trace_bytes: stored.len() as u32,
             trace_raw_bytes: raw.len() as u32,
             ..facts
         };
-        Parcel::of_packed(facts, &bytes[UploadFacts::BYTES..], stored)
+        Parcel::of_packed(facts, parcel.packed(), stored)
     }
 
     /// With the trace of some session.
@@ -165,8 +166,18 @@ impl Parcel {
         [&self.bytes[..], &self.hash.0].concat()
     }
 
+    /// The packed files.
+    pub(crate) fn packed(&self) -> &[u8] {
+        &self.bytes[self.facts.to_head().len()..]
+    }
+
+    /// The same files under another head.
+    pub(crate) fn with_facts(&self, facts: UploadFacts) -> Self {
+        Parcel::of_packed(facts, self.packed(), &[])
+    }
+
     pub(crate) fn of_packed(facts: UploadFacts, first: &[u8], trace: &[u8]) -> Self {
-        let bytes = [&facts.to_bytes()[..], first, trace].concat();
+        let bytes = [&facts.to_head()[..], first, trace].concat();
         Parcel { facts, hash: hash_of(&bytes), bytes }
     }
 }

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use paros_booth_rules::hash_of;
-use paros_core::outbox::messages::*;
+use paros_protocol::*;
 use tokio_rustls::rustls::client::Resumption;
 use tokio_rustls::rustls::crypto::ring::default_provider;
 use tokio_rustls::rustls::pki_types::{CertificateDer, ServerName, pem::PemObject as _};
@@ -299,9 +299,9 @@ impl Headset {
             hint: DeviceHint([byte; 16]),
             name: DeviceName::new("Quest").expect("a name"),
         };
-        let answer = client.post("/v1/enrol/fleet", &asked.to_bytes());
+        let answer = client.post("/v1/enrol/fleet", &asked.to_json());
         assert_eq!(answer.status, 200, "{answer:?}");
-        let EnrolAnswer { headset, .. } = EnrolAnswer::from_bytes(&answer.body).expect("a message");
+        let EnrolAnswer { headset, .. } = EnrolAnswer::from_json(&answer.body).expect("a message");
         Headset { token, number: headset }
     }
 

@@ -4,7 +4,7 @@ use paros_booth_rules::ParcelOutcome;
 use std::time::{Duration, Instant};
 
 use paros_core::badge::{BadgeNumber, Language, write_words};
-use paros_core::outbox::messages::*;
+use paros_protocol::*;
 
 use crate::rig::{Answer, BoothFolder, Client, Headset, Parcel, figure, heartbeat};
 
@@ -171,8 +171,8 @@ fn staff_command_headsets_and_let_them_in() {
     let browser = Browser::first(client, &booth.first_code().expect("a code"));
     let beat = |last_command| {
         let beat = Heartbeat { last_command, session_id: 5, ..heartbeat(headset.number) };
-        let answer = client.ask("POST", "/v1/heartbeat", &[headset.bearer()], &beat.to_bytes());
-        HeartbeatAnswer::from_bytes(&answer.expect("an answer").body).expect("a message").command
+        let answer = client.ask("POST", "/v1/heartbeat", &[headset.bearer()], &beat.to_json());
+        HeartbeatAnswer::from_json(&answer.expect("an answer").body).expect("a message").command
     };
     assert_eq!(beat(None), None);
     let number = headset.number;

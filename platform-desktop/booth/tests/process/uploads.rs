@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use paros_booth_rules::ParcelOutcome;
-use paros_core::outbox::messages::*;
+use paros_protocol::*;
 
 use crate::rig::{
     BoothFolder, Client, Headset, Parcel, heartbeat, path_of, read_answer, write_request,
@@ -79,7 +79,7 @@ fn another_hash_is_a_conflict_and_the_messages_say_what_is_wrong() {
     let parcel = Parcel::volume(1);
     headset.upload(client, &parcel).unwrap().expect("kept");
     let facts = UploadFacts { sculpting_seconds: 1, ..parcel.facts };
-    let other = Parcel::of_packed(facts, &parcel.bytes[UploadFacts::BYTES..], &[]);
+    let other = parcel.with_facts(facts);
     let answer = headset.upload(client, &other).unwrap().expect_err("a conflict");
     assert_eq!(answer.status, 409);
     assert_eq!(answer.text(), "another parcel of this sculpture was taken before\n");
@@ -99,10 +99,9 @@ fn heartbeats_are_answered_and_counted() {
         announcements: std::iter::once(announced).collect(),
         ..heartbeat(headset.number)
     };
-    let answer =
-        client.ask("POST", "/v1/heartbeat", &[headset.bearer()], &beat.to_bytes()).unwrap();
+    let answer = client.ask("POST", "/v1/heartbeat", &[headset.bearer()], &beat.to_json()).unwrap();
     assert_eq!(answer.status, 200, "{answer:?}");
-    let answer = HeartbeatAnswer::from_bytes(&answer.body).expect("a message");
+    let answer = HeartbeatAnswer::from_json(&answer.body).expect("a message");
     assert_eq!(answer.noted.as_slice(), [announced]);
     let taken = lease.take_answer(&answer.lease.expect("it was reported"));
     assert_eq!(taken, paros_core::badge::AnswerOutcome::Taken);
@@ -154,7 +153,7 @@ fn send_parcels(client: &Client, headset: &Headset, load: &Load) {
 /// Beats every tenth of a second on one connection, as long as others send.
 fn beat_meanwhile(client: &Client, headset: &Headset, headsets: u64, load: &Load) {
     let mut stream = client.connect().expect("a connection");
-    let beat = heartbeat(headset.number).to_bytes();
+    let beat = heartbeat(headset.number).to_json();
     while load.done.load(Ordering::Relaxed) < headsets {
         let start = Instant::now();
         write_request(&mut stream, "POST", "/v1/heartbeat", &[headset.bearer()], &beat).unwrap();

@@ -6,7 +6,7 @@ use std::net::{SocketAddr, TcpStream};
 use std::time::Duration;
 
 use paros_core::badge::{BadgeNumber, Language, write_words};
-use paros_core::outbox::messages::*;
+use paros_protocol::*;
 
 use crate::prints::send_form;
 use crate::rig::{
@@ -35,7 +35,7 @@ pub(crate) fn with_sculpture(client: &Client, folder: &BoothFolder) -> String {
     let headset = Headset::enrol(client, folder.fleet_token(), 1);
     let parcel = Parcel::volume(77);
     let facts = UploadFacts { language: *b"el", ..parcel.facts };
-    let parcel = Parcel::of_packed(facts, &parcel.bytes[UploadFacts::BYTES..], &[]);
+    let parcel = parcel.with_facts(facts);
     headset.upload(client, &parcel).unwrap().expect("it is taken");
     wait_until(|| (client.metric("paros_booth_exports_queued") == 0).then_some(()));
     format!("/staff/sculptures/{}", parcel.facts.id)

@@ -17,7 +17,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::messages::{CommandOutcome, SculptureId, UploadStatus};
+use paros_protocol::{CommandOutcome, SculptureId, UploadStatus};
 
 use super::enrolment::Enrolment;
 use super::events::HeadsetStatus;

@@ -8,9 +8,7 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use paros_core::codec::BadBytes;
-use paros_core::outbox::messages::SiteId;
-use paros_core::outbox::messages::{ContentHash, DeviceHint, DeviceName, DeviceToken};
+use paros_protocol::{ContentHash, DeviceHint, DeviceName, DeviceToken, ProtocolError, SiteId};
 use sha2::{Digest as _, Sha256};
 use toml::de::{DeTable, DeValue};
 
@@ -74,8 +72,8 @@ pub enum EnrolError {
         why: String,
     },
     /// An answer that is none.
-    #[error("the booth's answer, byte {}: expected {}", .0.offset, .0.expected)]
-    BadAnswer(BadBytes),
+    #[error("the booth's answer: {0}")]
+    BadAnswer(#[from] ProtocolError),
     /// The booth isn't the one that the fleet's file is of, or its authority isn't the one that it shows.
     #[error("the booth is another site's: expected the keys that it told first")]
     AnotherSite,
@@ -312,12 +310,6 @@ impl EnrolError {
     #[must_use]
     pub const fn is_input(&self) -> bool {
         matches!(self, EnrolError::File(_))
-    }
-}
-
-impl From<BadBytes> for EnrolError {
-    fn from(bad: BadBytes) -> Self {
-        EnrolError::BadAnswer(bad)
     }
 }
 

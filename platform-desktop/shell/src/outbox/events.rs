@@ -1,8 +1,8 @@
 //! What a sender asks the shell around it, and reports to it.
 
 use paros_core::badge::{LeaseAnswer, LeaseReport};
-use paros_core::outbox::messages::{CommandKind, HeatLevel, SculptureId, SiteId};
 use paros_core::visit::VisitPhase;
+use paros_protocol::{CommandKind, HeatLevel, SculptureId, SiteId};
 
 /// Whose outbox it is. An enrolment gives both.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -2,10 +2,10 @@
 
 use paros_core::badge::LeaseReport;
 use paros_core::codec::trace::CORE_VERSION;
-use paros_core::limits::{MAX_ANNOUNCEMENTS, MAX_COMMAND_MS};
-use paros_core::outbox::messages::{
-    Announcement, Announcements, BoothCommand, CommandOutcome, CommandReport, Heartbeat,
-    HeartbeatAnswer, UploadStatus,
+use paros_protocol::limits::{MAX_ANNOUNCEMENTS, MAX_COMMAND_MS};
+use paros_protocol::{
+    Announcement, BoothCommand, CommandOutcome, CommandReport, Heartbeat, HeartbeatAnswer,
+    UploadStatus,
 };
 
 use super::events::{DueCommand, HeadsetStatus, OutboxEvent};
@@ -132,7 +132,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
 
     /// First all sculptures whose status the booth hasn't noted, then the others that it doesn't have, in turn; then
     /// questions of sent ones.
-    fn list_announcements(&mut self) -> Announcements {
+    fn list_announcements(&mut self) -> Vec<Announcement> {
         let now_ms = self.elapsed_ms;
         let entries = self.spool.entries_mut();
         let count = entries.len();
@@ -141,16 +141,15 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         let news = in_turn.clone().filter(|&at| entries[at].has_news());
         let others = in_turn.filter(|&at| !entries[at].has_news());
         let owed = news.chain(others).filter_map(|at| Some((at, entries[at].announcement()?)));
-        let mut list = Announcements::new();
+        let mut list = Vec::with_capacity(MAX_ANNOUNCEMENTS);
         for (at, announcement) in owed.take(MAX_ANNOUNCEMENTS) {
-            // There is room: no more are taken.
-            let _ = list.push(announcement);
+            list.push(announcement);
             if list.len() == MAX_ANNOUNCEMENTS {
                 self.heartbeats.cursor = at + 1;
             }
         }
         for entry in entries {
-            let question = entry.question(now_ms).filter(|_| !list.is_full());
+            let question = entry.question(now_ms).filter(|_| list.len() < MAX_ANNOUNCEMENTS);
             entry.is_asked_for = question.is_some();
             list.extend(question);
         }
@@ -165,7 +164,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         session_id: u64,
     ) {
         let answer = match result {
-            Ok(HttpAnswer { status: 200, body, .. }) => HeartbeatAnswer::from_bytes(body).ok(),
+            Ok(HttpAnswer { status: 200, body, .. }) => HeartbeatAnswer::from_json(body).ok(),
             Ok(HttpAnswer { status: status @ (401 | 403), .. }) => {
                 self.note_stranger(*status);
                 None

@@ -6,18 +6,17 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
 use std::time::Duration;
 
-use paros_core::outbox::messages::DeviceToken;
+use paros_protocol::DeviceToken;
+pub use paros_protocol::limits::MAX_ANSWER_BYTES;
 
 use super::heartbeats::HEARTBEAT_TIMEOUT_MS;
 use super::link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
-
-/// Bytes of an answer's body that are read at most: no answer of the booth has more.
-pub const MAX_ANSWER_BYTES: usize = 4096;
 
 /// How long the largest parcel may take.
 const LONGEST_UPLOAD: Duration = Duration::from_secs(600);
 
 const OCTETS: &str = "application/octet-stream";
+const JSON: &str = "application/json";
 
 /// Where a booth is, and by what it is known.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -128,7 +127,7 @@ impl<'a> HttpRequest<'a> {
         HttpRequest {
             method: HttpMethod::Post,
             path: path.to_owned(),
-            headers: vec![("Content-Type", OCTETS.to_owned())],
+            headers: vec![("Content-Type", JSON.to_owned())],
             body,
             timeout: LinkTimes::default().small,
         }
@@ -140,6 +139,7 @@ impl<'a> HttpRequest<'a> {
         let mut asked = match request {
             BoothRequest::Put { id, body, .. } => HttpRequest {
                 method: HttpMethod::Put,
+                headers: vec![("Content-Type", OCTETS.to_owned())],
                 timeout: times.of_parcel(body.len()),
                 ..HttpRequest::post(&format!("/v1/sculptures/{id}"), body)
             },
@@ -235,8 +235,6 @@ mod tests {
     use std::sync::{Mutex, PoisonError};
     use std::time::Instant;
 
-    use paros_core::outbox::messages::Heartbeat;
-
     use super::*;
 
     /// Gives these faults one after the other, and then answers.
@@ -268,7 +266,7 @@ mod tests {
         let link = ThreadedLink::start(token, times, Caller(Vec::new()), Caller(faults));
         let mut link = link.with_log(log);
         let mut ask = || {
-            let body = Box::new([0; Heartbeat::BYTES]);
+            let body = b"{}".to_vec();
             link.send(BoothRequest::Heartbeat { number: 1, body });
             let begun = Instant::now();
             loop {

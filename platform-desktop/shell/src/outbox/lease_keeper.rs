@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use paros_core::badge::{AnswerOutcome, BadgeLease, BadgeNumber, LeaseAnswer, LeaseReport};
-use paros_core::outbox::messages::SiteId;
+use paros_protocol::SiteId;
 
 use super::events::OutboxOwner;
 use crate::durable;

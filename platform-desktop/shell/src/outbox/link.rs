@@ -1,6 +1,6 @@
 //! Requests to the booth and its answers.
 
-use paros_core::outbox::messages::{Heartbeat, SculptureId};
+use paros_protocol::SculptureId;
 
 /// A link to the booth. It asks and never waits: answers are polled. What is asked may be lost; an answer comes late,
 /// or not at all.
@@ -40,7 +40,7 @@ pub enum BoothRequest {
         /// The heartbeat's own number.
         number: u32,
         /// The body.
-        body: Box<[u8; Heartbeat::BYTES]>,
+        body: Vec<u8>,
     },
 }
 
@@ -75,7 +75,7 @@ pub struct HttpAnswer {
     pub status: u16,
     /// The header `Retry-After`, where it is a number of seconds.
     pub retry_after: Option<u32>,
-    /// The body, at most 4 KiB of it.
+    /// The body, at most 8 KiB of it.
     pub body: Vec<u8>,
 }
 

@@ -1,9 +1,8 @@
 //! Parcels: a head with the facts, a packed volume, a packed trace.
 
 use miniz_oxide::deflate::compress_to_vec;
-use paros_core::codec::BadBytes;
-use paros_core::limits::MAX_PARCEL_BYTES;
-use paros_core::outbox::messages::{ContentHash, UploadFacts};
+use paros_protocol::limits::MAX_PARCEL_BYTES;
+use paros_protocol::{ContentHash, ProtocolError, UploadFacts};
 use sha2::{Digest, Sha256};
 
 /// Deflate's level: a volume takes some milliseconds, and the next one adds little.
@@ -21,15 +20,15 @@ pub struct Parcel {
 pub(super) const MAX_FILE_BYTES: u64 = MAX_PARCEL_BYTES + ContentHash::BYTES as u64;
 
 /// Why bytes are no parcel.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 pub enum ParcelFault {
     /// The head is none.
-    #[error("at byte {} of a parcel's head: expected {}", .0.offset, .0.expected)]
-    Head(BadBytes),
+    #[error("a parcel's head: {0}")]
+    Head(#[from] ProtocolError),
     /// The head tells another length.
-    #[error("a parcel has {found} bytes; expected {told}")]
+    #[error("a parcel's files have {found} bytes; expected {told}")]
     Length {
-        /// As the head tells it; of all files where that is no parcel's.
+        /// As the head tells it; the most that a parcel has where they are too many.
         told: u64,
         /// As it is.
         found: u64,
@@ -65,7 +64,7 @@ impl Parcel {
             trace_raw_bytes: length(trace.len())?,
             ..*facts
         };
-        let mut file = [&facts.to_bytes()[..], &packed, &packed_trace].concat();
+        let mut file = [&facts.to_head()[..], &packed, &packed_trace].concat();
         file.extend_from_slice(&Sha256::digest(&file));
         Parcel::from_file(file)
     }
@@ -77,9 +76,8 @@ impl Parcel {
     pub fn from_file(file: Vec<u8>) -> Result<Self, ParcelFault> {
         let at = file.len().checked_sub(ContentHash::BYTES).ok_or(ParcelFault::Damaged)?;
         let (bytes, hash) = file.split_at(at);
-        let head = bytes.get(..UploadFacts::BYTES).unwrap_or(bytes);
-        let facts = UploadFacts::from_bytes(head).map_err(ParcelFault::Head)?;
-        let (told, found) = (facts.parcel_bytes(), bytes.len() as u64);
+        let (facts, packed) = UploadFacts::split_head(bytes)?;
+        let (told, found) = (facts.packed_bytes(), packed.len() as u64);
         if told != found {
             return Err(ParcelFault::Length { told, found });
         }

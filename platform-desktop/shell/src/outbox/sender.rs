@@ -4,7 +4,7 @@ use std::mem;
 use std::time::Duration;
 
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::messages::{CommandOutcome, SculptureId, UploadStatus};
+use paros_protocol::{CommandOutcome, SculptureId, UploadStatus};
 
 use super::events::{OutboxEvent, OutboxHost, OutboxOwner};
 use super::folder::OutboxFolder;
@@ -332,7 +332,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
     fn send_heartbeat(&mut self, host: &mut impl OutboxHost) {
         let (status, lease, random) = (host.status(), host.lease_report(), host.random());
         let heartbeat = self.begin_heartbeat(&status, lease, random);
-        let (number, body) = (heartbeat.number, Box::new(heartbeat.to_bytes()));
+        let (number, body) = (heartbeat.number, heartbeat.to_json());
         self.link.send(BoothRequest::Heartbeat { number, body });
     }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::io;
 
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::messages::{Announcement, SculptureId, UploadStatus};
+use paros_protocol::{Announcement, SculptureId, UploadStatus};
 
 use super::folder::OutboxFolder;
 use super::parcel::{MAX_FILE_BYTES, Parcel};

@@ -9,12 +9,12 @@ use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
 
 use paros_core::badge::LeaseReport;
-use paros_core::outbox::messages::{
+use paros_core::session::SessionMode;
+use paros_core::visit::VisitPhase;
+use paros_protocol::{
     AgeGroup, Announcement, FinishCause, Heartbeat, HeartbeatAnswer, HeatLevel, SculptureId,
     SiteId, UploadFacts, UploadStatus,
 };
-use paros_core::session::SessionMode;
-use paros_core::visit::VisitPhase;
 
 use super::{
     BoothLink, BoothRequest, DiskFolder, HeadsetStatus, HttpAnswer, KEPT, LinkAnswer, LinkFault,

@@ -6,13 +6,11 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use paros_core::badge::{BadgeNumber, Language};
 use paros_core::codec::trace::CORE_VERSION;
 use paros_core::limits::INTERVALS;
-use paros_core::outbox::messages::{
-    AgeGroup, ContentHash, FinishCause, SculptureId, UploadFacts, UploadStatus,
-};
 use paros_core::session::{SessionMode, SessionState, TICK_RATE};
 use paros_core::visit::{PlanSetting, VisitPhase};
 use paros_core::volume::{Grid, Size};
 use paros_core::{World, WorldEvent};
+use paros_protocol::{AgeGroup, ContentHash, FinishCause, SculptureId, UploadFacts, UploadStatus};
 use sha2::{Digest as _, Sha256};
 
 use super::Studio;

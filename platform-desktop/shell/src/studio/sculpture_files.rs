@@ -6,9 +6,9 @@ use std::thread;
 
 use paros_core::badge::{BadgeNumber, Language, write_words};
 use paros_core::limits::INTERVALS;
-use paros_core::outbox::messages::UploadFacts;
 use paros_core::volume::{Grid, Size};
 use paros_core::{RangeMaps, World};
+use paros_protocol::UploadFacts;
 
 use super::DrawPicture;
 use crate::outbox::courier::ParcelDraft;

@@ -1,8 +1,8 @@
 //! What the booth's staff sees and asks of a headset from its page.
 
-use paros_core::outbox::messages::{CommandKind, CommandOutcome, HeatLevel};
 use paros_core::session::TICK_RATE;
 use paros_core::visit::{PlanSetting, Presence, StaffCommand, Visit, VisitCommand, VisitPhase};
+use paros_protocol::{CommandKind, CommandOutcome, HeatLevel};
 use paros_shell::outbox::HeadsetStatus;
 use paros_shell::outbox::courier::{Courier, RemoteCommand};
 

@@ -3,8 +3,8 @@
 use std::mem;
 
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::messages::UploadStatus;
 use paros_core::visit::{PanelAction, StaffCommand, VisitPhase};
+use paros_protocol::UploadStatus;
 use paros_shaders::panel::layout::{self, Clock, HandoverTold, PanelNotice, palette};
 use paros_shaders::panel::{
     ButtonState, FillingValue, Icon, Language, Message, Panel, PanelButton,

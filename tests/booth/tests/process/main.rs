@@ -6,9 +6,9 @@ mod rig;
 use std::collections::BTreeSet;
 
 use paros_booth_process::find_booth;
-use paros_core::outbox::messages::DeviceName;
-use paros_core::outbox::messages::UploadFacts;
 use paros_outbox_link::HttpsCaller;
+use paros_protocol::DeviceName;
+use paros_protocol::UploadFacts;
 use paros_shell::outbox::Parcel;
 use paros_shell::outbox::enrolment::{FleetFile, NewDevice, enrol_by_fleet};
 
@@ -31,8 +31,8 @@ fn visits_sculptures_come_to_a_booth() {
     let kept: BTreeSet<_> = parcels.iter().map(|(_, volume)| volume.clone()).collect();
     let pack = |volume: Vec<u8>| {
         let parcel = Parcel::pack(&parcels[0].0, &volume, None).expect("a volume");
-        let length = parcel.facts().volume_bytes as usize;
-        parcel.file_bytes()[UploadFacts::BYTES..][..length].to_vec()
+        let (facts, packed) = UploadFacts::split_head(parcel.file_bytes()).expect("its own");
+        packed[..facts.volume_bytes as usize].to_vec()
     };
     let own = place.volumes().into_iter().map(pack).collect();
     assert_eq!(kept, own, "the visitors' own volumes");

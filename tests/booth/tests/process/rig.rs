@@ -8,8 +8,8 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use paros_booth_process::BoothProcess;
-use paros_core::outbox::messages::{DeviceName, UploadFacts};
 use paros_outbox_link::HttpsCaller;
+use paros_protocol::{DeviceName, UploadFacts};
 use paros_shell::outbox::enrolment::{FleetFile, NewDevice, enrol_by_fleet, enrolment_file};
 
 /// How long anything may take.
@@ -115,9 +115,9 @@ impl Place {
         let paths = names.map(|entry| entry.expect("a file").path());
         let kept = paths.filter(|path| path.extension() == Some("sculpture".as_ref()));
         let read = |path: PathBuf| {
-            let mut bytes = fs::read(path).expect("a file");
-            let volume = bytes.split_off(UploadFacts::BYTES);
-            (UploadFacts::from_bytes(&bytes).expect("a head"), volume)
+            let bytes = fs::read(path).expect("a file");
+            let (facts, volume) = UploadFacts::split_head(&bytes).expect("a head");
+            (facts, volume.to_vec())
         };
         kept.map(read).collect()
     }

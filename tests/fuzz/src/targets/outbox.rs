@@ -1,13 +1,13 @@
 //! What the outbox reads: the booth's messages and parcels. Refused at an offset within the bytes, or read as
 //! what they are: written again they are the same.
 
-use paros_core::codec::BadBytes;
-use paros_core::outbox::messages::{
-    AgeGroup, Announcement, Announcements, ContentHash, EnrolAnswer, FinishCause, FleetEnrolment,
-    Heartbeat, HeartbeatAnswer, HeatLevel, SculptureId, UploadFacts, UploadStatus,
-};
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
+use paros_protocol::{
+    AgeGroup, Announcement, ContentHash, DeviceHint, DeviceName, EnrolAnswer, EnrolmentToken,
+    FinishCause, FleetEnrolment, Heartbeat, HeartbeatAnswer, HeatLevel, ProtocolError, SculptureId,
+    SiteId, UploadFacts, UploadStatus,
+};
 use paros_shell::outbox::{Parcel, ParcelFault};
 use sha2::{Digest as _, Sha256};
 
@@ -17,8 +17,18 @@ use crate::engine::FuzzTarget;
 pub(super) const MESSAGE: FuzzTarget = FuzzTarget {
     name: "message",
     seeds: message_seeds,
-    words: &[b"\x01", b"\x01\0\0\0", b"\xff\xff\xff\xff", b"\0\0\x20\0", b"\x10\x27", b"en"],
-    longest: 1 + HeartbeatAnswer::BYTES,
+    words: &[
+        b"null",
+        b"[]",
+        b"-1",
+        b"1e99",
+        b"18446744073709551615",
+        b"\"\"",
+        b"{",
+        b"\\u0000",
+        b"true",
+    ],
+    longest: 4096,
     runs: 30_000,
     run: run_message,
 };
@@ -28,7 +38,7 @@ pub(super) const PARCEL: FuzzTarget = FuzzTarget {
     name: "parcel",
     seeds: parcel_seeds,
     words: &[b"\x01", b"\0\0\0\0", b"\xff\xff\xff\xff", b"el"],
-    longest: 400,
+    longest: 1000,
     runs: 20_000,
     run: run_parcel,
 };
@@ -52,7 +62,7 @@ const HEARTBEAT: Heartbeat = Heartbeat {
     core_version: 12,
     lease: None,
     last_command: None,
-    announcements: Announcements::new(),
+    announcements: Vec::new(),
 };
 
 const FACTS: UploadFacts = UploadFacts {
@@ -74,11 +84,11 @@ const FACTS: UploadFacts = UploadFacts {
 };
 
 /// Reads a message; its bytes again.
-type ReadAgain = fn(&[u8]) -> Result<Vec<u8>, BadBytes>;
+type ReadAgain = fn(&[u8]) -> Result<Vec<u8>, ProtocolError>;
 
 macro_rules! messages {
     ($($message:ident)*) => {
-        [$(|bytes: &[u8]| $message::from_bytes(bytes).map(|read| read.to_bytes().to_vec())),*]
+        [$(|bytes: &[u8]| $message::from_json(bytes).map(|read| read.to_json())),*]
     };
 }
 
@@ -93,29 +103,47 @@ fn message_seeds() -> Vec<Vec<u8>> {
         badge: None,
         status,
     });
-    let heartbeat = Heartbeat { announcements: announced.into_iter().collect(), ..HEARTBEAT };
-    let lengths = [HeartbeatAnswer::BYTES, FleetEnrolment::BYTES];
-    let ones = lengths.iter().zip([2, 3]).map(|(&len, kind)| {
-        let mut seed = vec![1; 1 + len];
-        seed[0] = kind;
-        seed
-    });
-    let made = [[&[0][..], &FACTS.to_bytes()].concat(), [&[1][..], &heartbeat.to_bytes()].concat()];
-    ones.chain(made).collect()
+    let heartbeat = Heartbeat { announcements: announced.to_vec(), ..HEARTBEAT };
+    let answer = HeartbeatAnswer {
+        site: SiteId([7; 16]),
+        headset: 17,
+        boot_id: 3,
+        number: 1,
+        booth_time: 1_790_000_000,
+        lease: None,
+        command: None,
+        noted: heartbeat.announcements.clone(),
+    };
+    let enrolment = FleetEnrolment {
+        enrolment_token: EnrolmentToken([1; 32]),
+        token_hash: ContentHash([2; 32]),
+        hint: DeviceHint([3; 16]),
+        name: DeviceName::new("Red 3").expect("a name"),
+    };
+    let enrolled = EnrolAnswer { headset: 17, site: SiteId([7; 16]) };
+    let messages = [
+        FACTS.to_json(),
+        heartbeat.to_json(),
+        answer.to_json(),
+        enrolment.to_json(),
+        enrolled.to_json(),
+    ];
+    let seed = |(kind, json): (usize, Vec<u8>)| [&[kind as u8][..], &json].concat();
+    messages.into_iter().enumerate().map(seed).collect()
 }
 
 fn run_message(bytes: &[u8]) -> String {
     let Some((&kind, message)) = bytes.split_first() else { return "nothing".into() };
     let kind = usize::from(kind) % MESSAGES.len();
     match MESSAGES[kind](message) {
-        Ok(again) => {
-            assert_eq!(again, message);
+        Ok(json) => {
+            let again = MESSAGES[kind](&json);
+            assert_eq!(again.expect("it was written"), json);
             format!("message {kind}")
         }
-        Err(bad) => {
-            assert!(bad.offset <= message.len());
-            format!("{kind}: {}", bad.expected)
-        }
+        // Where in the JSON it is differs with each input.
+        Err(ProtocolError::Json(why)) => format!("{kind}: {:?}", why.classify()),
+        Err(why) => format!("{kind}: {why}"),
     }
 }
 
@@ -133,10 +161,7 @@ fn run_parcel(bytes: &[u8]) -> String {
             assert_eq!(parcel.file_bytes(), file);
             "a parcel".into()
         }
-        Err(ParcelFault::Head(bad)) => {
-            assert!(bad.offset <= bytes.len());
-            bad.expected.into()
-        }
+        Err(ParcelFault::Head(ProtocolError::Json(why))) => format!("{:?}", why.classify()),
         Err(fault) => fault.to_string(),
     }
 }

@@ -1,7 +1,7 @@
 //! Sculptures, and what is left of those that were deleted.
 
 use paros_core::badge::Language;
-use paros_core::outbox::messages::UploadFacts;
+use paros_protocol::UploadFacts;
 
 use crate::table::record;
 use crate::time::BoothTime;
@@ -91,7 +91,7 @@ impl Sculpture {
     /// The language that its visitor chose; English where its facts can't be read.
     #[must_use]
     pub fn visit_language(&self) -> Language {
-        match UploadFacts::from_bytes(&self.facts) {
+        match UploadFacts::from_json(&self.facts) {
             Ok(UploadFacts { language, .. }) if &language == b"el" => Language::Greek,
             _ => Language::English,
         }

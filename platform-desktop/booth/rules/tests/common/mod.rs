@@ -10,9 +10,9 @@ use paros_booth_rules::{
 };
 use paros_booth_rules::{update, view};
 use paros_core::badge::{BadgeLedger, BadgeNumber, LeaseReport};
-use paros_core::outbox::messages::*;
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
+use paros_protocol::*;
 
 pub(crate) const SITE: SiteId = SiteId([5; 16]);
 pub(crate) const FLEET: EnrolmentToken = EnrolmentToken([77; 32]);
@@ -26,11 +26,6 @@ pub(crate) fn seconds(count: u64) -> BoothTime {
 
 pub(crate) fn days(count: u64) -> BoothTime {
     seconds(86_400 * count)
-}
-
-/// A store without rows. `crate::new_store` is another where these tests run on another store.
-pub(crate) fn new_store() -> Arc<dyn Store> {
-    Arc::new(MemoryStore::new())
 }
 
 /// All that a store holds, in memory.
@@ -47,9 +42,6 @@ pub(crate) fn copy_of(store: &dyn Store) -> MemoryStore {
     to.commit().expect("room");
     copy
 }
-
-/// Courses of events that a test tries.
-pub(crate) const PLAYS: u32 = 400;
 
 pub(crate) struct Rig {
     pub(crate) booth: Booth,
@@ -184,7 +176,7 @@ impl Parcel {
     }
 
     pub(crate) fn of_facts(facts: UploadFacts) -> Self {
-        let mut bytes = facts.to_bytes().to_vec();
+        let mut bytes = facts.to_head();
         bytes.extend(vec![facts.id.0[0]; facts.volume_bytes as usize]);
         bytes.extend(vec![9; facts.trace_bytes as usize]);
         Parcel { id: facts.id, facts, hash: hash_of(&bytes), bytes }
@@ -220,13 +212,12 @@ pub(crate) fn heartbeat(headset: u32) -> Heartbeat {
         core_version: 1,
         lease: None,
         last_command: None,
-        announcements: Announcements::new(),
+        announcements: Vec::new(),
     }
 }
 
 pub(crate) fn announcing(beat: &Heartbeat, announcements: &[Announcement]) -> Heartbeat {
-    let announcements = announcements.iter().copied().collect();
-    Heartbeat { announcements, ..beat.clone() }
+    Heartbeat { announcements: announcements.to_vec(), ..beat.clone() }
 }
 
 pub(crate) fn leased(number: u32) -> Option<BadgeNumber> {

@@ -3,8 +3,8 @@
 use std::collections::VecDeque;
 
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::messages::{CommandKind, HeatLevel, SculptureId, UploadStatus};
 use paros_core::visit::VisitPhase;
+use paros_protocol::{CommandKind, HeatLevel, SculptureId, UploadStatus};
 
 use super::CourierLink;
 use crate::outbox::events::HeadsetStatus;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use paros_core::outbox::messages::{ContentHash, SculptureId};
+use paros_protocol::{ContentHash, SculptureId};
 
 use super::orders::FinishedSculpture;
 use crate::durable;

@@ -1,7 +1,7 @@
 //! What a courier is told to do.
 
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::messages::{CommandOutcome, ContentHash, SculptureId, UploadFacts};
+use paros_protocol::{CommandOutcome, ContentHash, SculptureId, UploadFacts};
 
 use crate::outbox::parcel::Parcel;
 

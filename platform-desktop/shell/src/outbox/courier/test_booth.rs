@@ -8,7 +8,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use paros_core::badge::{BadgeLedger, LeaseAnswer};
-use paros_core::outbox::messages::*;
+use paros_protocol::*;
 
 use super::{Courier, CourierLink, CourierPlan};
 use crate::outbox::enrolment::{Enrolment, NewDevice};
@@ -49,7 +49,7 @@ impl Booth {
             command: command.map(|command| BoothCommand { boot_id: beat.boot_id, ..command }),
             noted: beat.announcements.clone(),
         };
-        answer.to_bytes().into()
+        answer.to_json()
     }
 }
 
@@ -60,7 +60,7 @@ impl BoothLink for Booth {
         let (request, result) = match request {
             BoothRequest::Put { number, .. } => (SentRequest::Put { number }, ok(KEPT.into())),
             BoothRequest::Heartbeat { number, body } => {
-                let beat = Heartbeat::from_bytes(&body[..]).expect("a heartbeat");
+                let beat = Heartbeat::from_json(&body[..]).expect("a heartbeat");
                 (SentRequest::Heartbeat { number }, ok(self.answer_heartbeat(&beat)))
             }
         };

@@ -6,8 +6,8 @@ use std::thread;
 use std::time::Duration;
 
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::messages::*;
 use paros_core::session::SessionMode;
+use paros_protocol::*;
 
 use super::test_booth::{OWNER, Rig, clock, wait};
 use super::{Courier, FinishedSculpture, ParcelDraft};

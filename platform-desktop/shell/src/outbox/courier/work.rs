@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
 use paros_core::badge::LeaseReport;
-use paros_core::outbox::messages::{ContentHash, SculptureId, UploadStatus};
+use paros_protocol::{ContentHash, SculptureId, UploadStatus};
 use sha2::{Digest as _, Sha256};
 
 use super::board::{Board, DeviceRefusal, RemoteCommand};

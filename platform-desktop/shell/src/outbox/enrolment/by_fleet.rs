@@ -1,6 +1,6 @@
 //! Enrolment by a fleet's file: one question, as site and authority are known beforehand.
 
-use paros_core::outbox::messages::{EnrolAnswer, FleetEnrolment};
+use paros_protocol::{EnrolAnswer, FleetEnrolment};
 
 use super::{EnrolError, Enrolment, FleetFile, NewDevice, ask};
 use crate::outbox::{BoothCaller, OutboxOwner};
@@ -20,8 +20,8 @@ pub fn enrol_by_fleet(
         hint: device.hint,
         name: device.name,
     };
-    let body = ask(link, "/v1/enrol/fleet", &asked.to_bytes())?;
-    let EnrolAnswer { headset, site } = EnrolAnswer::from_bytes(&body)?;
+    let body = ask(link, "/v1/enrol/fleet", &asked.to_json())?;
+    let EnrolAnswer { headset, site } = EnrolAnswer::from_json(&body)?;
     if site != fleet.site {
         return Err(EnrolError::AnotherSite);
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use base64ct::{Base64, Encoding as _};
-use paros_core::outbox::messages::{EnrolmentToken, SiteId};
+use paros_protocol::{EnrolmentToken, SiteId};
 use rustls_pki_types::CertificateDer;
 use rustls_pki_types::pem::PemObject as _;
 

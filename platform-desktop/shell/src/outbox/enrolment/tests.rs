@@ -6,7 +6,7 @@ use std::os::unix::fs::PermissionsExt as _;
 use std::path::PathBuf;
 
 use base64ct::{Base64, Encoding as _};
-use paros_core::outbox::messages::{EnrolAnswer, EnrolmentToken};
+use paros_protocol::{EnrolAnswer, EnrolmentToken};
 
 use super::*;
 use crate::outbox::LinkError;
@@ -77,7 +77,7 @@ fn a_fleet_enrols_at_its_own_site_alone() {
         enrolment_token: EnrolmentToken([1; 32]),
         ca: vec![1, 2],
     };
-    let answer = |site| EnrolAnswer { headset: 4, site }.to_bytes().to_vec();
+    let answer = |site| EnrolAnswer { headset: 4, site }.to_json();
     let enrolled = enrol_by_fleet(&mut booth([answer(SITE)]), &fleet, &device());
     assert_eq!(enrolled.expect("its site").owner, OutboxOwner { site: SITE, headset: 4 });
     let other = enrol_by_fleet(&mut booth([answer(SiteId([9; 16]))]), &fleet, &device());

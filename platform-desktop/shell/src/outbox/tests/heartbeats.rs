@@ -3,8 +3,8 @@
 use std::mem;
 
 use paros_core::badge::LeaseAnswer;
-use paros_core::limits::MAX_ANNOUNCEMENTS;
-use paros_core::outbox::messages::{BoothCommand, CommandKind, CommandOutcome};
+use paros_protocol::limits::MAX_ANNOUNCEMENTS;
+use paros_protocol::{BoothCommand, CommandKind, CommandOutcome};
 
 use super::*;
 use crate::outbox::CONFIRM_MS;
@@ -34,7 +34,7 @@ fn next_beat(sender: &mut Sender<DiskFolder, Link>, host: &mut Host) -> Heartbea
             BoothRequest::Put { .. } => None,
         });
         if let Some(body) = beat {
-            return Heartbeat::from_bytes(&body[..]).expect("its own");
+            return Heartbeat::from_json(&body[..]).expect("its own");
         }
     }
     panic!("no heartbeat");
@@ -42,7 +42,7 @@ fn next_beat(sender: &mut Sender<DiskFolder, Link>, host: &mut Host) -> Heartbea
 
 fn give(sender: &mut Sender<DiskFolder, Link>, host: &mut Host, answer: &HeartbeatAnswer) {
     let request = SentRequest::Heartbeat { number: answer.number };
-    let body = answer.to_bytes().into();
+    let body = answer.to_json();
     let result = Ok(HttpAnswer { status: 200, retry_after: None, body });
     sender.link().answers.push_back(LinkAnswer { request, result });
     sender.step(host);

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
-use paros_core::outbox::messages::FinishCause;
 use paros_core::visit::VisitCommand;
+use paros_protocol::FinishCause;
 
 use super::*;
 use crate::outbox::Parcel;

@@ -1,10 +1,10 @@
 //! Visits at a booth: leased badges, where the sculpture is kept, and what the staff asks from its page.
 
 use paros_core::badge::BadgeNumber;
-use paros_core::outbox::messages::UploadStatus;
-use paros_core::outbox::messages::{CommandKind, CommandOutcome};
 use paros_core::session::TICK_RATE;
 use paros_core::visit::VisitPhase;
+use paros_protocol::UploadStatus;
+use paros_protocol::{CommandKind, CommandOutcome};
 use paros_shell::outbox::OutboxLevel;
 use paros_shell::outbox::courier::{CourierSummary, RemoteCommand};
 use paros_shell::studio::BoothState;

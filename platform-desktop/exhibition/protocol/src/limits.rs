@@ -1,4 +1,4 @@
-//! Capacities of the messages between headsets and the booth.
+//! Capacities of the messages, each with its reason.
 
 /// Announcements of a heartbeat: all of half a day without the booth. More take turns.
 pub const MAX_ANNOUNCEMENTS: usize = 32;
@@ -6,7 +6,11 @@ pub const MAX_ANNOUNCEMENTS: usize = 32;
 /// Milliseconds that a command of the booth lives at most: whoever pressed the button still stands there.
 pub const MAX_COMMAND_MS: u16 = 10_000;
 
-/// Bytes of a parcel's volume at most, unpacked: an `.rmap` at 256 with [`MAX_INTERVALS`](super::MAX_INTERVALS) takes 1.5 MiB.
+/// Bytes of a parcel's head at most: eight times what its fields take.
+pub const MAX_HEAD_BYTES: usize = 4096;
+
+/// Bytes of a parcel's volume at most, unpacked: an `.rmap` at 256 with
+/// [`MAX_INTERVALS`](paros_core::limits::MAX_INTERVALS) takes 1.5 MiB.
 pub const MAX_PARCEL_VOLUME_BYTES: u32 = 2 << 20;
 
 /// Bytes of a parcel's trace at most, unpacked: two hours, which is where a recording ends, at 116 bytes a tick take
@@ -17,5 +21,8 @@ pub const MAX_PARCEL_TRACE_BYTES: u32 = 64 << 20;
 /// shorter, in blocks with a head.
 pub const MAX_PACKED_SURPLUS: u32 = 64;
 
-/// Bytes of a whole parcel at most: a trace packs to a hundredth, and at worst to a half.
+/// Bytes of a whole parcel at most, without its hash: a trace packs to a hundredth, and at worst to a half.
 pub const MAX_PARCEL_BYTES: u64 = 32 << 20;
+
+/// Bytes of an answer's body at most: no answer of the booth has more.
+pub const MAX_ANSWER_BYTES: usize = 8192;

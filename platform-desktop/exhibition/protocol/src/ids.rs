@@ -1,28 +1,30 @@
-//! Names and secrets of fixed width: what a sculpture, a site, a device are known by.
+//! Names and secrets of fixed width, in hexadecimal digits.
 
-use core::fmt;
+use std::fmt;
 
-use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
-
-/// The two hexadecimal digits of a byte that `Display` writes, and both cases read.
-fn hex_digit(digit: u8) -> Option<u8> {
-    (digit as char).to_digit(16).map(|value| value as u8)
-}
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 fn parse_hex<const BYTES: usize>(text: &str) -> Option<[u8; BYTES]> {
     let digits = text.as_bytes();
     if digits.len() != 2 * BYTES {
         return None;
     }
+    let digit = |letter: u8| char::from(letter).to_digit(16);
     let mut bytes = [0; BYTES];
     for (byte, pair) in bytes.iter_mut().zip(digits.chunks(2)) {
-        *byte = hex_digit(pair[0])? << 4 | hex_digit(pair[1])?;
+        *byte = (digit(pair[0])? << 4 | digit(pair[1])?) as u8;
     }
     Some(bytes)
 }
 
-fn write_hex(f: &mut fmt::Formatter<'_>, bytes: &[u8]) -> fmt::Result {
-    bytes.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+/// Bytes as hexadecimal digits.
+struct Hex<'a>(&'a [u8]);
+
+impl fmt::Display for Hex<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+    }
 }
 
 macro_rules! byte_names {
@@ -41,6 +43,24 @@ macro_rules! byte_names {
                 parse_hex(text).map($name)
             }
         }
+
+        impl Serialize for $name {
+            fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+                to.collect_str(&Hex(&self.0))
+            }
+        }
+
+        /// Zeros are no name and no secret: somebody forgot to draw one.
+        impl<'de> Deserialize<'de> for $name {
+            fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+                let text = std::borrow::Cow::<'de, str>::deserialize(from)?;
+                let found = $name::parse_hex(&text).filter(|found| found.0 != [0; $bytes]);
+                found.ok_or_else(|| D::Error::custom(concat!(
+                    "expected ", stringify!($name), ": ", stringify!($bytes),
+                    " bytes in hexadecimal digits, not all zeros"
+                )))
+            }
+        }
     )*};
 }
 
@@ -48,7 +68,7 @@ macro_rules! shown_as_hex {
     ($($name:ident)*) => {$(
         impl fmt::Display for $name {
             fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                write_hex(f, &self.0)
+                Hex(&self.0).fmt(f)
             }
         }
 
@@ -67,7 +87,7 @@ macro_rules! never_shown {
             /// that no log does.
             #[must_use]
             pub fn reveal(&self) -> impl fmt::Display + '_ {
-                Revealed(&self.0)
+                Hex(&self.0)
             }
         }
 
@@ -79,30 +99,12 @@ macro_rules! never_shown {
     )*};
 }
 
-macro_rules! in_messages {
-    ($($name:ident, $expected:literal;)*) => {$(
-        impl $name {
-            pub(in crate::outbox) fn write(&self, to: &mut ByteWriter<'_>) {
-                to.bytes(&self.0);
-            }
-
-            /// Zeros are no name and no secret: somebody forgot to draw one.
-            pub(in crate::outbox) fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
-                let bad = from.error_here($expected);
-                let mut bytes = [0; Self::BYTES];
-                bytes.copy_from_slice(from.bytes(Self::BYTES)?);
-                if bytes == [0; Self::BYTES] { Err(bad) } else { Ok($name(bytes)) }
-            }
-        }
-    )*};
-}
-
 byte_names! {
     /// A sculpture's name: 128 random bits, drawn at *finish*.
     SculptureId, 16;
     /// The name of a site, which is a booth and its headsets: 128 random bits.
     SiteId, 16;
-    /// A SHA-256: of a parcel, an STL file, a token, a certificate.
+    /// A SHA-256: of a parcel, a token, a certificate.
     ContentHash, 32;
     /// What a device remembers itself by (Android's `ANDROID_ID`, or random bits). A hint by which staff find a wiped
     /// headset again, never a credential.
@@ -114,20 +116,4 @@ byte_names! {
 }
 
 shown_as_hex! { SculptureId SiteId ContentHash DeviceHint }
-in_messages! {
-    SculptureId, "a sculpture's id, not all zeros";
-    SiteId, "a site's id, not all zeros";
-    ContentHash, "a SHA-256, not all zeros";
-    DeviceHint, "a device's hint, not all zeros";
-    EnrolmentToken, "an enrolment token, not all zeros";
-}
-
 never_shown! { DeviceToken EnrolmentToken }
-
-struct Revealed<'a>(&'a [u8]);
-
-impl fmt::Display for Revealed<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write_hex(f, self.0)
-    }
-}

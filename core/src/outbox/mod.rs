@@ -1,3 +1,0 @@
-//! The messages between headsets and the booth.
-
-pub mod messages;

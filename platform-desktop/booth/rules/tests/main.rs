@@ -1,0 +1,29 @@
+//! The booth's decisions over a store in memory. `platform-desktop/booth/tests/databases` runs these modules over databases.
+
+mod common;
+mod enrol;
+mod find;
+mod heartbeat;
+mod lifecycle;
+mod mail;
+mod printers;
+mod prints;
+mod privacy;
+mod promises;
+mod restore;
+mod staff;
+mod store;
+mod upload;
+mod work;
+
+use std::sync::Arc;
+
+use paros_booth_rules::{MemoryStore, Store};
+
+/// Courses of events that a test tries.
+pub(crate) const PLAYS: u32 = 400;
+
+/// A store without rows.
+pub(crate) fn new_store() -> Arc<dyn Store> {
+    Arc::new(MemoryStore::new())
+}

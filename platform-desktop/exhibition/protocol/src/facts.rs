@@ -1,0 +1,130 @@
+//! What is known of a sculpture when its visit ends: the head of its parcel.
+
+use paros_core::badge::BadgeNumber;
+use paros_core::session::SessionMode;
+use serde::{Deserialize, Serialize};
+
+use crate::limits::{
+    MAX_HEAD_BYTES, MAX_PACKED_SURPLUS, MAX_PARCEL_BYTES, MAX_PARCEL_TRACE_BYTES,
+    MAX_PARCEL_VOLUME_BYTES,
+};
+use crate::{ProtocolError, SculptureId, expect, fields};
+
+/// How a session ended.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FinishCause {
+    /// The visitor was ready, or the time was up.
+    Finished,
+    /// The visitor was gone before.
+    Left,
+    /// The program ended before, and made the files at its next start.
+    CutOff,
+}
+
+/// On which side of the age the visitor is, from which on an address may be left without a parent.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AgeGroup {
+    /// Nobody asked.
+    Unknown,
+    /// Below it.
+    UnderAge,
+    /// Of that age.
+    OfAge,
+}
+
+/// The head of a parcel. A parcel is the length of the head's JSON (u32, little-endian), the JSON,
+/// [`volume_bytes`](UploadFacts::volume_bytes) of the volume (an `.rmap`) and [`trace_bytes`](UploadFacts::trace_bytes) of
+/// the trace, each packed by deflate (RFC 1951, no header), and the SHA-256 of all of it. The same bytes are the file on the
+/// headset's disk and the body of a `PUT`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub struct UploadFacts {
+    /// The sculpture's.
+    pub id: SculptureId,
+    /// The badge that the visitor was shown.
+    #[serde(with = "fields::badge")]
+    pub badge: Option<BadgeNumber>,
+    /// [`CORE_VERSION`](paros_core::codec::trace::CORE_VERSION) of the program.
+    pub core_version: u16,
+    /// Voxels along a side of the grid: 128 or 256.
+    pub side: u16,
+    /// How the session ended.
+    pub cause: FinishCause,
+    /// The visit's language, two small letters of ISO 639-1.
+    #[serde(with = "fields::language")]
+    pub language: [u8; 2],
+    /// What the session started from, never [`SessionMode::None`].
+    #[serde(with = "fields::Mode")]
+    pub mode: SessionMode,
+    /// The visitor's.
+    pub age_group: AgeGroup,
+    /// Seconds in which the visitor could sculpt.
+    pub sculpting_seconds: u32,
+    /// Seconds since 1970 by the headset's wall clock, which anybody may have set.
+    pub finished_at: u64,
+    /// The print's height in tenths of a millimetre, from 1.
+    pub height_mm_tenths: u16,
+    /// Length of the packed volume in bytes, from 1.
+    pub volume_bytes: u32,
+    /// Length of the volume unpacked, from 1.
+    pub volume_raw_bytes: u32,
+    /// Length of the packed trace in bytes; 0 where none is sent.
+    pub trace_bytes: u32,
+    /// Its length unpacked; 0 where none is sent.
+    pub trace_raw_bytes: u32,
+}
+
+impl UploadFacts {
+    /// The head of a parcel: the length of the JSON, and the JSON.
+    #[must_use]
+    pub fn to_head(&self) -> Vec<u8> {
+        let json = self.to_json();
+        [&(json.len() as u32).to_le_bytes()[..], &json].concat()
+    }
+
+    /// Reads the head of a parcel. Returns it, and the bytes after it.
+    ///
+    /// # Errors
+    /// [`ProtocolError`] if the bytes don't begin with a head.
+    pub fn split_head(parcel: &[u8]) -> Result<(Self, &[u8]), ProtocolError> {
+        let bad = || ProtocolError::Value {
+            field: "head",
+            expected: "its length of at most 4,096 bytes, and so many",
+        };
+        let (length, rest) = parcel.split_first_chunk().ok_or_else(bad)?;
+        let length = u32::from_le_bytes(*length) as usize;
+        let is_short = length <= MAX_HEAD_BYTES;
+        let (json, rest) = rest.split_at_checked(length).filter(|_| is_short).ok_or_else(bad)?;
+        Ok((UploadFacts::from_json(json)?, rest))
+    }
+
+    /// Bytes of the packed files.
+    #[must_use]
+    pub const fn packed_bytes(&self) -> u64 {
+        self.volume_bytes as u64 + self.trace_bytes as u64
+    }
+}
+
+impl UploadFacts {
+    pub(crate) fn check(&self) -> Result<(), ProtocolError> {
+        let UploadFacts { volume_bytes, volume_raw_bytes, trace_bytes, trace_raw_bytes, .. } =
+            *self;
+        expect(matches!(self.side, 128 | 256), "side", "128 or 256")?;
+        expect(self.mode != SessionMode::None, "mode", "what a session starts from")?;
+        expect(self.height_mm_tenths > 0, "height_mm_tenths", "a height from 1")?;
+        let is_volume = is_packed_file(volume_bytes, volume_raw_bytes, MAX_PARCEL_VOLUME_BYTES);
+        expect(is_volume, "volume_bytes", "a volume's lengths, packed and unpacked")?;
+        let is_trace = (trace_bytes, trace_raw_bytes) == (0, 0)
+            || is_packed_file(trace_bytes, trace_raw_bytes, MAX_PARCEL_TRACE_BYTES);
+        let fits = MAX_HEAD_BYTES as u64 + self.packed_bytes() <= MAX_PARCEL_BYTES;
+        let expected = "a trace's lengths, packed and unpacked, in a parcel of its size";
+        expect(is_trace && fits, "trace_bytes", expected)
+    }
+}
+
+/// `true` if a file can have these lengths: deflate adds little to what it can't make shorter.
+const fn is_packed_file(packed: u32, raw: u32, max_raw: u32) -> bool {
+    let longest = raw as u64 + raw as u64 / 1000 + MAX_PACKED_SURPLUS as u64;
+    packed > 0 && raw > 0 && raw <= max_raw && packed as u64 <= longest
+}

@@ -1,0 +1,332 @@
+//! Messages come back from their JSON; what no writer makes is refused with the field's name.
+
+use paros_core::badge::{BadgeLease, BadgeLedger, BadgeNumber, DAY_SECONDS, LeaseReport};
+use paros_core::session::SessionMode;
+use paros_core::visit::VisitPhase;
+use proptest::prelude::*;
+use serde_json::{Value, json};
+
+use super::*;
+
+const HEADSET: u32 = 17;
+
+/// Numbers that look random, of a seed (splitmix64).
+struct RandomSource(u64);
+
+impl RandomSource {
+    const fn new(seed: u64) -> Self {
+        RandomSource(seed)
+    }
+
+    const fn next_bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let bits = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let bits = (bits ^ bits >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        bits ^ bits >> 31
+    }
+}
+
+fn bytes<const N: usize>(dice: &mut RandomSource) -> [u8; N] {
+    let mut bytes = [0; N];
+    bytes.fill_with(|| dice.next_bits() as u8);
+    bytes[0] |= 1;
+    bytes
+}
+
+fn pick<T: Copy>(dice: &mut RandomSource, all: &[T]) -> T {
+    all[dice.next_bits() as usize % all.len()]
+}
+
+fn any_badge(dice: &mut RandomSource) -> Option<BadgeNumber> {
+    BadgeNumber::new(dice.next_bits() as u32 % (BadgeNumber::COUNT + 1))
+}
+
+fn any_facts(dice: &mut RandomSource) -> UploadFacts {
+    let volume_raw_bytes = 1 + dice.next_bits() as u32 % (2 << 20);
+    let has_trace = dice.next_bits() & 1 == 1;
+    let trace_raw_bytes = if has_trace { 1 + dice.next_bits() as u32 % 1_000_000 } else { 0 };
+    UploadFacts {
+        id: SculptureId(bytes(dice)),
+        badge: any_badge(dice),
+        core_version: dice.next_bits() as u16,
+        side: pick(dice, &[128, 256]),
+        cause: pick(dice, &[FinishCause::Finished, FinishCause::Left, FinishCause::CutOff]),
+        language: pick(dice, &[*b"en", *b"el"]),
+        mode: pick(dice, &[SessionMode::FreeForm, SessionMode::Constrained { figure: 200 }]),
+        age_group: pick(dice, &[AgeGroup::Unknown, AgeGroup::UnderAge, AgeGroup::OfAge]),
+        sculpting_seconds: dice.next_bits() as u32,
+        finished_at: dice.next_bits(),
+        height_mm_tenths: 1 + dice.next_bits() as u16 % 3000,
+        volume_bytes: 1 + dice.next_bits() as u32 % volume_raw_bytes,
+        volume_raw_bytes,
+        trace_bytes: if has_trace { 1 + dice.next_bits() as u32 % trace_raw_bytes } else { 0 },
+        trace_raw_bytes,
+    }
+}
+
+fn any_announcements(dice: &mut RandomSource) -> Vec<Announcement> {
+    let any = |dice: &mut RandomSource| Announcement {
+        id: SculptureId(bytes(dice)),
+        badge: any_badge(dice),
+        status: pick(dice, &UploadStatus::ALL),
+    };
+    (0..dice.next_bits() % 33).map(|_| any(dice)).collect()
+}
+
+fn any_heartbeat(dice: &mut RandomSource) -> Heartbeat {
+    let flag = |dice: &mut RandomSource| dice.next_bits() & 1 == 1;
+    let lease = LeaseReport {
+        headset: HEADSET,
+        epoch: dice.next_bits(),
+        report: dice.next_bits() as u32,
+        taken: dice.next_bits() as u32,
+    };
+    let outcomes = [CommandOutcome::Done, CommandOutcome::Expired, CommandOutcome::Refused];
+    let report = CommandReport { id: 1 + dice.next_bits() / 2, outcome: pick(dice, &outcomes) };
+    Heartbeat {
+        headset: HEADSET,
+        boot_id: dice.next_bits() | 1,
+        number: dice.next_bits() as u32 | 1,
+        session_id: dice.next_bits(),
+        is_charging: flag(dice),
+        is_worn: flag(dice),
+        is_glowing: flag(dice),
+        was_wiped: flag(dice),
+        battery_percent: Some(dice.next_bits() as u8 % 101).filter(|_| flag(dice)),
+        heat: pick(dice, &[HeatLevel::Normal, HeatLevel::Warm, HeatLevel::Hot]),
+        phase: pick(dice, &VisitPhase::ALL),
+        worn_seconds: dice.next_bits() as u32,
+        outbox_depth: dice.next_bits() as u16,
+        outbox_full_percent: dice.next_bits() as u8 % 101,
+        app_version: [1, 2, dice.next_bits() as u16],
+        core_version: dice.next_bits() as u16,
+        lease: Some(lease).filter(|_| flag(dice)),
+        last_command: Some(report).filter(|_| flag(dice)),
+        announcements: any_announcements(dice),
+    }
+}
+
+fn any_answer(dice: &mut RandomSource) -> HeartbeatAnswer {
+    let mut lease = BadgeLease::new(HEADSET, dice.next_bits() | 1);
+    let mut ledger = Box::new(BadgeLedger::new(90));
+    let lease = ledger.answer_report(&lease.make_report(), DAY_SECONDS).expect("an answer");
+    let command = BoothCommand {
+        id: 1 + dice.next_bits() / 2,
+        boot_id: dice.next_bits(),
+        session_id: dice.next_bits(),
+        kind: pick(dice, &CommandKind::ALL),
+        lives_ms: 1 + dice.next_bits() as u16 % 10_000,
+    };
+    HeartbeatAnswer {
+        site: SiteId(bytes(dice)),
+        headset: HEADSET,
+        boot_id: dice.next_bits() | 1,
+        number: dice.next_bits() as u32 | 1,
+        booth_time: dice.next_bits(),
+        lease: Some(lease).filter(|_| dice.next_bits() & 1 == 1),
+        command: Some(command).filter(|_| dice.next_bits() & 1 == 1),
+        noted: any_announcements(dice),
+    }
+}
+
+fn any_enrolment(dice: &mut RandomSource) -> FleetEnrolment {
+    let name = pick(dice, &["", "Red 3", "Γραμμή 3", "a name of 32 bytes, no one more"]);
+    FleetEnrolment {
+        enrolment_token: EnrolmentToken(bytes(dice)),
+        token_hash: ContentHash(bytes(dice)),
+        hint: DeviceHint(bytes(dice)),
+        name: DeviceName::new(name).expect("a name"),
+    }
+}
+
+type Read<M> = fn(&[u8]) -> Result<M, ProtocolError>;
+
+fn check<M: PartialEq + std::fmt::Debug>(message: &M, json: &[u8], read: Read<M>) {
+    assert_eq!(&read(json).expect("its own"), message);
+    // A later program's message has more.
+    let mut value: Value = serde_json::from_slice(json).expect("JSON");
+    value["later"] = json!({"deep": [1, 2, 3]});
+    let more = serde_json::to_vec(&value).expect("JSON");
+    assert_eq!(&read(&more).expect("the rest is ignored"), message);
+    assert!(read(&json[..json.len() - 1]).is_err(), "it is cut");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+
+    #[test]
+    fn messages_come_back_from_their_json(seed: u64) {
+        let dice = &mut RandomSource::new(seed);
+        let (facts, beat, answer) = (any_facts(dice), any_heartbeat(dice), any_answer(dice));
+        check(&facts, &facts.to_json(), UploadFacts::from_json);
+        check(&beat, &beat.to_json(), Heartbeat::from_json);
+        check(&answer, &answer.to_json(), HeartbeatAnswer::from_json);
+        let enrolment = any_enrolment(dice);
+        check(&enrolment, &enrolment.to_json(), FleetEnrolment::from_json);
+        let enrolled = EnrolAnswer { headset: HEADSET, site: SiteId(bytes(dice)) };
+        check(&enrolled, &enrolled.to_json(), EnrolAnswer::from_json);
+        let facts = any_facts(dice);
+        let parcel = [&facts.to_head()[..], b"the rest"].concat();
+        let (head, rest) = UploadFacts::split_head(&parcel).expect("its own");
+        prop_assert_eq!((head, rest), (facts, &b"the rest"[..]));
+        let cut = dice.next_bits() as usize % facts.to_head().len();
+        prop_assert!(UploadFacts::split_head(&parcel[..cut]).is_err());
+    }
+}
+
+/// The longest answer of a booth, which a link has to read.
+#[test]
+fn a_link_reads_the_longest_answer() {
+    let dice = &mut RandomSource::new(1);
+    let answer = loop {
+        let answer = any_answer(dice);
+        if answer.noted.len() == 32 && answer.lease.is_some() && answer.command.is_some() {
+            break answer;
+        }
+    };
+    let length = answer.to_json().len();
+    assert!((2000..limits::MAX_ANSWER_BYTES).contains(&length), "{length}");
+}
+
+#[test]
+fn another_version_says_which_program_to_update() {
+    let refused = |version: u16| {
+        let answer = json!({ "version": version, "headset": 1, "site": "05".repeat(16) });
+        let error = EnrolAnswer::from_json(answer.to_string().as_bytes());
+        error.expect_err("another version").to_string()
+    };
+    assert_eq!(refused(2), "version 2 of the protocol, expected 1: update this program");
+    assert_eq!(
+        refused(0),
+        "version 0 of the protocol, expected 1: update the program that sent it"
+    );
+}
+
+/// Refused: a message with this value in a field.
+fn refuse<M>(message: &[u8], read: Read<M>, faults: &[(&str, Value)]) {
+    for (field, value) in faults {
+        let mut json: Value = serde_json::from_slice(message).expect("JSON");
+        let place = json.pointer_mut(field).unwrap_or_else(|| panic!("{field}: no such field"));
+        *place = value.clone();
+        let bytes = serde_json::to_vec(&json).expect("JSON");
+        assert!(read(&bytes).is_err(), "{field}: {value}");
+    }
+}
+
+#[test]
+fn values_that_nobody_writes_are_refused() {
+    let dice = &mut RandomSource::new(2);
+    let facts = UploadFacts { trace_bytes: 0, trace_raw_bytes: 0, ..any_facts(dice) };
+    refuse(
+        &facts.to_json(),
+        UploadFacts::from_json,
+        &[
+            ("/id", json!("00".repeat(16))),
+            ("/id", json!("5".repeat(31))),
+            ("/badge", json!(BadgeNumber::COUNT)),
+            ("/side", json!(64)),
+            ("/cause", json!("ran_away")),
+            ("/language", json!("En")),
+            ("/language", json!("eng")),
+            ("/mode", json!("none")),
+            ("/mode", json!({"constrained": {"figure": 256}})),
+            ("/height_mm_tenths", json!(0)),
+            ("/volume_bytes", json!(0)),
+            ("/volume_bytes", json!(-1)),
+            ("/volume_raw_bytes", json!(0)),
+            ("/volume_raw_bytes", json!((2 << 20) + 1)),
+            ("/trace_bytes", json!(1)),
+            ("/trace_raw_bytes", json!(1)),
+        ],
+    );
+    let whole = UploadFacts { trace_bytes: 33 << 20, trace_raw_bytes: 64 << 20, ..facts };
+    assert!(whole.check().is_err(), "it is larger than a parcel");
+    let command = BoothCommand {
+        id: 1,
+        boot_id: 2,
+        session_id: 3,
+        kind: CommandKind::Identify,
+        lives_ms: 10_000,
+    };
+    let announced =
+        Announcement { id: SculptureId([9; 16]), badge: None, status: UploadStatus::Lost };
+    let report = LeaseReport { headset: HEADSET, epoch: 1, report: 1, taken: 0 };
+    let beat = Heartbeat {
+        lease: Some(report),
+        last_command: Some(CommandReport { id: 1, outcome: CommandOutcome::Done }),
+        announcements: vec![announced],
+        ..any_heartbeat(dice)
+    };
+    refuse(
+        &beat.to_json(),
+        Heartbeat::from_json,
+        &[
+            ("/headset", json!(0)),
+            ("/headset", json!(18)),
+            ("/boot_id", json!(0)),
+            ("/number", json!(0)),
+            ("/battery_percent", json!(101)),
+            ("/outbox_full_percent", json!(101)),
+            ("/heat", json!("boiling")),
+            ("/phase", json!(11)),
+            ("/lease/headset", json!(18)),
+            ("/last_command/id", json!(0)),
+            ("/announcements/0/status", json!("eaten")),
+        ],
+    );
+    let many = |list: Vec<Announcement>| Heartbeat { announcements: list, ..beat.clone() };
+    assert!(many(vec![announced; 2]).check().is_err(), "an id is there twice");
+    let other = |k: u8| Announcement { id: SculptureId([k; 16]), ..announced };
+    assert!(many((1..=32).map(other).collect()).check().is_ok());
+    assert!(many((1..=33).map(other).collect()).check().is_err());
+    let answer = loop {
+        let answer = HeartbeatAnswer { command: Some(command), ..any_answer(dice) };
+        if answer.lease.as_ref().is_some_and(|lease| !lease.blocks.is_empty()) {
+            break answer;
+        }
+    };
+    refuse(
+        &answer.to_json(),
+        HeartbeatAnswer::from_json,
+        &[
+            ("/site", json!("00".repeat(16))),
+            ("/headset", json!(0)),
+            ("/lease/headset", json!(18)),
+            ("/lease/is_void", json!(true)),
+            ("/lease/blocks", json!([[0, 64]])),
+            ("/lease/blocks", json!([[3, 0], [3, 1]])),
+            ("/lease/blocks", json!((0..7).map(|block| (block, 0)).collect::<Vec<_>>())),
+            ("/command/id", json!(0)),
+            ("/command/lives_ms", json!(0)),
+            ("/command/lives_ms", json!(10_001)),
+        ],
+    );
+    refuse(
+        &any_enrolment(dice).to_json(),
+        FleetEnrolment::from_json,
+        &[("/name", json!("a\nb")), ("/hint", json!("zz"))],
+    );
+}
+
+#[test]
+fn names_are_text_that_fits() {
+    let cut = DeviceName::new("Ακρόπολη, τρίτη αίθουσα").expect("a name");
+    assert_eq!(cut.as_str(), "Ακρόπολη, τρίτη α", "whole characters alone");
+    assert_eq!(DeviceName::new("a\nb"), None);
+    assert_eq!(DeviceName::new("a\0b"), None);
+}
+
+#[test]
+fn ids_are_read_as_they_are_shown_and_secrets_are_not_shown() {
+    let id = SculptureId([0xa5; 16]);
+    assert_eq!(id.to_string(), "a5".repeat(16));
+    assert_eq!(SculptureId::parse_hex(&id.to_string()), Some(id));
+    assert_eq!(SculptureId::parse_hex(&"A5".repeat(16)), Some(id));
+    assert_eq!(format!("{id:?}"), format!("SculptureId({id})"));
+    for text in ["", "a5", &"a5".repeat(17), &"g5".repeat(16), &"é".repeat(16), &"+5".repeat(16)] {
+        assert_eq!(SculptureId::parse_hex(text), None, "{text}");
+    }
+    let token = DeviceToken([0xb7; 32]);
+    assert_eq!(format!("{token:?}"), "DeviceToken(not shown)");
+    assert_eq!(token.reveal().to_string(), "b7".repeat(32));
+}
