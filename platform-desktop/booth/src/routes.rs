@@ -1,23 +1,25 @@
 //! Requests and answers: what headsets and those who watch the booth ask.
 
+use std::fmt::Display;
 use std::net::IpAddr;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use axum::body::{Bytes, to_bytes};
+use axum::body::{Body, Bytes};
 use axum::extract::{DefaultBodyLimit, Extension, Path, Request, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post, put};
 use axum::{Router, middleware};
+use futures_util::StreamExt as _;
 use paros_booth_rules::records::{Device, ExportState, Sculpture};
 use paros_booth_rules::{ParcelOutcome, Query, Refusal};
 use paros_protocol::ProtocolError;
 use paros_protocol::limits::MAX_PARCEL_BYTES;
 use paros_protocol::{ContentHash, DeviceToken, FleetEnrolment, Heartbeat, SculptureId};
-use paros_shell::outbox::KEPT;
+use paros_shell::outbox::{DELETED, KEPT, LinkTimes};
 use tokio::sync::OwnedSemaphorePermit;
 use tracing::{info, warn};
 
@@ -25,15 +27,15 @@ use crate::app::{BoothApp, SMALL_PARCEL_BYTES};
 use crate::body::{BodyTimes, MAX_REQUEST_BYTES, bound_body, pass_over};
 use crate::clock::booth_time;
 use crate::parcel_decode::check_parcel;
+use crate::places::Place;
 use crate::staff;
 
 /// The times of a request's body.
 const BODY_TIMES: BodyTimes =
     BodyTimes { whole: Duration::from_secs(30), idle: Duration::from_secs(30) };
 
-/// The times of a parcel: over a slow radio, and as long as its headset waits at most.
-const PARCEL_TIMES: BodyTimes =
-    BodyTimes { whole: Duration::from_secs(600), idle: Duration::from_secs(60) };
+/// How long a parcel may make no progress: over a slow radio.
+const LONGEST_IDLE: Duration = Duration::from_secs(60);
 
 /// The path of parcels, before the id.
 const PARCEL_PATH: &str = "/v1/sculptures/";
@@ -77,12 +79,13 @@ pub(crate) async fn bound_and_count(
     request: Request,
     next: Next,
 ) -> Response {
+    let length = read_length(request.headers());
     let is_parcel = request.uri().path().starts_with(PARCEL_PATH);
     let (most, times) = match is_parcel {
-        true => (MAX_BODY_BYTES, PARCEL_TIMES),
+        true => (MAX_BODY_BYTES, parcel_times(length.unwrap_or(0))),
         false => (MAX_REQUEST_BYTES as u64, BODY_TIMES),
     };
-    let answer = if read_length(request.headers()).is_some_and(|length| length > most) {
+    let answer = if length.is_some_and(|length| length > most) {
         RefusalAnswer(Refusal::TooLarge { what: "bytes of a request", most }).into_response()
     } else {
         let (head, body) = request.into_parts();
@@ -95,6 +98,12 @@ pub(crate) async fn bound_and_count(
     };
     app.metrics.count_answer(answer.status().as_u16());
     answer
+}
+
+/// The times of a parcel of so many bytes: as long as its headset waits.
+fn parcel_times(length: u64) -> BodyTimes {
+    let whole = LinkTimes::default().of_parcel(usize::try_from(length).unwrap_or(usize::MAX));
+    BodyTimes { whole, idle: LONGEST_IDLE }
 }
 
 /// The length of a request's body, where its head tells it.
@@ -193,7 +202,7 @@ async fn put_parcel(
             app.wakers.exports.wake();
             (StatusCode::OK, KEPT).into_response()
         }
-        ParcelOutcome::Deleted => (StatusCode::GONE, "deleted\n").into_response(),
+        ParcelOutcome::Deleted => (StatusCode::GONE, DELETED).into_response(),
     })
 }
 
@@ -203,8 +212,8 @@ async fn read_parcel(
     device: &Device,
     length: u64,
     request: Request,
-) -> Result<(Bytes, OwnedSemaphorePermit), RefusalAnswer> {
-    let Some(_place) = app.parcels_of_device.take(device.headset) else {
+) -> Result<(Vec<u8>, (Place<u32>, OwnedSemaphorePermit)), RefusalAnswer> {
+    let Some(place) = app.parcels_of_device.take(device.headset) else {
         let refusal = Refusal::Busy { what: "parcels of this headset at once", retry_after: 1 };
         return Err(refuse_after_body(request, refusal).await);
     };
@@ -214,11 +223,24 @@ async fn read_parcel(
         Ok(turn) => turn,
         Err(refusal) => return Err(refuse_after_body(request, refusal).await),
     };
-    let most = usize::try_from(length).unwrap_or(usize::MAX);
-    let read = to_bytes(request.into_body(), most).await;
-    let bytes = read.map_err(|error| Refusal::BadRequest(format!("no whole parcel: {error}")))?;
+    let bytes = read_body(request.into_body(), length).await?;
     app.metrics.parcel_bytes.add(bytes.len() as u64);
-    Ok((bytes, turn))
+    Ok((bytes, (place, turn)))
+}
+
+/// Reads so many bytes into memory of their own: each frame pins a buffer of the connection's, however small it is.
+async fn read_body(body: Body, length: u64) -> Result<Vec<u8>, Refusal> {
+    let bad = |why: &dyn Display| Refusal::BadRequest(format!("no whole parcel: {why}"));
+    let length = usize::try_from(length).map_err(|error| bad(&error))?;
+    let mut bytes = Vec::with_capacity(length);
+    let mut frames = body.into_data_stream();
+    while let Some(frame) = frames.next().await {
+        bytes.extend_from_slice(&frame.map_err(|error| bad(&error))?);
+        if bytes.len() > length {
+            return Err(bad(&"it is longer than its head says"));
+        }
+    }
+    Ok(bytes)
 }
 
 /// A sculpture, and the length of its parcel's file in bytes, as the address and the headers say.

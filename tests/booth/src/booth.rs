@@ -14,7 +14,7 @@ use paros_protocol::{
     ContentHash, DeviceHint, DeviceName, DeviceToken, EnrolmentToken, FleetEnrolment, Heartbeat,
     SiteId, UploadFacts,
 };
-use paros_shell::outbox::{BoothRequest, HttpAnswer, KEPT};
+use paros_shell::outbox::{BoothRequest, DELETED, HttpAnswer, KEPT};
 
 use crate::truth::is_poison;
 
@@ -243,7 +243,7 @@ impl SimBooth {
             BoothRequest::Put { id, body, .. } => {
                 match self.booth.take_parcel(&device, *id, body, &decode, now)? {
                     ParcelOutcome::Kept => Ok((200, KEPT.to_vec())),
-                    ParcelOutcome::Deleted => Ok((410, Vec::new())),
+                    ParcelOutcome::Deleted => Ok((410, DELETED.to_vec())),
                 }
             }
         }

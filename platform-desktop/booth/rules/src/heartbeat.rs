@@ -127,7 +127,8 @@ fn plan_status(
         announcements: Vec::new(),
         ..beat.clone()
     };
-    let last = device_status(&device)?;
+    // What another version of the protocol left says nothing.
+    let last = device_status(&device).unwrap_or_default();
     // Seconds go by without news.
     let is_same = last.as_ref().is_some_and(|last| {
         Heartbeat { worn_seconds: status.worn_seconds, ..last.clone() } == status

@@ -63,6 +63,10 @@ impl DiskFolder {
     /// When the system refuses, a file has that name, or another process has the outbox open.
     pub fn open(path: &Path) -> Result<Self, WriteError> {
         durable::make_folder(path)?;
+        // Their names are on the disk before anything in them is promised; a storage that can't sync folders does without.
+        for parent in path.ancestors().skip(1).take(2) {
+            let _ = File::open(parent).and_then(|folder| folder.sync_all());
+        }
         // No grid has a side of 0: the claim is the outbox's own.
         let claim = SessionClaim::claim_lowest_free_number(path, 0);
         if claim.number() > 1 {

@@ -130,28 +130,31 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         }
     }
 
-    /// First all sculptures whose status the booth hasn't noted, then the others that it doesn't have, in turn; then
-    /// questions of sent ones.
+    /// First all sculptures whose status the booth hasn't noted, then questions of sent ones, then the others that the booth
+    /// doesn't have, in turn.
     fn list_announcements(&mut self) -> Vec<Announcement> {
         let now_ms = self.elapsed_ms;
         let entries = self.spool.entries_mut();
         let count = entries.len();
         let start = self.heartbeats.cursor;
         let in_turn = (0..count).map(|step| (start + step) % count);
-        let news = in_turn.clone().filter(|&at| entries[at].has_news());
-        let others = in_turn.filter(|&at| !entries[at].has_news());
-        let owed = news.chain(others).filter_map(|at| Some((at, entries[at].announcement()?)));
+        let is_owed = |at: &usize| entries[*at].status != UploadStatus::Sent;
+        let (news, others): (Vec<usize>, Vec<usize>) =
+            in_turn.filter(is_owed).partition(|&at| entries[at].has_news());
         let mut list = Vec::with_capacity(MAX_ANNOUNCEMENTS);
-        for (at, announcement) in owed.take(MAX_ANNOUNCEMENTS) {
-            list.push(announcement);
-            if list.len() == MAX_ANNOUNCEMENTS {
-                self.heartbeats.cursor = at + 1;
-            }
-        }
-        for entry in entries {
+        list.extend(news.iter().filter_map(|&at| entries[at].announcement()));
+        list.truncate(MAX_ANNOUNCEMENTS);
+        for entry in entries.iter_mut() {
             let question = entry.question(now_ms).filter(|_| list.len() < MAX_ANNOUNCEMENTS);
             entry.is_asked_for = question.is_some();
             list.extend(question);
+        }
+        let room = MAX_ANNOUNCEMENTS - list.len();
+        list.extend(others.iter().take(room).filter_map(|&at| entries[at].announcement()));
+        // The next heartbeat goes on behind the last one.
+        let last = others.get(room.wrapping_sub(1)).or(news.get(MAX_ANNOUNCEMENTS - 1));
+        if let Some(at) = last {
+            self.heartbeats.cursor = at + 1;
         }
         list
     }

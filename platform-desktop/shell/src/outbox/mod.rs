@@ -35,7 +35,7 @@ pub use http::{
 };
 pub use link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
 pub use parcel::{Parcel, ParcelFault};
-pub use sender::{KEPT, Sender};
+pub use sender::{DELETED, KEPT, Sender};
 pub use spool::{MAX_SPOOL_ENTRIES, OutboxLevel, OutboxSettings, Spool, SpoolEntry, SpoolError};
 
 #[cfg(test)]

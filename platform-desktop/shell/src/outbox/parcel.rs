@@ -72,17 +72,18 @@ impl Parcel {
     /// Takes a file's bytes as a parcel. What is packed isn't looked at.
     ///
     /// # Errors
-    /// Where its head is none or tells another length, or the hash isn't that of the bytes before.
+    /// `Damaged` if the hash isn't that of the bytes before; otherwise another version's: a head that can't be read, or tells
+    /// another length.
     pub fn from_file(file: Vec<u8>) -> Result<Self, ParcelFault> {
         let at = file.len().checked_sub(ContentHash::BYTES).ok_or(ParcelFault::Damaged)?;
         let (bytes, hash) = file.split_at(at);
+        if Sha256::digest(bytes)[..] != *hash {
+            return Err(ParcelFault::Damaged);
+        }
         let (facts, packed) = UploadFacts::split_head(bytes)?;
         let (told, found) = (facts.packed_bytes(), packed.len() as u64);
         if told != found {
             return Err(ParcelFault::Length { told, found });
-        }
-        if Sha256::digest(bytes)[..] != *hash {
-            return Err(ParcelFault::Damaged);
         }
         Ok(Parcel { facts, file })
     }

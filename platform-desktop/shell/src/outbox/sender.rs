@@ -26,6 +26,9 @@ const MAX_RETRY_AFTER_SECONDS: u32 = 600;
 /// Milliseconds until a refused parcel is sent again, once somebody may have mended the booth: six hours.
 const REFUSED_RETRY_MS: u64 = 6 * 3600 * 1000;
 
+/// Milliseconds by which that is shorter at most, so that headsets don't return at one moment.
+const REFUSED_SPREAD_MS: u64 = 600_000;
+
 /// Milliseconds between sweeps of the spool.
 const SWEEP_MS: u64 = 1_000;
 
@@ -261,10 +264,12 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
             Err(_) => (0, 0),
         };
         let is_done = match status {
-            200 if is_kept_answer(result) => self.take_settled(id, OutboxEvent::KeptAtBooth(id)),
-            410 => self.take_settled(id, OutboxEvent::DeletedAtBooth(id)),
+            200 if has_body(result, KEPT) => self.take_settled(id, OutboxEvent::KeptAtBooth(id)),
+            410 if has_body(result, DELETED) => {
+                self.take_settled(id, OutboxEvent::DeletedAtBooth(id))
+            }
             409 | 413 | 422 => self.take_refused(id, random),
-            429 | 503 if retry_after > 0 => return self.wait_for_booth(retry_after, random),
+            429 | 503 if retry_after > 0 => return self.wait_for_booth(id, retry_after, random),
             401 | 403 => {
                 self.note_stranger(status);
                 false
@@ -294,7 +299,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         if !self.spool.rename(id, UploadStatus::Refused, self.elapsed_ms) {
             return false;
         }
-        let wait_ms = jittered_wait_ms(REFUSED_RETRY_MS, REFUSED_RETRY_MS, 1, random);
+        let wait_ms = REFUSED_RETRY_MS - u64::from(random) % REFUSED_SPREAD_MS;
         let retry_ms = self.elapsed_ms.saturating_add(wait_ms);
         if let Some(entry) = self.spool.find_mut(id) {
             entry.retry_ms = retry_ms;
@@ -311,8 +316,12 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         });
     }
 
-    /// The booth is there and asks to wait: no failure.
-    fn wait_for_booth(&mut self, retry_after_seconds: u32, random: u32) {
+    /// The booth is there and asks to wait: no failure of the link. The parcel goes after all others, as it may be this one
+    /// alone that the booth has no room for.
+    fn wait_for_booth(&mut self, id: SculptureId, retry_after_seconds: u32, random: u32) {
+        if let Some(entry) = self.spool.find_mut(id) {
+            entry.failures = entry.failures.saturating_add(1);
+        }
         let asked_ms = u64::from(retry_after_seconds.min(MAX_RETRY_AFTER_SECONDS)) * 1000;
         let spread_ms = jittered_wait_ms(UPLOAD_WAIT_MS, UPLOAD_WAIT_MS, 1, random);
         self.uploads.failures = 0;
@@ -346,9 +355,11 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
     }
 }
 
-/// The body of the booth's 200: no captive portal answers so.
+/// The bodies of the booth's 200 and 410: no proxy and no captive portal answers so.
 pub const KEPT: &[u8] = b"kept\n";
+/// See [`KEPT`].
+pub const DELETED: &[u8] = b"deleted\n";
 
-fn is_kept_answer(result: &Result<HttpAnswer, LinkFault>) -> bool {
-    result.as_ref().is_ok_and(|answer| answer.body == KEPT)
+fn has_body(result: &Result<HttpAnswer, LinkFault>, body: &[u8]) -> bool {
+    result.as_ref().is_ok_and(|answer| answer.body == body)
 }

@@ -7,10 +7,13 @@ use paros_core::badge::BadgeNumber;
 use paros_protocol::{Announcement, SculptureId, UploadStatus};
 
 use super::folder::OutboxFolder;
-use super::parcel::{MAX_FILE_BYTES, Parcel};
+use super::parcel::{MAX_FILE_BYTES, Parcel, ParcelFault};
 
 /// Sculptures that a spool knows: five days of 50 visits without the booth, and some.
 pub const MAX_SPOOL_ENTRIES: usize = 256;
+
+/// Milliseconds until files are looked at again that aren't in the table: a bad sector takes long to read.
+const LOOK_AGAIN_MS: u64 = 60_000;
 
 /// What an exhibition sets.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -90,6 +93,8 @@ pub struct Spool<F> {
     entries: Vec<SpoolEntry>,
     /// `true` if there are parcels in the folder that the table has no room for, or that couldn't be read.
     has_unlisted: bool,
+    /// When these are looked at again, in milliseconds of the sender.
+    next_look_ms: u64,
 }
 
 /// The end of the name of a file in this status; `None` where there is no file.
@@ -155,7 +160,13 @@ impl<F: OutboxFolder> Spool<F> {
     /// # Errors
     /// `Disk` if the folder can't be listed.
     pub fn open(folder: F, settings: OutboxSettings) -> Result<Self, SpoolError> {
-        let mut spool = Spool { folder, settings, entries: Vec::new(), has_unlisted: false };
+        let mut spool = Spool {
+            folder,
+            settings,
+            entries: Vec::new(),
+            has_unlisted: false,
+            next_look_ms: LOOK_AGAIN_MS,
+        };
         let names = spool.list()?;
         for name in names.iter().filter(|name| name.starts_with(".paros-")) {
             // Nobody else writes here. If it stays, the next start tries again.
@@ -176,12 +187,17 @@ impl<F: OutboxFolder> Spool<F> {
         listed.map_err(|source| SpoolError::Disk { name: "folder".into(), source })
     }
 
-    /// Takes in files that the table doesn't know, the sent ones last: they leave first where there is no room.
+    /// Takes in files that the table doesn't know: first those that the booth doesn't have.
     fn take_in(&mut self, names: &[String]) {
         self.has_unlisted = false;
-        let files: BTreeSet<_> =
-            names.iter().filter_map(|name| parse_name(name)).map(|(id, at)| (at, id)).collect();
-        for (status, id) in files {
+        // Of two files of one sculpture a damaged one says least.
+        let is_last = |status| status == UploadStatus::Lost;
+        let files: BTreeSet<_> = names
+            .iter()
+            .filter_map(|name| parse_name(name))
+            .map(|(id, status)| (is_last(status), status, id))
+            .collect();
+        for (_, status, id) in files {
             if self.find(id).is_some() {
                 // A rename was cut off, and both names are there: the first is sent again, which is harmless.
                 continue;
@@ -208,11 +224,15 @@ impl<F: OutboxFolder> Spool<F> {
             return None;
         };
         entry.bytes = bytes.len() as u64;
-        let parcel = Parcel::from_file(bytes).ok().filter(|parcel| parcel.facts().id == id);
-        let Some(parcel) = parcel else {
-            entry.status = self.set_aside(id, status)?;
-            entry.bytes = 0;
-            return Some(entry);
+        let parcel = match Parcel::from_file(bytes) {
+            Ok(parcel) if parcel.facts().id == id => parcel,
+            Err(ParcelFault::Damaged) => {
+                entry.status = self.set_aside(id, status)?;
+                entry.bytes = 0;
+                return Some(entry);
+            }
+            // Another version's: it stays for that.
+            _ => return None,
         };
         (entry.badge, entry.finished_at) = (parcel.facts().badge, parcel.facts().finished_at);
         if status == UploadStatus::Sent {
@@ -345,7 +365,8 @@ impl<F: OutboxFolder> Spool<F> {
     fn write(&mut self, name: &str, bytes: &[u8]) -> Result<(), SpoolError> {
         loop {
             let Err(source) = self.folder.write(name, bytes) else { return Ok(()) };
-            let is_full = source.kind() == io::ErrorKind::StorageFull;
+            let kind = source.kind();
+            let is_full = matches!(kind, io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded);
             if !is_full || !self.delete_oldest_sent() {
                 return Err(SpoolError::Disk { name: name.into(), source });
             }
@@ -359,15 +380,34 @@ impl<F: OutboxFolder> Spool<F> {
         ids.into_iter().any(|id| self.delete(id))
     }
 
+    /// Forgets the oldest sculpture without a parcel that the booth hasn't noted as lost. Returns `false` if there is none.
+    fn forget_oldest_lost(&mut self) -> bool {
+        let lost = self.entries.iter().find(|entry| entry.status == UploadStatus::Lost);
+        let id = lost.map(|entry| entry.id);
+        id.inspect(|id| self.forget(*id)).is_some()
+    }
+
+    /// The entries that can't leave, and the bytes of their files.
+    fn count_owed(&self) -> (usize, u64) {
+        let may_leave = |status| matches!(status, UploadStatus::Sent | UploadStatus::Lost);
+        let owed = self.entries.iter().filter(|entry| !may_leave(entry.status));
+        owed.fold((0, 0), |(count, bytes), entry| (count + 1, bytes + entry.bytes))
+    }
+
     /// Deletes sent parcels, the oldest first, until there is room for so many entries and bytes more.
     fn make_room(&mut self, more_entries: usize, more_bytes: u64) -> Result<(), SpoolError> {
+        let (owed, owed_bytes) = self.count_owed();
+        let has_room = owed_bytes.saturating_add(more_bytes) <= self.settings.max_bytes;
+        if !has_room || owed + more_entries > MAX_SPOOL_ENTRIES {
+            return Err(SpoolError::Full);
+        }
         loop {
             let bytes: u64 = self.entries.iter().map(|entry| entry.bytes).sum();
             let fits = bytes.saturating_add(more_bytes) <= self.settings.max_bytes;
             if fits && self.entries.len() + more_entries <= MAX_SPOOL_ENTRIES {
                 return Ok(());
             }
-            if !self.delete_oldest_sent() {
+            if !self.delete_oldest_sent() && !self.forget_oldest_lost() {
                 return Err(SpoolError::Full);
             }
         }
@@ -385,11 +425,15 @@ impl<F: OutboxFolder> Spool<F> {
                 return None;
             }
         };
-        let parcel = Parcel::from_file(bytes).ok().filter(|parcel| parcel.facts().id == id);
-        if parcel.is_none() && self.set_aside(id, status) == Some(UploadStatus::Lost) {
-            self.note_lost(id);
+        match Parcel::from_file(bytes) {
+            Ok(parcel) => Some(parcel),
+            Err(_) => {
+                if self.set_aside(id, status) == Some(UploadStatus::Lost) {
+                    self.note_lost(id);
+                }
+                None
+            }
         }
-        parcel
     }
 
     fn note_lost(&mut self, id: SculptureId) {
@@ -430,7 +474,10 @@ impl<F: OutboxFolder> Spool<F> {
     pub(super) fn sweep(&mut self, now_ms: u64) {
         let grace_seconds = u64::from(self.settings.grace_seconds);
         let is_over = |entry: &&SpoolEntry| {
-            entry.status == UploadStatus::Sent && entry.sent_seconds(now_ms) > grace_seconds
+            // A booth that was restored meanwhile may lack it: it is asked before.
+            let is_confirmed = entry.confirmed_ms.is_some() && !entry.is_asked_for;
+            let is_sent = entry.status == UploadStatus::Sent && is_confirmed;
+            is_sent && entry.sent_seconds(now_ms) > grace_seconds
         };
         let ids: Vec<SculptureId> =
             self.entries.iter().filter(is_over).map(|entry| entry.id).collect();
@@ -439,9 +486,11 @@ impl<F: OutboxFolder> Spool<F> {
             self.delete(id);
         }
         if self.has_unlisted
+            && now_ms >= self.next_look_ms
             && self.entries.len() < MAX_SPOOL_ENTRIES
             && let Ok(names) = self.list()
         {
+            self.next_look_ms = now_ms + LOOK_AGAIN_MS;
             self.take_in(&names);
         }
     }

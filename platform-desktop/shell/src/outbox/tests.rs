@@ -17,9 +17,9 @@ use paros_protocol::{
 };
 
 use super::{
-    BoothLink, BoothRequest, DiskFolder, HeadsetStatus, HttpAnswer, KEPT, LinkAnswer, LinkFault,
-    MAX_SPOOL_ENTRIES, OutboxEvent, OutboxHost, OutboxLevel, OutboxOwner, OutboxSettings, Parcel,
-    ParcelFault, Sender, SentRequest, SpoolError,
+    BoothLink, BoothRequest, DELETED, DiskFolder, HeadsetStatus, HttpAnswer, KEPT, LinkAnswer,
+    LinkFault, MAX_SPOOL_ENTRIES, OutboxEvent, OutboxHost, OutboxLevel, OutboxOwner,
+    OutboxSettings, Parcel, ParcelFault, Sender, SentRequest, SpoolError,
 };
 
 const OWNER: OutboxOwner = OutboxOwner { site: SiteId([7; 16]), headset: 17 };
@@ -210,17 +210,18 @@ fn a_parcel_outlives_starts_until_its_grace_is_over() {
     assert_eq!(status(&sender, 1), Some(UploadStatus::Sent));
     assert_eq!(folder.names(), [name_of(1, "sent")]);
     sender.step(&mut host);
-    host.now_ms += 59_000;
+    host.now_ms += 100_000;
     sender.step(&mut host);
-    assert_eq!(status(&sender, 1), Some(UploadStatus::Sent));
-    host.now_ms += 3_000;
+    assert_eq!(status(&sender, 1), Some(UploadStatus::Sent), "the booth is asked before");
+    heartbeats::confirm(&mut sender, &mut host);
+    host.now_ms += 1_000;
     sender.step(&mut host);
     assert_eq!((status(&sender, 1), folder.names().len()), (None, 0));
 }
 
 /// The grace goes on while the program doesn't run.
 #[test]
-fn a_parcel_that_was_sent_long_ago_is_deleted_at_the_start() {
+fn a_parcel_that_was_sent_long_ago_is_deleted_once_the_booth_has_it_still() {
     let folder = Folder::new("age");
     let mut host = Host::default();
     drop(send_all(&folder, &mut host, &[1, 2]));
@@ -228,6 +229,8 @@ fn a_parcel_that_was_sent_long_ago_is_deleted_at_the_start() {
     let file = fs::File::options().write(true).open(path).expect("a file");
     file.set_modified(SystemTime::now() - Duration::from_secs(100)).expect("a time");
     let mut sender = folder.open();
+    heartbeats::confirm(&mut sender, &mut host);
+    host.now_ms += 1_000;
     sender.step(&mut host);
     assert_eq!([1, 2].map(|number| status(&sender, number)), [None, Some(UploadStatus::Sent)]);
 }
@@ -245,6 +248,7 @@ fn a_parcel_that_cant_be_removed_holds_up_no_other() {
     sender.step(&mut host);
     assert_eq!([1, 2].map(|number| status(&sender, number)), [Some(UploadStatus::Sent), None]);
     fs::remove_dir(&stuck).expect("it is empty");
+    heartbeats::confirm(&mut sender, &mut host);
     host.now_ms += 2_000;
     sender.step(&mut host);
     assert_eq!(status(&sender, 1), None);
@@ -287,7 +291,11 @@ fn each_answer_has_its_file() {
             host.now_ms += 3 * 3600 * 1000;
         }
     }
-    answer(&mut sender, &mut host, 410, b"deleted");
+    for body in [&b""[..], KEPT] {
+        answer(&mut sender, &mut host, 410, body);
+        assert_eq!(status(&sender, 1), Some(UploadStatus::Refused), "a proxy's");
+    }
+    answer(&mut sender, &mut host, 410, DELETED);
     assert!(host.events.contains(&OutboxEvent::DeletedAtBooth(id_of(1))));
     assert_eq!((status(&sender, 1), folder.names().len()), (None, 0));
 }

@@ -60,9 +60,24 @@ fn a_parcel_that_cant_be_read_is_taken_in_later() {
     assert_eq!(status(&sender, 1), None);
     fs::remove_dir(&path).expect("it is empty");
     fs::write(&path, parcel(1).file_bytes()).expect("room on the disk");
-    host.now_ms += 2000;
+    sender.step(&mut host);
+    host.now_ms += 61_000;
     sender.step(&mut host);
     assert_eq!(status(&sender, 1), Some(UploadStatus::Kept));
+}
+
+/// A parcel of another version is no damaged one: it stays as it is.
+#[test]
+fn a_parcel_of_another_version_stays_for_that() {
+    let folder = Folder::new("versions");
+    drop(folder.open());
+    let mut bytes = [&9u32.to_le_bytes()[..], b"{\"new\":2}"].concat();
+    bytes.extend_from_slice(&<sha2::Sha256 as sha2::Digest>::digest(&bytes));
+    let names = [name_of(1, "parcel"), name_of(2, "sent")];
+    names.iter().for_each(|name| fs::write(folder.0.join(name), &bytes).expect("room"));
+    let sender = folder.open();
+    assert!(sender.spool().entries().is_empty());
+    assert_eq!(folder.names(), names);
 }
 
 #[test]
