@@ -24,7 +24,7 @@ use super::events::HeadsetStatus;
 use super::folder::DiskFolder;
 use super::link::BoothLink;
 use super::parcel::Parcel;
-use super::spool::{OutboxSettings, SpoolError};
+use super::spool::{OutboxSettings, SpoolError, parse_name};
 use crate::settings::BoothSettings;
 
 use board::{Board, DeviceRefusal};
@@ -253,7 +253,10 @@ impl Courier {
 /// The folders of other sites whose booths don't have all sculptures, and how many each lacks.
 fn count_left(outboxes: &Path, own: &str) -> Vec<(String, usize)> {
     let entries = |folder: &Path| fs::read_dir(folder).into_iter().flatten().flatten();
-    let is_left = |name: &str| name.ends_with(".parcel") || name.ends_with(".refused");
+    let is_left = |name: &str| {
+        let status = parse_name(name).map(|(_, status)| status);
+        matches!(status, Some(UploadStatus::Kept | UploadStatus::Refused))
+    };
     let others = entries(outboxes).filter(|entry| entry.file_name() != *own);
     let counted = others.map(|site| {
         let names = entries(&site.path()).map(|entry| entry.file_name());

@@ -264,9 +264,13 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
             Err(_) => (0, 0),
         };
         let is_done = match status {
-            200 if has_body(result, KEPT) => self.take_settled(id, OutboxEvent::KeptAtBooth(id)),
+            200 if has_body(result, KEPT) => {
+                let is_noted = self.spool.rename(id, UploadStatus::Sent, self.elapsed_ms);
+                self.report_noted(is_noted, OutboxEvent::KeptAtBooth(id))
+            }
             410 if has_body(result, DELETED) => {
-                self.take_settled(id, OutboxEvent::DeletedAtBooth(id))
+                let is_noted = self.spool.delete(id);
+                self.report_noted(is_noted, OutboxEvent::DeletedAtBooth(id))
             }
             409 | 413 | 422 => self.take_refused(id, random),
             429 | 503 if retry_after > 0 => return self.wait_for_booth(id, retry_after, random),
@@ -282,30 +286,21 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         }
     }
 
-    /// The booth has the parcel, or deleted it. Returns `false` if the disk refuses to note that.
-    fn take_settled(&mut self, id: SculptureId, event: OutboxEvent) -> bool {
-        let is_kept = matches!(event, OutboxEvent::KeptAtBooth(_));
-        let is_done = match is_kept {
-            true => self.spool.rename(id, UploadStatus::Sent, self.elapsed_ms),
-            false => self.spool.delete(id),
-        };
-        if is_done {
-            self.events.push(event);
-        }
-        is_done
+    /// Reports the outcome of a parcel that the disk has noted. Returns `is_noted`.
+    fn report_noted(&mut self, is_noted: bool, outcome: OutboxEvent) -> bool {
+        self.events.extend(is_noted.then_some(outcome));
+        is_noted
     }
 
+    /// The booth can't take the parcel. Returns `false` if the disk refuses to note that.
     fn take_refused(&mut self, id: SculptureId, random: u32) -> bool {
-        if !self.spool.rename(id, UploadStatus::Refused, self.elapsed_ms) {
-            return false;
-        }
+        let is_noted = self.spool.rename(id, UploadStatus::Refused, self.elapsed_ms);
         let wait_ms = REFUSED_RETRY_MS - u64::from(random) % REFUSED_SPREAD_MS;
         let retry_ms = self.elapsed_ms.saturating_add(wait_ms);
-        if let Some(entry) = self.spool.find_mut(id) {
+        if let Some(entry) = self.spool.find_mut(id).filter(|_| is_noted) {
             entry.retry_ms = retry_ms;
         }
-        self.events.push(OutboxEvent::RefusedByBooth(id));
-        true
+        self.report_noted(is_noted, OutboxEvent::RefusedByBooth(id))
     }
 
     /// Reports that the booth doesn't let this headset in, by the status of HTTP.
@@ -319,9 +314,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
     /// The booth is there and asks to wait: no failure of the link. The parcel goes after all others, as it may be this one
     /// alone that the booth has no room for.
     fn wait_for_booth(&mut self, id: SculptureId, retry_after_seconds: u32, random: u32) {
-        if let Some(entry) = self.spool.find_mut(id) {
-            entry.failures = entry.failures.saturating_add(1);
-        }
+        self.put_last(id);
         let asked_ms = u64::from(retry_after_seconds.min(MAX_RETRY_AFTER_SECONDS)) * 1000;
         let spread_ms = jittered_wait_ms(UPLOAD_WAIT_MS, UPLOAD_WAIT_MS, 1, random);
         self.uploads.failures = 0;
@@ -333,6 +326,11 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         let wait_ms = jittered_wait_ms(UPLOAD_WAIT_MS, MAX_UPLOAD_WAIT_MS, failures, random);
         self.uploads.failures = failures;
         self.uploads.wait_until_ms = self.elapsed_ms.saturating_add(wait_ms);
+        self.put_last(id);
+    }
+
+    /// Has a parcel sent after those with fewer failures.
+    fn put_last(&mut self, id: SculptureId) {
         if let Some(entry) = self.spool.find_mut(id) {
             entry.failures = entry.failures.saturating_add(1);
         }

@@ -35,7 +35,7 @@ pub enum OutboxLevel {
     Full,
 }
 
-/// Why the spool doesn't do what it was asked. Nothing has changed.
+/// Why the spool doesn't do what it was asked. No sculpture that the booth doesn't have has lost its parcel.
 #[derive(Debug, thiserror::Error)]
 pub enum SpoolError {
     /// There is no room, and nothing that may be deleted.
@@ -114,7 +114,7 @@ pub(super) fn file_name(id: SculptureId, status: UploadStatus) -> String {
 }
 
 /// The sculpture and the status that a file's name says.
-fn parse_name(name: &str) -> Option<(SculptureId, UploadStatus)> {
+pub(super) fn parse_name(name: &str) -> Option<(SculptureId, UploadStatus)> {
     let (id, end) = name.split_once('.')?;
     let is_it = |status: &UploadStatus| extension(*status) == Some(end);
     let status = UploadStatus::ALL.into_iter().find(is_it)?;
@@ -219,7 +219,7 @@ impl<F: OutboxFolder> Spool<F> {
             return Some(entry);
         }
         let Ok(bytes) = self.folder.read(&name, MAX_FILE_BYTES) else {
-            // The next sweep reads it again.
+            // A later sweep reads it again.
             self.has_unlisted = true;
             return None;
         };

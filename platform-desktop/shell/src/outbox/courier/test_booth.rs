@@ -113,6 +113,17 @@ impl Rig {
         Courier::spawn(&plan, self.link(headset, command)).expect("a folder")
     }
 
+    /// The files of parcels, whether or not the booth has them.
+    pub(crate) fn parcel_files(&self) -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(&self.folder).expect("a folder");
+        let paths = entries.map(|entry| entry.expect("a file").path());
+        let is_parcel = |path: &PathBuf| {
+            let end = path.extension().and_then(|end| end.to_str());
+            matches!(end, Some("parcel" | "sent"))
+        };
+        paths.filter(is_parcel).collect()
+    }
+
     /// A link to the booth.
     pub(crate) fn link(&self, headset: u32, command: Option<BoothCommand>) -> CourierLink {
         Box::new(Booth {

@@ -1,6 +1,5 @@
 //! A courier over a real folder, and a booth in its link.
 
-use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::thread;
 use std::time::Duration;
@@ -36,16 +35,6 @@ fn draft(id: SculptureId, badge: Option<BadgeNumber>) -> ParcelDraft {
     ParcelDraft { facts, volume: b"a volume".to_vec(), trace: None }
 }
 
-/// How many parcels are in a folder, whether or not the booth has them.
-fn parcels(folder: &Path) -> usize {
-    let names = std::fs::read_dir(folder).expect("a folder");
-    let is_parcel = |path: &Path| {
-        let end = path.extension().and_then(|end| end.to_str());
-        matches!(end, Some("parcel" | "sent"))
-    };
-    names.filter(|name| is_parcel(&name.as_ref().unwrap().path())).count()
-}
-
 #[test]
 fn a_sculpture_is_kept_here_and_then_at_the_booth_under_a_leased_badge() {
     let rig = Rig::new("kept");
@@ -60,7 +49,7 @@ fn a_sculpture_is_kept_here_and_then_at_the_booth_under_a_leased_badge() {
     courier.keep(draft(id, Some(badge)));
     wait("kept here", || (courier.upload_status(id) == Some(UploadStatus::Kept)).then_some(()));
     assert_eq!(courier.summary().owed, 1);
-    assert_eq!(parcels(&rig.folder), 1);
+    assert_eq!(rig.parcel_files().len(), 1);
     rig.is_down.store(false, Ordering::Relaxed);
     wait("kept at the booth", || {
         (courier.upload_status(id) == Some(UploadStatus::Sent)).then_some(())
@@ -97,7 +86,7 @@ fn one_that_is_forgotten_says_so_once_and_brings_all_as_the_headset_that_it_beco
     let courier = rig.start_as(OWNER.headset + 1, None);
     wait("a receipt", || (courier.upload_status(id) == Some(UploadStatus::Sent)).then_some(()));
     assert!(!courier.is_forgotten());
-    assert_eq!(parcels(&rig.folder), 1);
+    assert_eq!(rig.parcel_files().len(), 1);
 }
 
 #[test]
@@ -133,7 +122,7 @@ fn what_has_left_the_outbox_is_kept_at_the_booth_still() {
     wait("kept at the booth", || {
         (courier.upload_status(id) == Some(UploadStatus::Sent)).then_some(())
     });
-    wait("it leaves", || (parcels(&rig.folder) == 0).then_some(()));
+    wait("it leaves", || (rig.parcel_files().is_empty()).then_some(()));
     thread::sleep(Duration::from_millis(500));
     assert_eq!(courier.upload_status(id), Some(UploadStatus::Sent));
 }

@@ -27,13 +27,8 @@ fn run_to_the_end(studio: &mut Studio<'_, 128>) {
 
 /// The parcels in an outbox.
 fn parcels(rig: &Rig) -> Vec<Parcel> {
-    let names = fs::read_dir(&rig.folder).expect("a folder").map(|entry| entry.unwrap().path());
-    let is_parcel = |path: &Path| {
-        let end = path.extension().and_then(|end| end.to_str());
-        matches!(end, Some("parcel" | "sent"))
-    };
-    let parcels = names.filter(|path| is_parcel(path));
-    parcels.map(|path| Parcel::from_file(fs::read(path).unwrap()).expect("whole")).collect()
+    let files = rig.parcel_files().into_iter().map(|path| fs::read(path).unwrap());
+    files.map(|file| Parcel::from_file(file).expect("whole")).collect()
 }
 
 fn prints(folder: &Path) -> Vec<Vec<u8>> {
