@@ -43,8 +43,12 @@ fn make_folder(name: &str) -> PathBuf {
 
 /// The bytes of a volume with something in it: the toy.
 fn encode_toy() -> Vec<u8> {
-    let mut b = lock_buffers();
-    let Buffers { maps, plane, .. } = &mut *b;
+    encode_toy_of(&mut lock_buffers())
+}
+
+/// The toy's bytes, whose maps stay in `buffers`.
+fn encode_toy_of(buffers: &mut Buffers) -> Vec<u8> {
+    let Buffers { maps, plane, .. } = buffers;
     Figure::Toy.rasterize_into(maps, plane);
     rmap::encode(maps)
 }
@@ -87,10 +91,10 @@ fn the_checksum_is_crc_32() {
 
 #[test]
 fn the_layout_is_as_documented() {
-    let bytes = encode_toy();
+    let mut b = lock_buffers();
+    let bytes = encode_toy_of(&mut b);
     assert_eq!(bytes.len(), HEADER + COLUMNS + CHECKSUM);
     assert_eq!(bytes[..HEADER], *b"RMAP\x01\x00\x10\x00\x01\x00\x00\x00");
-    let b = lock_buffers();
     for axis in Axis::ALL {
         for (line, place) in (0..256).map(|i| (i / 16, i % 16)) {
             let at = HEADER + 2 * (256 * axis as usize + 16 * line + place);
@@ -179,8 +183,8 @@ fn any_flipped_bit_is_found() {
 fn files_come_back_and_errors_name_them() {
     let folder = make_folder("files");
     let path = folder.join("toy.rmap");
-    let bytes = encode_toy();
     let mut b = lock_buffers();
+    let bytes = encode_toy_of(&mut b);
     rmap::write(&path, &b.maps).unwrap();
     assert_eq!(fs::read(&path).unwrap(), bytes);
     let header = rmap::read_header(&path).unwrap();
