@@ -3,11 +3,7 @@
 
 mod badge;
 
-pub use badge::{
-    ALLOWANCE_SECONDS, BADGE_CANDIDATES, BLOCK_NUMBERS, DAY_BLOCKS, FORMER_EPOCHS, MAX_ALLOWANCE,
-    MAX_HEADSETS, MAX_LEASED_BLOCKS, MAX_REPORT_SECONDS, RESERVE_NUMBERS, RESTORE_BLOCKS,
-    SHORTEST_TAIL,
-};
+pub use badge::{BADGE_CANDIDATES, BLOCK_NUMBERS};
 
 /// Intervals of a column in the shells, K. One is the paper's volume and holds every shape that is seen
 /// whole along the three axes (section 3.2); carving refuses what it can't hold, half of a restless

@@ -160,13 +160,13 @@ impl BadgeNumber {
     }
 
     /// Number `place` of a block; `None` where there is no such block or place.
-    pub(crate) fn of_block(block: u16, place: u8) -> Option<Self> {
+    pub fn of_block(block: u16, place: u8) -> Option<Self> {
         let is_valid = usize::from(block) < LEASED_BLOCKS && usize::from(place) < BLOCK_NUMBERS;
         is_valid.then(|| BadgeNumber(u32::from(block) * BLOCK_NUMBERS as u32 + u32::from(place)))
     }
 
     /// The block that it lies in, and its place there; `None` for a provisional number.
-    pub(crate) fn block_and_place(self) -> Option<(u16, u8)> {
+    pub fn block_and_place(self) -> Option<(u16, u8)> {
         let (block, place) = (self.0 / BLOCK_NUMBERS as u32, self.0 % BLOCK_NUMBERS as u32);
         (!self.is_provisional()).then_some((block as u16, place as u8))
     }

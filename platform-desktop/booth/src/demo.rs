@@ -5,13 +5,13 @@ use std::os::unix::fs::DirBuilderExt as _;
 use std::path::{Path, PathBuf};
 
 use paros_booth_rules::{Booth, BoothTime, Refusal, hash_of};
-use paros_core::badge::{BadgeLease, BadgeNumber};
+use paros_core::badge::BadgeNumber;
 use paros_core::codec::trace::CORE_VERSION;
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
 use paros_protocol::{
-    AgeGroup, ContentHash, DeviceHint, DeviceName, DeviceToken, EnrolmentToken, FinishCause,
-    FleetEnrolment, Heartbeat, HeatLevel, SculptureId, UploadFacts,
+    AgeGroup, BadgeReport, BlockSerial, ContentHash, DeviceHint, DeviceName, DeviceToken,
+    EnrolmentToken, FinishCause, FleetEnrolment, Heartbeat, HeatLevel, SculptureId, UploadFacts,
 };
 use paros_shell::outbox::Parcel;
 
@@ -90,13 +90,11 @@ fn fill(booth: &Booth, now: BoothTime) -> Result<(), Refusal> {
     };
     booth.enrol_fleet(&enrolment, now)?;
     let device = booth.authenticate(&token)?;
-    let mut lease = BadgeLease::new(device.headset, 1);
-    let beat = Heartbeat { lease: Some(lease.make_report()), ..first_heartbeat(device.headset) };
-    if let Some(answer) = booth.take_heartbeat(&device, &beat, now)?.lease {
-        let _ = lease.take_answer(&answer);
-    }
+    let answer = booth.take_heartbeat(&device, &first_heartbeat(device.headset), now)?;
+    let held = answer.badges.first();
     for (k, shape) in SHAPES.into_iter().enumerate() {
-        let badge = lease.take_number(k as u32);
+        let badge = held.and_then(|held| BadgeNumber::of_block(held.block, k as u8));
+        let badge = (badge, held.map(|held| held.serial));
         let before = VISIT_SECONDS * (SHAPES.len() - k) as u64;
         let finished_at = BoothTime(now.0.saturating_sub(1000 * before));
         let parcel = make_parcel(k, &make_volume(shape), badge, finished_at)
@@ -111,7 +109,7 @@ fn fill(booth: &Booth, now: BoothTime) -> Result<(), Refusal> {
 fn make_parcel(
     k: usize,
     volume: &[u8],
-    badge: BadgeNumber,
+    (badge, badge_serial): (Option<BadgeNumber>, Option<BlockSerial>),
     finished_at: BoothTime,
 ) -> Result<Parcel, String> {
     let ContentHash(hash) = hash_of(format!("sculpture {k} of the demo").as_bytes());
@@ -119,7 +117,8 @@ fn make_parcel(
     id.copy_from_slice(&hash[..16]);
     let facts = UploadFacts {
         id: SculptureId(id),
-        badge: Some(badge),
+        badge,
+        badge_serial,
         core_version: CORE_VERSION,
         side: SIDE as u16,
         cause: FinishCause::Finished,
@@ -156,7 +155,7 @@ fn first_heartbeat(headset: u32) -> Heartbeat {
         outbox_full_percent: 0,
         app_version: [0, 1, 0],
         core_version: CORE_VERSION,
-        lease: None,
+        badges: BadgeReport { epoch: 1, blocks: Vec::new() },
         last_command: None,
         announcements: Vec::new(),
     }
@@ -176,7 +175,8 @@ mod tests {
             let volume = make_volume(shape);
             assert_eq!(make_volume(shape), volume, "the same each time");
             let badge = BadgeNumber::new(k as u32).expect("a number");
-            let parcel = make_parcel(k, &volume, badge, BoothTime(1)).expect("a parcel");
+            let parcel =
+                make_parcel(k, &volume, (Some(badge), None), BoothTime(1)).expect("a parcel");
             let facts = parcel.facts();
             let packed =
                 &parcel.file_bytes()[facts.to_head().len()..][..facts.volume_bytes as usize];

@@ -320,7 +320,7 @@ fn write_text(job: &MailJob, content: &MailContent) -> (&'static str, String) {
 #[cfg(test)]
 mod tests {
     use paros_booth_rules::MailJob;
-    use paros_booth_rules::records::{BadgeClaim, ExportState, Sculpture};
+    use paros_booth_rules::records::{ExportState, Sculpture};
     use paros_core::badge::Language;
 
     use super::{MAX_MODEL_BYTES, MailContent, choose_content, write_text};
@@ -333,11 +333,10 @@ mod tests {
             headset: 1,
             hash: [2; 32],
             badge: Some(77),
-            claim: BadgeClaim::Sole,
+            claimed_badge: Some(77),
             facts: Vec::new(),
             received_at: Default::default(),
             keep_day: 1,
-            is_in_ledger: false,
             withdrawn_at: None,
             has_trace: false,
             export: ExportState::Made,

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand};
 use paros_booth_rules::BoothPlan;
+use paros_booth_rules::limits::MAX_RETENTION_DAYS;
 
 use crate::error::Error;
 use crate::mailer::MailOptions;
@@ -40,9 +41,9 @@ pub struct ServeOptions {
     /// Log in JSON, a line an event.
     #[arg(long)]
     pub json: bool,
-    /// Days for which sculptures are kept after the one on which they came.
+    /// Days for which sculptures are kept after the one on which they came. Badges' numbers last for no longer than 93.
     #[arg(long, value_name = "DAYS", default_value_t = BoothPlan::default().retention_days,
-        value_parser = clap::value_parser!(u16).range(1..=3650))]
+        value_parser = clap::value_parser!(u16).range(1..=i64::from(MAX_RETENTION_DAYS)))]
     pub keep_days: u16,
     /// Gigabytes that sculptures may take.
     #[arg(long, value_name = "GB", default_value_t = 20,
@@ -111,7 +112,7 @@ pub enum BoothTask {
         #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..=1000))]
         uses: u32,
         /// Days until it expires.
-        #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u16).range(1..=3650))]
+        #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u16).range(1..=i64::from(MAX_RETENTION_DAYS)))]
         days: u16,
     },
     /// Copy all that the booth keeps into one file, keys and all, while it serves. Addresses of visitors stay out.

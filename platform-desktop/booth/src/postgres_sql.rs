@@ -5,7 +5,7 @@ use paros_booth_rules::{
 };
 
 use crate::postgres_store::store_error;
-use crate::sqlite_store::{check_column, columns, name, quote};
+use crate::sqlite_store::{check_column, quote};
 
 /// Whether it is a text that no row has, and which PostgreSQL wouldn't take as a question either.
 pub(crate) fn has_nul(value: &Value) -> bool {
@@ -20,30 +20,6 @@ pub(crate) fn key_is(table: &Table) -> String {
     equal.join(" AND ")
 }
 
-/// What keeps a row, instead of that with its key.
-pub(crate) fn write_put(table: &Table) -> String {
-    let places: Vec<String> = (1..=table.columns.len()).map(|k| format!("${k}")).collect();
-    let (key, others) = table.columns.split_at(table.key_columns);
-    let key: Vec<String> = key.iter().map(|column| quote(column.name)).collect();
-    let set = |column: &paros_booth_rules::Column| {
-        let column = quote(column.name);
-        format!("{column} = EXCLUDED.{column}")
-    };
-    let set: Vec<String> = others.iter().map(set).collect();
-    let instead = if set.is_empty() {
-        "NOTHING".to_owned()
-    } else {
-        format!("UPDATE SET {}", set.join(", "))
-    };
-    format!(
-        "INSERT INTO {} ({}) VALUES ({}) ON CONFLICT ({}) DO {instead}",
-        name(table),
-        columns(table),
-        places.join(", "),
-        key.join(", ")
-    )
-}
-
 /// Conditions, and the values of their places; `None` where no row can fulfil them.
 pub(crate) fn write_conditions(query: &Query) -> Result<Option<(String, Vec<&Value>)>, StoreError> {
     let (mut terms, mut values) = (vec!["true".to_owned()], Vec::new());
@@ -53,6 +29,7 @@ pub(crate) fn write_conditions(query: &Query) -> Result<Option<(String, Vec<&Val
             Condition::Equal(column, Value::Null) => (column, "IS NULL", None),
             Condition::Equal(column, value) => (column, "=", Some(value)),
             Condition::Below(column, value) => (column, "<", Some(value)),
+            Condition::AtLeast(column, value) => (column, ">=", Some(value)),
             Condition::Present(column) => (column, "IS NOT NULL", None),
         };
         check_column(query.table, column)?;

@@ -15,8 +15,9 @@ use postgres::{Client, Statement};
 
 use crate::postgres_link::PostgresAddress;
 use crate::postgres_schema::{SiteRow, claim_site, make_tables, read_site};
-use crate::postgres_sql::{has_nul, key_is, read_row, write_conditions, write_order, write_put};
+use crate::postgres_sql::{has_nul, key_is, read_row, write_conditions, write_order};
 use crate::random::random_bytes;
+use crate::schema::write_put;
 use crate::sqlite_store::{columns, lock, name};
 
 /// The longest pause after a conflict: a transaction takes a few milliseconds, and two that tried again at once would
@@ -203,7 +204,7 @@ impl Transaction for PostgresTransaction<'_> {
         if !table.fits(&row) {
             return Err(StoreError::Failed(format!("table {}: no row of it", table.name).into()));
         }
-        self.query(&write_put(table), &row.iter().collect::<Vec<_>>()).map(drop)
+        self.query(&write_put(table, '$'), &row.iter().collect::<Vec<_>>()).map(drop)
     }
 
     fn remove_row(&mut self, table: &'static Table, key: &[Value]) -> Result<(), StoreError> {

@@ -104,10 +104,10 @@ impl UseOfBackup {
 }
 
 fn tell(folder: &Path, report: &RestoreReport) -> String {
-    let RestoreReport { sculptures, deleted, tombstones, tokens, mails } = report;
+    let RestoreReport { sculptures, deleted, tombstones, mails } = report;
     format!(
         "{}: {sculptures} sculptures, {deleted} of them deleted again; {tombstones} deletions more\n\
-         {tokens} enrolment tokens were taken back; {mails} mails that waited have to be asked for anew\n\
+         {mails} mails that waited have to be asked for anew\n\
          Accounts and headsets that were shut out since the backup are let in again: look at both pages.\n\
          Restore no other copy of the same backup today: badges would repeat.\n",
         folder.display()

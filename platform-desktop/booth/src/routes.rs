@@ -284,11 +284,13 @@ async fn tell_metrics(State(app): State<Arc<BoothApp>>) -> Answer {
         let kept = app.booth.count(&Query::all::<Sculpture>())?;
         let queued = Query::all::<Sculpture>().equal("export", &ExportState::Queued);
         let devices = app.booth.count(&Query::all::<Device>().absent("revoked_at"))?;
+        let free = app.booth.count_badges()?.free;
         Ok(app.metrics.write(&[
             ("paros_booth_sculptures", "Sculptures kept.", kept),
             ("paros_booth_kept_bytes", "Bytes of kept files.", app.files.used_bytes()),
             ("paros_booth_exports_queued", "Meshes to make.", app.booth.count(&queued)?),
             ("paros_booth_headsets", "Headsets enrolled.", devices),
+            ("paros_booth_badge_blocks_free", "Blocks of 64 badges to be leased.", free),
         ]))
     });
     Ok(([(header::CONTENT_TYPE, "text/plain; version=0.0.4")], text.await?).into_response())

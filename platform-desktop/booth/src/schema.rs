@@ -3,7 +3,7 @@
 use paros_booth_rules::records::TABLES;
 use paros_booth_rules::{Column, ColumnKind, Table};
 
-use crate::sqlite_store::{name, quote};
+use crate::sqlite_store::{columns, name, quote};
 
 /// The version of the tables. A change of a record raises it.
 pub(crate) const VERSION: i64 = 1;
@@ -29,6 +29,30 @@ pub(crate) fn write_script(dialect: &Dialect) -> String {
     TABLES.iter().map(|table| write_table(table, dialect)).collect()
 }
 
+/// The statement that keeps a row, instead of that with its key. Its values have places with this letter: `$1`, `?1`.
+pub(crate) fn write_put(table: &Table, letter: char) -> String {
+    let places: Vec<String> = (1..=table.columns.len()).map(|k| format!("{letter}{k}")).collect();
+    let (key, others) = table.columns.split_at(table.key_columns);
+    let key: Vec<String> = key.iter().map(|column| quote(column.name)).collect();
+    let set = |column: &Column| {
+        let column = quote(column.name);
+        format!("{column} = EXCLUDED.{column}")
+    };
+    let set: Vec<String> = others.iter().map(set).collect();
+    let instead = if set.is_empty() {
+        "NOTHING".to_owned()
+    } else {
+        format!("UPDATE SET {}", set.join(", "))
+    };
+    format!(
+        "INSERT INTO {} ({}) VALUES ({}) ON CONFLICT ({}) DO {instead}",
+        name(table),
+        columns(table),
+        places.join(", "),
+        key.join(", ")
+    )
+}
+
 fn write_table(table: &Table, dialect: &Dialect) -> String {
     let columns: Vec<String> =
         table.columns.iter().map(|column| write_column(column, dialect)).collect();
@@ -40,6 +64,10 @@ fn write_table(table: &Table, dialect: &Dialect) -> String {
     for column in table.indexed {
         let index = quote(&format!("{}_{column}", table.name));
         script += &format!("CREATE INDEX {index} ON {name} ({});", quote(column));
+    }
+    for column in table.unique {
+        let index = quote(&format!("{}_{column}", table.name));
+        script += &format!("CREATE UNIQUE INDEX {index} ON {name} ({});", quote(column));
     }
     script
 }

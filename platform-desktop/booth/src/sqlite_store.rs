@@ -13,7 +13,7 @@ use rusqlite::{
     params_from_iter,
 };
 
-use crate::schema::{Dialect, VERSION, refuse_version, write_script};
+use crate::schema::{Dialect, VERSION, refuse_version, write_put, write_script};
 
 /// Connections that only read: a commit that waits for the disk holds none of them up.
 const READERS: usize = 3;
@@ -125,13 +125,7 @@ impl Transaction for SqliteTransaction<'_> {
         if !table.fits(&row) {
             return Err(StoreError::Failed(format!("table {}: no row of it", table.name).into()));
         }
-        let places = vec!["?"; row.len()].join(", ");
-        let sql = format!(
-            "INSERT OR REPLACE INTO {} ({}) VALUES ({places})",
-            name(table),
-            columns(table)
-        );
-        self.execute(&sql, &row)
+        self.execute(&write_put(table, '?'), &row)
     }
 
     fn remove_row(&mut self, table: &'static Table, key: &[Value]) -> Result<(), StoreError> {
@@ -245,6 +239,7 @@ fn write_conditions(query: &Query) -> Result<(String, Vec<&Value>), StoreError> 
         let (column, term, value) = match condition {
             Condition::Equal(column, value) => (column, "IS ?", Some(value)),
             Condition::Below(column, value) => (column, "< ?", Some(value)),
+            Condition::AtLeast(column, value) => (column, ">= ?", Some(value)),
             Condition::Present(column) => (column, "IS NOT NULL", None),
         };
         check_column(query.table, column)?;

@@ -43,6 +43,7 @@ fn facts_of(first: &[u8], trace: &[u8]) -> UploadFacts {
     UploadFacts {
         id: SculptureId([1; 16]),
         badge: None,
+        badge_serial: None,
         core_version: 1,
         side: 128,
         cause: FinishCause::Left,

@@ -61,7 +61,7 @@ fn the_schema_is_that_of_the_records() {
             })
             .collect();
         assert_eq!(columns, expected, "table {}", table.name);
-        for column in table.indexed {
+        for column in table.indexed.iter().chain(table.unique) {
             let index = format!("{}_{column}", table.name);
             let query = "SELECT count(*) FROM sqlite_schema WHERE type = 'index' AND name = ?";
             let count: u32 = database.query_row(query, [&index], |row| row.get(0)).unwrap();

@@ -43,7 +43,6 @@ fn told_to_end_it_ends_its_window_and_its_booth() -> Result<(), MissingDependenc
     wait_until("it ends", || exhibit.try_wait().expect("a process").is_some());
     assert_eq!(exhibit.wait().expect("it has ended").code(), Some(0));
     assert_eq!(list_processes(&all), [""; 0]);
-    assert!(TcpStream::connect(&place).is_err(), "the booth is still there");
     Ok(())
 }
 

@@ -3,7 +3,6 @@
 
 use std::fs;
 use std::io::Read;
-use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -343,10 +342,12 @@ fn create_fake_compiler(name: &str, parts: &[&str]) -> PathBuf {
         fs::create_dir_all(part.parent().expect("a folder")).expect("room on the disk");
         fs::write(part, "").expect("room on the disk");
     }
-    let rustc = root.join("rustc");
+    let [draft, rustc] = ["draft", "rustc"].map(|name| root.join(name));
     let answers = format!("case $1 in -vV) echo host: here;; *) echo {};; esac", root.display());
-    fs::write(&rustc, format!("#!/bin/sh\n{answers}\n")).expect("room on the disk");
-    fs::set_permissions(&rustc, fs::Permissions::from_mode(0o755)).expect("it is ours");
+    fs::write(&draft, format!("#!/bin/sh\n{answers}\n")).expect("room on the disk");
+    // A process of its own writes it: a child that another test starts would inherit this one's descriptor ("text file busy").
+    let installed = Command::new("install").arg(draft).arg(&rustc).status();
+    assert!(installed.expect("install").success());
     rustc
 }
 

@@ -29,6 +29,7 @@ pub(crate) fn make_draft(number: u8) -> ParcelDraft {
     let facts = UploadFacts {
         id: SculptureId([number; 16]),
         badge: None,
+        badge_serial: None,
         core_version: paros_core::codec::trace::CORE_VERSION,
         side: 128,
         cause: FinishCause::Finished,

@@ -5,10 +5,13 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
+use std::sync::PoisonError;
 use std::{env, fs};
 
 use paros_shell::require::require_or_skip;
 use paros_tests_android::check_parts;
+
+use super::android::TURN;
 
 /// The longest that a callback may keep Java's thread, in milliseconds.
 const LONGEST_CALLBACK_MS: f64 = 100.0;
@@ -58,6 +61,7 @@ fn no_callback_waits_for_a_driver_and_a_second_activity_works() {
         return;
     }
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("activity");
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     // Who waits for the shell does so each time; a busy host has a translated program wait now and then.
     let is_slow = |times: &[(String, f64)]| times.iter().any(|(_, ms)| *ms >= LONGEST_CALLBACK_MS);
     let mut run = run_activity(&folder);

@@ -16,8 +16,9 @@ use paros_shell::statics::{Resident, WorldWithStarts};
 use paros_shell::tick_runner;
 use paros_tests_android::check_parts;
 
-/// The one world of the process is recorded and played by one test after the other.
-static TURN: Mutex<()> = Mutex::new(());
+/// The one world of the process is recorded and played by one test after the other; and what is timed has no other
+/// emulated program beside it.
+pub(crate) static TURN: Mutex<()> = Mutex::new(());
 
 /// Plays a trace on the Android library, which `cargo run -p paros-package` builds.
 fn replay_on_android(trace: &Path, digests_out: &Path) -> Output {

@@ -1,7 +1,7 @@
 //! What visitors, staff, thieves and misfortune do.
 
 use paros_protocol::{CommandKind, SculptureId, UploadFacts};
-use paros_shell::outbox::{BoothRequest, Parcel};
+use paros_shell::outbox::{BoothRequest, OutboxHost as _, Parcel};
 
 use crate::exhibition::{Exhibition, THIEF};
 use crate::network::Weather;
@@ -57,24 +57,16 @@ impl Exhibition {
         let id = self.any_id();
         let headset = &mut self.headsets[h];
         let Some(sender) = &mut headset.sender else { return };
-        let badge = Some(headset.host.take_badge());
+        let badge = sender.take_badge(headset.host.random());
+        let (serial, badge) = (sender.badge_serial(badge), Some(badge));
         let is_taken = sender.announce(id, badge).is_ok();
         if headset.see_whether_it_is_dead() || !is_taken {
             return;
         }
         let number = self.truth.made.len();
         headset.pending.push(number);
-        self.truth.made.push(Made {
-            headset: h,
-            id,
-            badge,
-            was_kept_here: false,
-            was_signed: false,
-            was_deleted: false,
-            is_excused: false,
-            is_poison: self.dice.one_in(20),
-            is_stolen: false,
-        });
+        let is_poison = self.dice.one_in(20);
+        self.truth.made.push(Made { serial, is_poison, ..Made::new(h, id, badge) });
         self.note(&format!("headset {h} finishes {number} as {id}"));
     }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::{self, ErrorKind};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use paros_booth_rules::records::{Announcement, Command, Sculpture, Tombstone};
+use paros_booth_rules::records::{Announcement, Command, Device, Sculpture, Tombstone};
 use paros_booth_rules::{
     Access, Booth, BoothPlan, BoothTime, Deletion, KeptName, MemoryStore, ParcelFiles,
     ParcelOutcome, Query, Refusal, SiteKeys, Store, StoreError, Transaction, hash_of, view,
@@ -130,7 +130,7 @@ impl SimBooth {
         let booth = make_booth(&store, &files);
         let token = EnrolmentToken([77; 32]);
         let ends = BoothTime(OPENING.0 * 2);
-        booth.add_enrol_token(&token, (100, ends), "all", None, OPENING).expect("nothing fails");
+        booth.add_enrol_token(&token, (300, ends), "all", None, OPENING).expect("nothing fails");
         SimBooth { booth, files, store }
     }
 
@@ -174,6 +174,15 @@ impl SimBooth {
             name: DeviceName::new("Quest").expect("a name"),
         };
         self.booth.enrol_fleet(&enrolment, now).expect("a valid token").headset
+    }
+
+    /// Lets a device in, and finds its record.
+    ///
+    /// # Panics
+    /// Where the booth refuses a valid token.
+    pub fn enrol_device(&self, device: u8, now: BoothTime) -> Device {
+        self.enrol(device, now);
+        self.booth.authenticate(&token_of(device)).expect("it was let in")
     }
 
     /// One call in so many fails from now on; none for 0.
@@ -260,7 +269,7 @@ fn token_of(device: u8) -> DeviceToken {
     DeviceToken([device + 1; 32])
 }
 
-fn decode(facts: &UploadFacts, volume: &[u8], _trace: &[u8]) -> Result<(), String> {
+pub(crate) fn decode(facts: &UploadFacts, volume: &[u8], _trace: &[u8]) -> Result<(), String> {
     let is_sound = !is_poison(facts) && volume.len() == facts.volume_bytes as usize;
     if is_sound { Ok(()) } else { Err("no volume".into()) }
 }

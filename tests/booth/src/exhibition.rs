@@ -131,9 +131,6 @@ impl Exhibition {
         for h in 0..HEADSETS {
             self.headsets[h].host.clock_ms += ms;
             self.headsets[h].disk.borrow_mut().now_s = self.now_ms / 1000;
-            if self.headsets[h].sender.is_some() {
-                self.headsets[h].host.lease.pass_time((ms / 1000) as u32);
-            }
         }
         self.deliver();
         for h in 0..HEADSETS {
@@ -219,7 +216,6 @@ impl Exhibition {
                 }
             }
             OutboxEvent::Command { command, .. } => self.carry_out(h, command),
-            OutboxEvent::Lease(answer) => self.headsets[h].host.take_lease(answer),
             _ => {}
         }
     }

@@ -1,10 +1,9 @@
-//! A headset: its disk, its link, its badges' lease, and the outbox's sender while it is on.
+//! A headset: its disk, its link, and the outbox's sender while it is on.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
-use paros_core::badge::{AnswerOutcome, BadgeLease, BadgeNumber, LeaseAnswer, LeaseReport};
 use paros_core::visit::VisitPhase;
 use paros_models::random_visitor::RandomSource;
 use paros_protocol::{HeatLevel, SiteId};
@@ -15,9 +14,6 @@ use crate::disk::{SimDisk, SimFolder};
 use crate::network::{SimLink, Wire};
 use crate::truth::number_of_facts;
 
-/// The lease's file.
-const LEASE: &str = "lease";
-
 /// The shell around a sender.
 #[derive(Debug)]
 pub struct SimHost {
@@ -25,11 +21,8 @@ pub struct SimHost {
     pub clock_ms: u64,
     /// Of this visit.
     pub session_id: u64,
-    /// Its badges.
-    pub lease: BadgeLease,
     /// What happened and wasn't looked at yet.
     pub events: Vec<OutboxEvent>,
-    disk: Rc<RefCell<SimDisk>>,
     dice: RandomSource,
 }
 
@@ -55,39 +48,6 @@ pub struct SimHeadset {
     settings: OutboxSettings,
 }
 
-impl SimHost {
-    fn save_lease(&mut self) -> bool {
-        let mut bytes = [0; BadgeLease::BYTES];
-        self.lease.save(&mut bytes);
-        self.disk.borrow_mut().write(LEASE, &bytes).is_ok()
-    }
-
-    /// A badge to show: the lease is on the disk before.
-    pub fn take_badge(&mut self) -> BadgeNumber {
-        let random = self.dice.next_bits() as u32;
-        let badge = self.lease.take_number(random);
-        if self.save_lease() { badge } else { BadgeNumber::provisional(random) }
-    }
-
-    fn load_lease(&mut self, number: u32) {
-        let read = self.disk.borrow().peek(LEASE).map(|bytes| BadgeLease::load(bytes, number));
-        let epoch = self.dice.next_bits() | 1;
-        self.lease = match read {
-            Some(Ok(lease)) => lease,
-            _ => BadgeLease::new(number, epoch),
-        };
-    }
-
-    /// Takes the booth's answer to a report.
-    pub fn take_lease(&mut self, answer: &LeaseAnswer) {
-        if self.lease.take_answer(answer) == AnswerOutcome::Void {
-            self.lease = BadgeLease::new(answer.headset, self.dice.next_bits() | 1);
-        }
-        // What isn't saved now is saved with the next badge.
-        let _ = self.save_lease();
-    }
-}
-
 impl OutboxHost for SimHost {
     fn now_ms(&mut self) -> u64 {
         self.clock_ms
@@ -111,14 +71,6 @@ impl OutboxHost for SimHost {
         }
     }
 
-    fn lease_report(&mut self) -> Option<LeaseReport> {
-        if self.lease.left_now() > 6 && !self.dice.one_in(4) {
-            return None;
-        }
-        let report = self.lease.make_report();
-        self.save_lease().then_some(report)
-    }
-
     fn on_event(&mut self, event: OutboxEvent) {
         self.events.push(event);
     }
@@ -132,9 +84,7 @@ impl SimHeadset {
         let host = SimHost {
             clock_ms: dice.below(1 << 40),
             session_id: 0,
-            lease: BadgeLease::new(number, 1),
             events: Vec::new(),
-            disk: disk.clone(),
             dice: RandomSource::new(dice.next_bits()),
         };
         SimHeadset {
@@ -157,7 +107,6 @@ impl SimHeadset {
         self.boot_id = self.host.dice.next_bits() | 1;
         self.wire = Rc::default();
         self.host.session_id = self.host.dice.below(2) * self.host.dice.next_bits();
-        self.host.load_lease(self.number);
         let owner = OutboxOwner { site, headset: self.number };
         let (folder, link) = (SimFolder(self.disk.clone()), SimLink(self.wire.clone()));
         let opened = Sender::open(folder, link, owner, self.settings, self.boot_id);

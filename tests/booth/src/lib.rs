@@ -3,6 +3,7 @@
 //! two sculptures, and what was announced is kept or missed.
 
 mod acts;
+pub mod badge_year;
 pub mod booth;
 pub mod check;
 pub mod disk;

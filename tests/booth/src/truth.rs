@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use paros_core::badge::BadgeNumber;
 use paros_core::session::SessionMode;
-use paros_protocol::{AgeGroup, CommandKind, FinishCause, SculptureId, UploadFacts};
+use paros_protocol::{AgeGroup, BlockSerial, CommandKind, FinishCause, SculptureId, UploadFacts};
 
 /// A sculpture that somebody made.
 #[derive(Clone, Debug)]
@@ -15,6 +15,8 @@ pub struct Made {
     pub id: SculptureId,
     /// Its badge.
     pub badge: Option<BadgeNumber>,
+    /// The serial of its badge's block.
+    pub serial: Option<BlockSerial>,
     /// Whether its visitor read *kept here*.
     pub was_kept_here: bool,
     /// Whether its visitor read *kept at the booth*.
@@ -27,6 +29,24 @@ pub struct Made {
     pub is_poison: bool,
     /// Whether a thief's parcel came under its id before.
     pub is_stolen: bool,
+}
+
+impl Made {
+    /// One that its visitor has just finished.
+    pub const fn new(headset: usize, id: SculptureId, badge: Option<BadgeNumber>) -> Self {
+        Made {
+            headset,
+            id,
+            badge,
+            serial: None,
+            was_kept_here: false,
+            was_signed: false,
+            was_deleted: false,
+            is_excused: false,
+            is_poison: false,
+            is_stolen: false,
+        }
+    }
 }
 
 /// A command that the staff gave.
@@ -97,6 +117,7 @@ pub fn facts_of(number: usize, made: &Made) -> UploadFacts {
     UploadFacts {
         id: made.id,
         badge: made.badge,
+        badge_serial: made.serial,
         core_version: 1,
         side: 128,
         cause: FinishCause::Finished,

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::thread::{self, available_parallelism};
 use std::time::{Duration, Instant};
 
+use paros_tests_booth::badge_year::{YearPlan, YearSums, run_year};
 use paros_tests_booth::exhibition::Exhibition;
 use paros_tests_booth::truth::Truth;
 
@@ -96,6 +97,24 @@ fn nothing_is_lost_whatever_happens() {
     );
     // Otherwise nothing was tried.
     assert!(heard > seeds && returned > 0);
+}
+
+/// `PAROS_BADGE_YEAR=1` runs the whole year of 200 headsets with 50 visits a day.
+#[test]
+fn months_of_badges_lapse_none_that_came_in_time() {
+    let is_whole = setting("PAROS_BADGE_YEAR").is_some();
+    let plan = if is_whole {
+        YearPlan { headsets: 200, days: 365, visits: 50, wiped_percent: 50 }
+    } else {
+        // As many blocks a day as there may be: all numbers are used once, and again.
+        YearPlan { headsets: 240, days: 75, visits: 1, wiped_percent: 85 }
+    };
+    let sums = run_year(setting("PAROS_SEED_BASE").unwrap_or(1), plan);
+    let YearSums { visits, provisional, .. } = sums;
+    let share = 100.0 * provisional as f32 / visits as f32;
+    println!("{plan:?}: {sums:?}, {share:.2} % provisional badges");
+    assert!(sums.restores > 0 && sums.returned > 0 && sums.shown_again > 0);
+    assert!(share < 3.0, "headsets have leased badges");
 }
 
 #[test]

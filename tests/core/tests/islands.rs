@@ -14,7 +14,7 @@
 //! - `remove_islands`: a map not tightened, rows not closed -> `at_rest`; kept told again ->
 //!   `kept_is_told_once`.
 
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 
 use paros_core::Volume;
 use paros_core::codec::ByteReader;
@@ -122,7 +122,7 @@ fn kept_is_told_once() {
 #[test]
 fn kept_is_told_near_the_end_of_a_row() {
     const N: i32 = 64;
-    let mut harness = AT_REST_64.lock().unwrap();
+    let mut harness = AT_REST_64.lock().unwrap_or_else(PoisonError::into_inner);
     for y in 3..N - 3 {
         let cave = pinwheel_volume(N, [N - 3, y, 7]);
         harness.set_volume(&cave, &DenseVolume::empty(64));

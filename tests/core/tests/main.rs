@@ -3,12 +3,7 @@
 
 mod alloc;
 mod badge_code;
-mod badge_exchange;
-mod badge_lease;
-mod badge_ledger;
 mod badge_pictures;
-mod badge_restore;
-mod badge_year;
 mod bake;
 mod bake_layers;
 mod bared;

@@ -11,7 +11,7 @@ use paros_tests_fuzz::{fuzz_tests, targets};
 
 fuzz_tests! {
     targets::ALL =>
-    obj stl ply gltf rmap trace input settings manifest save lease message parcel enrolment last_use step
+    obj stl ply gltf rmap trace input settings manifest save message parcel enrolment last_use step
     words
 }
 

@@ -5,7 +5,6 @@
 
 pub mod allocations;
 pub mod badge;
-pub mod badge_fleet;
 pub mod badge_pictures;
 pub mod bake;
 pub mod bake_harness;

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use hmac::{Hmac, KeyInit as _, Mac as _};
 use paros_protocol::{ContentHash, SiteId};
 use sha2::{Digest as _, Sha256};
 
@@ -95,6 +96,23 @@ impl SiteKeys {
     #[must_use]
     pub const fn new(site: SiteId, ca_hash: ContentHash, link_secret: [u8; 32]) -> Self {
         SiteKeys { site, ca_hash, link_secret }
+    }
+
+    /// The first bytes of the HMAC of these parts, which only the site can make. Another `context` leads to others.
+    pub(crate) fn make_secret<const BYTES: usize>(
+        &self,
+        context: &[u8],
+        parts: &[&[u8]],
+    ) -> [u8; BYTES] {
+        // HMAC pads a shorter key with zeros to a block itself.
+        let mut key = [0; 64];
+        key[..32].copy_from_slice(&self.link_secret);
+        let mut mac = Hmac::<Sha256>::new(&key.into());
+        mac.update(context);
+        parts.iter().for_each(|part| mac.update(part));
+        let mut secret = [0; BYTES];
+        secret.copy_from_slice(&mac.finalize().into_bytes()[..BYTES]);
+        secret
     }
 }
 

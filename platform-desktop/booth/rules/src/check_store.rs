@@ -1,8 +1,7 @@
 //! What every store has to do: the suite that each one's tests call.
 
 use crate::records::{
-    Account, BadgeClaim, EnrolToken, ExportState, LedgerSave, MailOrder, MailState, Sculpture,
-    TABLES,
+    Account, BadgeCursor, Device, EnrolToken, ExportState, MailOrder, MailState, Sculpture, TABLES,
 };
 use crate::store::{Access, Query, RowOrder, Store, StoreError, Transaction, update, view};
 use crate::table::{Record, Row, Table};
@@ -21,6 +20,7 @@ pub fn check_store<S: Store>(mut make: impl FnMut() -> S) {
     drops_what_is_not_committed(&make());
     refuses_changes_while_reading(&make());
     refuses_rows_of_other_tables(&make());
+    refuses_what_is_taken(&make());
     finds_what_is_asked_for(&make());
     never_takes_nothing_for_something(&make());
     counts_in_turn(&make());
@@ -43,11 +43,10 @@ fn sample_sculpture(number: u8) -> Sculpture {
         headset: u32::from(number % 3),
         hash: [7; 32],
         badge: Some(u32::from(number / 2)),
-        claim: BadgeClaim::Sole,
+        claimed_badge: Some(u32::from(number)),
         facts: vec![number; 5],
         received_at: BoothTime(1000 - u64::from(number)),
         keep_day: 100,
-        is_in_ledger: false,
         withdrawn_at: (number % 2 == 1).then_some(BoothTime(u64::from(number))),
         has_trace: false,
         export: ExportState::Queued,
@@ -101,7 +100,17 @@ fn keeps_extremes(store: &dyn Store) {
             keeps_address: false,
         })
         .into();
-    let long = LedgerSave { row: 0, bytes: (0..200_000u32).map(|k| k as u8).collect() };
+    let long = Device {
+        headset: 0,
+        token_hash: [0; 32],
+        hint: [0; 16],
+        name: String::new(),
+        enrolled_at: BoothTime(0),
+        revoked_at: None,
+        wiped_at: None,
+        seen_at: None,
+        status: (0..200_000u32).map(|k| k as u8).collect(),
+    };
     must(update(store, |tx| {
         tx.put(&long)?;
         mails.iter().try_for_each(|mail| tx.put(mail))
@@ -110,7 +119,7 @@ fn keeps_extremes(store: &dyn Store) {
         let found = must(view(store, |tx| tx.get(&[mail.order.to_value()])));
         assert_eq!(found, Some(mail));
     }
-    assert_eq!(must(view(store, |tx| tx.get(&[long.row.to_value()]))), Some(long));
+    assert_eq!(must(view(store, |tx| tx.get(&[long.headset.to_value()]))), Some(long));
 }
 
 fn keeps_hostile_text(store: &dyn Store) {
@@ -190,12 +199,27 @@ fn refuses_rows_of_other_tables(store: &dyn Store) {
     }
 }
 
+/// No two rows have the same value in a unique column, and any number has none.
+fn refuses_what_is_taken(store: &dyn Store) {
+    put_row(store, Sculpture::TABLE, &sample_sculpture(1).to_row());
+    let second = Sculpture { claimed_badge: Some(1), ..sample_sculpture(2) };
+    assert!(update(store, |tx| tx.put(&second)).is_err(), "a claimed badge is claimed again");
+    assert_eq!(all_sculptures(store), [sample_sculpture(1)], "the first one is as it was");
+    put_row(store, Sculpture::TABLE, &sample_sculpture(1).to_row());
+    for number in [3, 4] {
+        let without = Sculpture { claimed_badge: None, ..sample_sculpture(number) };
+        put_row(store, Sculpture::TABLE, &without.to_row());
+    }
+    must(update(store, |tx| tx.remove::<Sculpture>(&[[1u8; 16].to_value()])));
+    put_row(store, Sculpture::TABLE, &second.to_row());
+}
+
 fn finds_what_is_asked_for(store: &dyn Store) {
     for number in [5, 1, 4, 2, 0, 3] {
         put_row(store, Sculpture::TABLE, &sample_sculpture(number).to_row());
     }
     let all = Query::all::<Sculpture>;
-    let cases: [(Query, &[u8]); 11] = [
+    let cases: [(Query, &[u8]); 13] = [
         (all(), &[0, 1, 2, 3, 4, 5]),
         (all().first(2), &[0, 1]),
         (all().first(0), &[]),
@@ -208,6 +232,8 @@ fn finds_what_is_asked_for(store: &dyn Store) {
         // Equal ones by their key.
         (all().ordered("headset", RowOrder::Descending), &[2, 5, 1, 4, 0, 3]),
         (all().below("withdrawn_at", &BoothTime(3)), &[1]),
+        (all().at_least("withdrawn_at", &BoothTime(3)), &[3, 5]),
+        (all().at_least("claimed_badge", &2u32).below("claimed_badge", &4u32), &[2, 3]),
     ];
     for (query, expected) in cases {
         let found: Vec<Sculpture> = must(view(store, |tx| tx.find(&query)));
@@ -233,11 +259,20 @@ fn never_takes_nothing_for_something(store: &dyn Store) {
 fn counts_in_turn(store: &dyn Store) {
     const THREADS: usize = 4;
     const COUNTS: usize = 10;
-    put_row(store, LedgerSave::TABLE, &LedgerSave { row: 0, bytes: vec![0] }.to_row());
+    let zero = BadgeCursor {
+        row: 0,
+        turn: 0,
+        day: 0,
+        left: 0,
+        closed_until: 0,
+        swept_on: 0,
+        restored_at: BoothTime(0),
+    };
+    put_row(store, BadgeCursor::TABLE, &zero.to_row());
     let count_up = |tx: &mut (dyn Transaction + '_)| -> Result<(), StoreError> {
-        let mut save: LedgerSave = tx.get(&[0u8.to_value()])?.expect("it was put");
-        save.bytes[0] += 1;
-        tx.put(&save)
+        let mut cursor: BadgeCursor = tx.get(&[0u8.to_value()])?.expect("it was put");
+        cursor.turn += 1;
+        tx.put(&cursor)
     };
     std::thread::scope(|scope| {
         for _ in 0..THREADS {
@@ -245,6 +280,6 @@ fn counts_in_turn(store: &dyn Store) {
         }
     });
     let mut reading = must(store.begin(Access::Read));
-    let save: LedgerSave = must(reading.get(&[0u8.to_value()])).expect("it was put");
-    assert_eq!(usize::from(save.bytes[0]), THREADS * COUNTS, "a change was lost");
+    let cursor: BadgeCursor = must(reading.get(&[0u8.to_value()])).expect("it was put");
+    assert_eq!(usize::from(cursor.turn), THREADS * COUNTS, "a change was lost");
 }

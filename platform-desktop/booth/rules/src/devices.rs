@@ -1,13 +1,12 @@
 //! Who a headset is, and how one is let in or shut out.
 
-use paros_core::limits::MAX_HEADSETS;
 use paros_protocol::{ContentHash, DeviceHint, DeviceToken};
 use subtle::ConstantTimeEq as _;
 
 use crate::audit::{Subject, note};
+use crate::badges::retire_headset;
 use crate::booth::{Booth, Tx, hash_of};
-use crate::ledger;
-use crate::limits::SILENCE_OF_WIPED;
+use crate::limits::{MAX_HEADSETS, SILENCE_OF_WIPED};
 use crate::reason::Reason;
 use crate::records::Device;
 use crate::refusal::Refusal;
@@ -52,7 +51,7 @@ impl Booth {
         self.view(|tx| tx.find(&Query::all::<Device>()))
     }
 
-    /// Shuts a headset out that was lost, broken or sent home, and takes its badges' lease back.
+    /// Shuts a headset out that was lost, broken or sent home, and puts its blocks of badges to rest.
     ///
     /// # Errors
     /// That there is none of this number, or those of the store.
@@ -67,7 +66,7 @@ impl Booth {
             let mut device = device.ok_or(Refusal::NotFound(Reason::NoHeadset))?;
             device.revoked_at = Some(now);
             tx.put(&device)?;
-            ledger::retire_headset(tx, &self.plan, headset, now)?;
+            retire_headset(tx, headset, now)?;
             let subject = Subject { headset: Some(headset), ..Subject::default() };
             Ok(note(tx, now, Some(account), "revoke", subject)?)
         })
@@ -131,7 +130,7 @@ pub(crate) fn enrol(
 /// The number after the greatest, so that none is ever another headset's.
 fn next_number(tx: &mut Tx<'_>) -> Result<u32, Refusal> {
     let active = tx.count_rows(&Query::all::<Device>().absent("revoked_at"))?;
-    if active >= MAX_HEADSETS as u64 {
+    if active >= MAX_HEADSETS {
         return Err(Refusal::Conflict(Reason::HeadsetsFull));
     }
     let query = Query::all::<Device>().ordered("headset", crate::store::RowOrder::Descending);

@@ -6,7 +6,7 @@ use paros_protocol::SculptureId;
 use crate::booth::{Booth, Tx};
 use crate::limits::{MAX_LISTED, MAX_NEAREST};
 use crate::reason::Reason;
-use crate::records::{Announcement, BadgeClaim, Device, Sculpture};
+use crate::records::{Announcement, Device, Sculpture};
 use crate::refusal::Refusal;
 use crate::store::{Query, RowOrder, StoreError};
 use crate::time::BoothTime;
@@ -25,8 +25,8 @@ pub enum FoundByBadge {
 /// What has a badge.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct BadgeMatches {
-    /// What is kept: first what isn't disputed or in doubt, then the newest. Of a leased badge one, where no headset errs; of a
-    /// provisional one any number.
+    /// What is kept: first what has the badge as its own, then the newest. A leased badge is one sculpture's own; a provisional one
+    /// may be of any number.
     pub kept: Vec<Sculpture>,
     /// What was announced and hasn't come.
     pub missing: Vec<Announcement>,
@@ -166,11 +166,7 @@ fn find_matches(
         .ordered("received_at", RowOrder::Descending);
     let mut kept: Vec<Sculpture> = tx.find(&shown)?;
     kept.retain(|sculpture| sculpture.keep_day >= now.day());
-    kept.sort_by_key(|sculpture| match sculpture.claim {
-        BadgeClaim::Sole | BadgeClaim::Shared => 0,
-        BadgeClaim::Disputed => 1,
-        BadgeClaim::Unleased => 2,
-    });
+    kept.sort_by_key(Sculpture::is_badge_lapsed);
     let announced = Query::all::<Announcement>().equal("badge", &number.get());
     Ok(BadgeMatches { kept, missing: tx.find(&announced)? })
 }

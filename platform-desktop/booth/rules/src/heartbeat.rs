@@ -5,11 +5,12 @@
 
 use paros_core::badge::BadgeNumber;
 use paros_protocol::{
-    BoothCommand, CommandKind, CommandOutcome, Heartbeat, HeartbeatAnswer, UploadStatus,
+    BadgeReport, BoothCommand, CommandKind, CommandOutcome, Heartbeat, HeartbeatAnswer,
+    UploadStatus,
 };
 
+use crate::badges::{BadgePlan, store_epoch};
 use crate::booth::{Booth, Tx};
-use crate::ledger;
 use crate::limits::{COMMAND_LIFE, MAX_ANNOUNCED, STATUS_LIFE};
 use crate::reason::Reason;
 use crate::records::{Announcement, Command, CommandState, Device, Sculpture, Tombstone};
@@ -26,6 +27,8 @@ struct HeartbeatPlan {
     announcements: Vec<Announcement>,
     /// What is known once these are written.
     noted: Vec<paros_protocol::Announcement>,
+    badges: BadgePlan,
+    store_epoch: u64,
     /// What rides on the answer.
     command: Option<BoothCommand>,
 }
@@ -44,18 +47,14 @@ impl Booth {
         if beat.headset != device.headset {
             return Err(Refusal::Forbidden(Reason::ForeignHeartbeat));
         }
-        let plan = self.view(|tx| plan_heartbeat(tx, device, beat, now))?;
-        let (plan, lease) = if plan.changes_nothing() && beat.lease.is_none() {
-            (plan, None)
+        let plan = self.view(|tx| self.plan_heartbeat(tx, device, beat, now))?;
+        let plan = if plan.changes_nothing() {
+            plan
         } else {
             self.update(|tx| {
-                let plan = plan_heartbeat(tx, device, beat, now)?;
+                let plan = self.plan_heartbeat(tx, device, beat, now)?;
                 plan.write(tx)?;
-                let lease = match &beat.lease {
-                    Some(report) => ledger::answer_report(tx, &self.plan, report, now)?,
-                    None => None,
-                };
-                Ok((plan, lease))
+                Ok(plan)
             })?
         };
         Ok(HeartbeatAnswer {
@@ -64,22 +63,49 @@ impl Booth {
             boot_id: beat.boot_id,
             number: beat.number,
             booth_time: now.seconds(),
-            lease,
+            store_epoch: plan.store_epoch,
+            badges: plan.badges.held,
             command: plan.command,
             noted: plan.noted,
         })
+    }
+
+    fn plan_heartbeat(
+        &self,
+        tx: &mut Tx<'_>,
+        device: &Device,
+        beat: &Heartbeat,
+        now: BoothTime,
+    ) -> Result<HeartbeatPlan, StoreError> {
+        let mut plan = HeartbeatPlan {
+            badges: self.plan_badges(tx, beat.headset, &beat.badges, now)?,
+            store_epoch: store_epoch(tx)?,
+            ..HeartbeatPlan::default()
+        };
+        // As it is now: the token may have been another's since it was looked at.
+        let device: Option<Device> = tx.get(&[device.headset.to_value()])?;
+        if let Some(device) = device {
+            plan.device = plan_status(device, beat, now)?;
+        }
+        plan_commands(tx, beat, now, &mut plan)?;
+        plan_announcements(tx, beat, now, &mut plan)?;
+        Ok(plan)
     }
 }
 
 impl HeartbeatPlan {
     const fn changes_nothing(&self) -> bool {
-        self.device.is_none() && self.commands.is_empty() && self.announcements.is_empty()
+        self.device.is_none()
+            && self.commands.is_empty()
+            && self.announcements.is_empty()
+            && self.badges.changes_nothing()
     }
 
     fn write(&self, tx: &mut Tx<'_>) -> Result<(), StoreError> {
         if let Some(device) = &self.device {
             tx.put(device)?;
         }
+        self.badges.write(tx)?;
         self.commands.iter().try_for_each(|command| tx.put(command))?;
         self.announcements.iter().try_for_each(|announcement| tx.put(announcement))
     }
@@ -97,23 +123,6 @@ pub fn device_status(device: &Device) -> Result<Option<Heartbeat>, StoreError> {
     Heartbeat::from_json(&device.status).map(Some).map_err(|_| bad)
 }
 
-fn plan_heartbeat(
-    tx: &mut Tx<'_>,
-    device: &Device,
-    beat: &Heartbeat,
-    now: BoothTime,
-) -> Result<HeartbeatPlan, StoreError> {
-    let mut plan = HeartbeatPlan::default();
-    // As it is now: the token may have been another's since it was looked at.
-    let device: Option<Device> = tx.get(&[device.headset.to_value()])?;
-    if let Some(device) = device {
-        plan.device = plan_status(device, beat, now)?;
-    }
-    plan_commands(tx, beat, now, &mut plan)?;
-    plan_announcements(tx, beat, now, &mut plan)?;
-    Ok(plan)
-}
-
 /// The device as it is to be kept, if what is kept of it isn't good enough any more.
 fn plan_status(
     mut device: Device,
@@ -122,7 +131,8 @@ fn plan_status(
 ) -> Result<Option<Device>, StoreError> {
     let status = Heartbeat {
         number: 1,
-        lease: None,
+        // The table of blocks has them.
+        badges: BadgeReport { epoch: 1, blocks: Vec::new() },
         last_command: None,
         announcements: Vec::new(),
         ..beat.clone()

@@ -5,14 +5,15 @@
 //! What it promises:
 //! - A parcel that it took is kept until it is deleted by a person's wish or by age, and then it says so.
 //! - No sculpture is kept twice, whatever is lost, doubled or late.
-//! - No leased badge names two sculptures: the second one is *disputed*, and says so. Nor does a headset claim one that
-//!   it was never handed: such a sculpture is kept with its badge *in doubt*.
+//! - No leased badge is two sculptures' own: one that comes with a badge that isn't its own, or isn't any more, is kept with
+//!   its badge *lapsed*.
 //! - What a headset announced is kept, or was deleted, or is listed as missing.
 //! - A headset that lies harms only itself: all that is its own is under its number.
 #![forbid(unsafe_code)]
 
 mod accounts;
 mod audit;
+mod badges;
 mod booth;
 mod check_store;
 mod commands;
@@ -20,9 +21,7 @@ mod deletions;
 mod devices;
 mod enrol;
 mod find;
-mod grants;
 mod heartbeat;
-mod ledger;
 mod lifecycle;
 pub mod limits;
 mod links;
@@ -47,6 +46,7 @@ mod value;
 mod words;
 mod work;
 
+pub use badges::BadgeTotals;
 pub use booth::{Booth, BoothPlan, SiteKeys, hash_of};
 pub use check_store::check_store;
 pub use deletions::Deletion;

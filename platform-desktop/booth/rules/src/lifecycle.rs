@@ -1,7 +1,6 @@
 //! What becomes of sculptures: withdrawn, brought back, kept for longer, deleted by hand or by age.
 
 use std::io::ErrorKind;
-use std::time::Duration;
 
 use paros_protocol::{ContentHash, SculptureId};
 
@@ -16,11 +15,9 @@ use crate::prints::{remove_prints, withdraw_prints};
 use crate::records::{Announcement, ExportState, MailOrder, Sculpture, Tombstone, WorkKind};
 use crate::refusal::Refusal;
 use crate::store::{Query, RowOrder, StoreError};
-use crate::time::BoothTime;
+use crate::time::{BoothTime, DAY};
 use crate::value::Field as _;
 use crate::work::{drop_old_leases, end_work};
-
-const DAY: Duration = Duration::from_secs(86_400);
 
 /// What a sweep did.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -79,7 +76,6 @@ impl Booth {
         self.update(|tx| {
             let mut sculpture = get_kept(tx, id, now)?;
             sculpture.keep_day = sculpture.keep_day.max(last_day);
-            sculpture.is_in_ledger = false;
             tx.put(&sculpture)?;
             Ok(note(tx, now, Some(account), "keep longer", subject_of(&sculpture))?)
         })
@@ -139,6 +135,7 @@ impl Booth {
             }
             drop_old_entries(tx, days_before(now, AUDIT_DAYS))?;
             drop_old_leases(tx, now)?;
+            self.sweep_badges(tx, now)?;
             Ok((ended.len(), old.len()))
         })?;
         Ok(report)

@@ -3,6 +3,23 @@
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
+/// Headsets that are let in at once: 200, and spares that take the place of broken ones.
+pub const MAX_HEADSETS: u64 = 256;
+
+/// Days for which an upload may wait, and still has its badge: a block rests so long before its numbers are used again.
+pub const LATE_DAYS: u32 = 10;
+
+/// Blocks of badges' numbers that are leased in a day at most. 200 headsets with 50 visits a day, of which 100 lose their
+/// data daily, need 278. It bounds what can have been leased since a backup was made.
+pub const DAY_BLOCKS: u16 = 512;
+
+/// Blocks that one headset is leased in a day at most: thirty times what visits take. A headset that lies about its losses
+/// takes no more from the others.
+pub const MAX_HEADSET_DAY_BLOCKS: usize = 32;
+
+/// Days for which sculptures are kept at most: with [`LATE_DAYS`] the 28,672 blocks last for 103 days of 278.
+pub const MAX_RETENTION_DAYS: u16 = 93;
+
 /// From when on a headset that says nothing may have been wiped, and its number goes to one that enrols with its hint.
 /// It says something every two seconds, and takes half a minute for a restart.
 pub const SILENCE_OF_WIPED: Duration = Duration::from_secs(15);

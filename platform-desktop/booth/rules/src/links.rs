@@ -2,9 +2,7 @@
 
 use std::fmt;
 
-use hmac::{Hmac, KeyInit as _, Mac as _};
 use paros_protocol::SculptureId;
-use sha2::Sha256;
 use subtle::ConstantTimeEq as _;
 
 use crate::audit::{Subject, note};
@@ -123,15 +121,7 @@ impl Booth {
     }
 
     fn make_token(&self, sculpture: &Sculpture) -> LinkToken {
-        // HMAC pads a shorter key with zeros to a block itself.
-        let mut key = [0; 64];
-        key[..32].copy_from_slice(&self.keys.link_secret);
-        let mut mac = Hmac::<Sha256>::new(&key.into());
-        mac.update(LINK_CONTEXT);
-        mac.update(&sculpture.id);
-        mac.update(&sculpture.link_generation.to_le_bytes());
-        let mut token = [0; 16];
-        token.copy_from_slice(&mac.finalize().into_bytes()[..16]);
-        LinkToken(token)
+        let generation = sculpture.link_generation.to_le_bytes();
+        LinkToken(self.keys.make_secret(LINK_CONTEXT, &[&sculpture.id, &generation]))
     }
 }

@@ -3,14 +3,14 @@
 use std::io::ErrorKind;
 
 use crate::audit::{Subject, note};
+use crate::badges::restore_badges;
 use crate::booth::{Booth, Tx};
 use crate::deletions::Deletion;
-use crate::ledger;
 use crate::lifecycle::kept_name;
 use crate::mail::fail_queued_mails;
 use crate::parcel_files::KeptPart;
 use crate::reason::Reason;
-use crate::records::{EnrolToken, Sculpture, StaffSession, Tombstone};
+use crate::records::{Sculpture, StaffSession, Tombstone};
 use crate::refusal::Refusal;
 use crate::store::{Query, StoreError};
 use crate::time::BoothTime;
@@ -26,8 +26,6 @@ pub struct RestoreReport {
     pub deleted: usize,
     /// Deleted sculptures that it didn't know.
     pub tombstones: usize,
-    /// Enrolment tokens that were taken back, as they may have been used up since.
-    pub tokens: usize,
     /// Mails that waited, and have to be asked for anew: they may have been sent since.
     pub mails: usize,
 }
@@ -36,8 +34,8 @@ pub struct RestoreReport {
 const MAYBE_SENT: &str = "it may have been sent before the booth was restored";
 
 impl Booth {
-    /// Makes a copy of `copied_at` fit for use: applies what was deleted since; sets the numbers of badges aside that may
-    /// have been handed out since; ends all logins; takes enrolment tokens back, and mails that waited.
+    /// Makes a copy of `copied_at` fit for use: applies what was deleted since; passes over the blocks of badges' numbers
+    /// that may have been leased since; ends all logins, and takes back mails that waited.
     ///
     /// # Errors
     /// Those of store and disk; [`Refusal::Conflict`] where a file of a sculpture is missing that is kept.
@@ -52,12 +50,11 @@ impl Booth {
                 sculptures: tx.count_rows(&Query::all::<Sculpture>())?,
                 ..RestoreReport::default()
             };
-            ledger::begin_generation(tx, &self.plan, copied_at, now)?;
             for deletion in deletions {
                 self.apply_deletion(tx, deletion, &mut report)?;
             }
+            restore_badges(tx, copied_at, now)?;
             report.mails = fail_queued_mails(tx, MAYBE_SENT)?;
-            report.tokens = revoke_tokens(tx)?;
             for session in tx.find::<StaffSession>(&Query::all::<StaffSession>())? {
                 tx.remove::<StaffSession>(&[session.token_hash.to_value()])?;
             }
@@ -108,13 +105,4 @@ impl Booth {
         }
         Ok(())
     }
-}
-
-fn revoke_tokens(tx: &mut Tx<'_>) -> Result<usize, StoreError> {
-    let open = Query::all::<EnrolToken>().equal("is_revoked", &false);
-    let open: Vec<EnrolToken> = tx.find(&open)?;
-    for token in &open {
-        tx.put(&EnrolToken { is_revoked: true, ..token.clone() })?;
-    }
-    Ok(open.len())
 }

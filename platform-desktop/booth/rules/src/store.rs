@@ -91,6 +91,8 @@ pub enum Condition {
     Equal(&'static str, Value),
     /// It is less than this.
     Below(&'static str, Value),
+    /// It is this or more.
+    AtLeast(&'static str, Value),
     /// It holds something.
     Present(&'static str),
 }
@@ -155,6 +157,13 @@ impl Query {
     #[must_use]
     pub fn below(mut self, column: &'static str, value: &impl Field) -> Self {
         self.conditions.push(Condition::Below(column, value.to_value()));
+        self
+    }
+
+    /// Those of them that have this or more in a column.
+    #[must_use]
+    pub fn at_least(mut self, column: &'static str, value: &impl Field) -> Self {
+        self.conditions.push(Condition::AtLeast(column, value.to_value()));
         self
     }
 

@@ -16,6 +16,8 @@ pub struct Table {
     pub key_columns: usize,
     /// Columns by which rows are looked for.
     pub indexed: &'static [&'static str],
+    /// Columns in which no two rows have the same value, but nothing.
+    pub unique: &'static [&'static str],
 }
 
 /// A column of a table.
@@ -75,7 +77,8 @@ impl Column {
 macro_rules! record {
     (
         $(#[$about:meta])*
-        pub struct $Name:ident in $table:literal, key $key:literal, indexed [$($indexed:literal),*] {
+        pub struct $Name:ident in $table:literal, key $key:literal, indexed [$($indexed:literal),*]
+            $(, unique [$($unique:literal),*])? {
             $($(#[$about_field:meta])* pub $field:ident: $Type:ty,)*
         }
     ) => {
@@ -93,6 +96,7 @@ macro_rules! record {
                 }),*],
                 key_columns: $key,
                 indexed: &[$($indexed),*],
+                unique: &[$($($unique),*)?],
             };
 
             fn to_row(&self) -> $crate::table::Row {

@@ -2,9 +2,12 @@
 
 use std::time::Duration;
 
-use paros_core::badge::{BadgeLedger, DAY_SECONDS};
-
 use crate::value::{ColumnKind, Field, Value};
+
+/// A day.
+pub(crate) const DAY: Duration = Duration::from_secs(DAY_SECONDS);
+
+const DAY_SECONDS: u64 = 86_400;
 
 /// Milliseconds since the first of 1970, UTC, by the booth's clock.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
@@ -17,10 +20,11 @@ impl BoothTime {
         self.0 / 1000
     }
 
-    /// The day, as the ledger of badges counts them.
+    /// Whole days.
     #[must_use]
     pub const fn day(self) -> u32 {
-        BadgeLedger::day_of(self.seconds())
+        let day = self.seconds() / DAY_SECONDS;
+        if day > u32::MAX as u64 { u32::MAX } else { day as u32 }
     }
 
     /// The beginning of a day.

@@ -6,11 +6,11 @@ use paros_core::badge::BadgeNumber;
 use paros_protocol::limits::MAX_PARCEL_BYTES;
 use paros_protocol::{ContentHash, SculptureId, UploadFacts};
 
+use crate::badges::claim_badge;
 use crate::booth::{Booth, Tx, hash_of};
-use crate::grants::is_granted;
 use crate::parcel_files::{KeptName, KeptPart};
 use crate::reason::Reason;
-use crate::records::{Announcement, BadgeClaim, Device, ExportState, Sculpture, Tombstone};
+use crate::records::{Announcement, Device, ExportState, Sculpture, Tombstone};
 use crate::refusal::Refusal;
 use crate::store::{Query, StoreError, view};
 use crate::time::BoothTime;
@@ -81,17 +81,16 @@ impl Booth {
             if let Some(outcome) = find_outcome(tx, id, hash)? {
                 return Ok(outcome);
             }
-            let claim = find_claim(tx, headset, badge, now)?;
+            let claimed_badge = claim_badge(tx, headset, &facts, now)?;
             tx.put(&Sculpture {
                 id: id.0,
                 headset,
                 hash: hash.0,
                 badge: badge.map(BadgeNumber::get),
-                claim,
+                claimed_badge,
                 facts: facts.to_json(),
                 received_at: now,
                 keep_day: now.day().saturating_add(u32::from(self.plan.retention_days)),
-                is_in_ledger: false,
                 withdrawn_at: None,
                 has_trace: !trace.is_empty(),
                 export: ExportState::Queued,
@@ -160,27 +159,4 @@ fn check_parcel(id: SculptureId, file: &[u8]) -> Result<CheckedParcel<'_>, Refus
     let (volume, trace) = packed.split_at(facts.volume_bytes as usize);
     let (sculpture, _) = bytes.split_at(bytes.len() - trace.len());
     Ok(CheckedParcel { facts, hash, sculpture, volume, trace })
-}
-
-/// What a badge says of a sculpture that has just come.
-fn find_claim(
-    tx: &mut Tx<'_>,
-    headset: u32,
-    badge: Option<BadgeNumber>,
-    now: BoothTime,
-) -> Result<BadgeClaim, Refusal> {
-    let Some(badge) = badge else { return Ok(BadgeClaim::Sole) };
-    if badge.is_provisional() {
-        return Ok(BadgeClaim::Shared);
-    }
-    if !is_granted(tx, headset, badge)? {
-        return Ok(BadgeClaim::Unleased);
-    }
-    let others = Query::all::<Sculpture>().equal("badge", &badge.get());
-    let others: Vec<Sculpture> = tx.find(&others)?;
-    // What another headset claims that was never handed the badge stands in nobody's way.
-    let is_taken = others
-        .iter()
-        .any(|other| other.keep_day >= now.day() && other.claim != BadgeClaim::Unleased);
-    Ok(if is_taken { BadgeClaim::Disputed } else { BadgeClaim::Sole })
 }

@@ -19,7 +19,6 @@ fn found(rig: &Rig, badge: &Badge) -> Vec<SculptureId> {
 fn a_badge_finds_its_sculpture_and_a_provisional_one_all() {
     let rig = Rig::new();
     let (device, other) = (rig.enrol(1), rig.enrol(2));
-    rig.grant(&device, leased(9).unwrap());
     let provisional = BadgeNumber::provisional(77);
     for (k, badge) in
         [leased(9), leased(10), Some(provisional), Some(provisional), None].into_iter().enumerate()
@@ -31,7 +30,7 @@ fn a_badge_finds_its_sculpture_and_a_provisional_one_all() {
     assert_eq!(found(&rig, &leased(9).unwrap().badge()), [id(1)]);
     assert_eq!(found(&rig, &provisional.badge()), [id(4), id(3)], "the newest first");
     assert_eq!(found(&rig, &leased(11).unwrap().badge()), []);
-    // One in doubt stands behind, though it is newer.
+    // One whose badge lapsed stands behind, though it is newer.
     rig.upload(&other, &Parcel::new(50, leased(9)), seconds(50)).unwrap();
     assert_eq!(found(&rig, &leased(9).unwrap().badge()), [id(1), id(50)]);
     let newest = rig.booth.list_newest(2, seconds(99)).unwrap();

@@ -4,7 +4,7 @@ use super::common::*;
 use paros_booth_rules::limits::{COMMAND_LIFE, MAX_ANNOUNCED, MAX_WAITING_COMMANDS, STATUS_LIFE};
 use paros_booth_rules::records::{CommandState, Device};
 use paros_booth_rules::{BoothTime, ParcelOutcome, Query, RowOrder, view};
-use paros_core::badge::{AnswerOutcome, BadgeLease, BadgeNumber, DAY_SECONDS};
+use paros_core::badge::BadgeNumber;
 use paros_protocol::*;
 
 fn device_of(rig: &Rig, headset: u32) -> Device {
@@ -153,59 +153,6 @@ fn a_wipe_is_noted_and_what_it_took_is_lost() {
     rig.beat(&device, &wiped, seconds(120));
     assert_eq!(device_of(&rig, device.headset).wiped_at, Some(seconds(100)));
     assert!(rig.booth.list_missing(9).unwrap()[0].is_lost);
-}
-
-#[test]
-fn a_lease_is_answered_once_the_ledger_is_kept() {
-    let rig = Rig::new();
-    let device = rig.enrol(1);
-    let mut lease = BadgeLease::new(device.headset, 5);
-    let report = lease.make_report();
-    let beat = Heartbeat { lease: Some(report), ..heartbeat(device.headset) };
-    let answer = rig.beat(&device, &beat, START).lease.expect("an answer");
-    // The answer was lost, and the booth started anew: the same.
-    let again = rig.beat(&device, &beat, seconds(2)).lease.expect("an answer");
-    assert_eq!(again, answer);
-    assert_eq!(lease.take_answer(&answer), AnswerOutcome::Taken);
-    // Another headset's numbers are others.
-    let other = rig.enrol(2);
-    let mut other_lease = BadgeLease::new(other.headset, 6);
-    let report = other_lease.make_report();
-    let beat = Heartbeat { lease: Some(report), ..heartbeat(other.headset) };
-    let others = rig.beat(&other, &beat, START).lease.expect("an answer");
-    assert!(answer.blocks.iter().all(|block| !others.blocks.contains(block)));
-}
-
-/// A block is handed out again when none of its sculptures is kept: also where one came late, or is kept longer.
-#[test]
-fn the_ledger_hears_of_sculptures_before_it_hands_numbers_out() {
-    for keeps_longer in [false, true] {
-        let rig = Rig::new();
-        let device = rig.enrol(1);
-        let mut lease = BadgeLease::new(device.headset, 5);
-        let report = |lease: &mut BadgeLease, now| {
-            let beat = Heartbeat { lease: Some(lease.make_report()), ..heartbeat(device.headset) };
-            let answer = rig.beat(&device, &beat, now).lease.expect("an answer");
-            assert_eq!(lease.take_answer(&answer), AnswerOutcome::Taken);
-        };
-        report(&mut lease, START);
-        let number = lease.take_number(0);
-        report(&mut lease, seconds(60));
-        let parcel = Parcel::new(1, Some(number));
-        rig.upload(&device, &parcel, days(20)).unwrap();
-        report(&mut lease, days(20));
-        if keeps_longer {
-            let last = (START.seconds() / DAY_SECONDS) as u32 + 200;
-            rig.booth.keep_until(&parcel.id, last, "ana", days(20)).unwrap();
-        }
-        rig.booth.revoke_device(device.headset, "ana", days(21)).unwrap();
-        let ledger = rig.ledger();
-        assert!(!ledger.is_free(number));
-        let mut later = ledger;
-        // Retired, its numbers rest for twice as long as sculptures are kept; one that is kept for longer, until then.
-        let _ = later.answer_report(&BadgeLease::new(9, 9).make_report(), days(90).seconds());
-        assert_eq!(later.is_free(number), !keeps_longer);
-    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The booth's decisions over a store in memory. `platform-desktop/booth/tests/databases` runs these modules over databases.
 
+mod badges;
 mod common;
 mod enrol;
 mod find;

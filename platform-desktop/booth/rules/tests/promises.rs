@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::common::*;
-use paros_booth_rules::records::{BadgeClaim, Device, Sculpture, Tombstone};
+use paros_booth_rules::records::{Device, Sculpture, Tombstone};
 use paros_booth_rules::{BoothTime, KeptPart, ParcelOutcome, Query, view};
 use paros_protocol::*;
 use proptest::prelude::*;
@@ -60,10 +60,10 @@ impl Play {
     fn new() -> Self {
         let rig = Rig::new();
         let devices = [rig.enrol(1), rig.enrol(2)];
-        // The second one claims what the first one was handed.
-        let numbers = rig.lease(&devices[0], 1);
-        let parcels =
-            (0..SCULPTURES).map(|k| Parcel::new(k + 1, numbers[usize::from(k) / 3 * 7])).collect();
+        // The second one claims what the first one was leased.
+        let held = rig.lease(&devices[0], 1, START)[0];
+        let parcel = |k| Parcel::of_block(k + 1, &held, k / 3 * 7);
+        let parcels = (0..SCULPTURES).map(parcel).collect();
         let (announced, taken) = (Vec::new(), BTreeMap::new());
         Play { rig, devices, parcels, announced, taken, now: START }
     }
@@ -150,8 +150,7 @@ impl Play {
                 listed.count() as u64 + self.count::<Sculpture>(k) + self.count::<Tombstone>(k);
             assert_eq!(places, 1, "sculpture {k} is nowhere, or twice");
         }
-        let sole = kept.iter().filter(|kept| kept.claim == BadgeClaim::Sole);
-        let mut badges: Vec<_> = sole.map(|kept| kept.badge).collect();
+        let mut badges: Vec<_> = kept.iter().filter_map(|kept| kept.claimed_badge).collect();
         badges.sort_unstable();
         let count = badges.len();
         badges.dedup();

@@ -1,9 +1,8 @@
 //! What is taken and kept.
 
 use super::common::*;
-use paros_booth_rules::records::{BadgeClaim, ExportState};
-use paros_booth_rules::{FoundByBadge, ParcelOutcome, hash_of};
-use paros_core::badge::BadgeNumber;
+use paros_booth_rules::records::ExportState;
+use paros_booth_rules::{ParcelOutcome, hash_of};
 use paros_protocol::limits::MAX_PARCEL_BYTES;
 use paros_protocol::*;
 
@@ -80,61 +79,4 @@ fn a_parcel_with_another_hash_is_no_request() {
     let take = |file: &[u8]| rig.booth.take_parcel(&device, parcel.id, file, &decode, START);
     assert_eq!(status(take(&[])), 400);
     assert_eq!(status(take(&vec![0; MAX_PARCEL_BYTES as usize + 33])), 413);
-}
-
-#[test]
-fn a_leased_badge_names_one_sculpture_and_a_provisional_one_any() {
-    let rig = Rig::new();
-    let first = rig.enrol(1);
-    let claim = |device: &_, parcel: &Parcel, now| {
-        rig.upload(device, parcel, now).expect("it is kept all the same");
-        rig.booth.find_sculpture(&parcel.id, now).expect("it is kept").claim
-    };
-    let number = rig.lease(&first, 11)[0];
-    let sole = Parcel::new(1, number);
-    assert_eq!(claim(&first, &sole, START), BadgeClaim::Sole);
-    let twice = Parcel::new(2, number);
-    assert_eq!(claim(&first, &twice, START), BadgeClaim::Disputed);
-    let provisional = Some(BadgeNumber::provisional(5));
-    for id in [3, 4] {
-        let parcel = Parcel::new(id, provisional);
-        assert_eq!(claim(&first, &parcel, START), BadgeClaim::Shared);
-    }
-    // Past its last day a sculpture stands in nobody's way, swept or not.
-    let later = Parcel::new(5, number);
-    assert_eq!(claim(&first, &later, days(31)), BadgeClaim::Sole);
-}
-
-/// A headset that is enrolled and lies: it says a badge first that another one was handed.
-#[test]
-fn a_badge_that_a_headset_was_never_handed_is_in_doubt_and_in_nobodys_way() {
-    let rig = Rig::new();
-    let (honest, liar) = (rig.enrol(1), rig.enrol(2));
-    let number = rig.lease(&honest, 11)[3];
-    let theirs = rig.lease(&liar, 12)[3];
-    assert_ne!(number, theirs);
-    let claim = |device: &_, parcel: &Parcel, now| {
-        rig.upload(device, parcel, now).expect("it is kept all the same");
-        rig.booth.find_sculpture(&parcel.id, now).expect("it is kept").claim
-    };
-    let stolen = Parcel::new(1, number);
-    assert_eq!(claim(&liar, &stolen, START), BadgeClaim::Unleased);
-    let owned = Parcel::new(2, number);
-    assert_eq!(claim(&honest, &owned, seconds(1)), BadgeClaim::Sole);
-    let nobodys = leased(6_000);
-    assert_eq!(claim(&liar, &Parcel::new(3, nobodys), START), BadgeClaim::Unleased);
-    assert_eq!(claim(&liar, &Parcel::new(4, theirs), START), BadgeClaim::Sole);
-    // Who says the badge finds the visitor's sculpture first.
-    let badge = number.expect("a number").badge();
-    let FoundByBadge::Exact(found) = rig.booth.find_by_badge(&badge.into(), seconds(2)).unwrap()
-    else {
-        panic!("a right badge")
-    };
-    let ids: Vec<u8> = found.kept.iter().map(|kept| kept.id[0]).collect();
-    assert_eq!(ids, [2, 1]);
-    // The ledger hears nothing of what was never handed out: a liar spends no numbers.
-    let free = rig.ledger().totals().free;
-    rig.lease(&honest, 11);
-    assert_eq!(rig.ledger().totals().free, free);
-    assert!(nobodys.is_some_and(|number| rig.ledger().is_free(number)));
 }

@@ -255,7 +255,6 @@ fn fault_of(folder: &Path, status: ExitStatus) -> SliceFault {
 
 #[cfg(test)]
 mod tests {
-    use std::os::unix::fs::PermissionsExt;
     use std::path::{Path, PathBuf};
     use std::sync::atomic::Ordering;
     use std::time::{Duration, Instant};
@@ -268,9 +267,12 @@ mod tests {
         let folder = folder.join(name);
         let _ = std::fs::remove_dir_all(&folder);
         std::fs::create_dir_all(&folder).unwrap();
-        let program = folder.join("slicer");
-        std::fs::write(&program, format!("#!/bin/sh\n{script}\n")).unwrap();
-        std::fs::set_permissions(&program, PermissionsExt::from_mode(0o755)).unwrap();
+        let [draft, program] = ["draft", "slicer"].map(|name| folder.join(name));
+        std::fs::write(&draft, format!("#!/bin/sh\n{script}\n")).unwrap();
+        // A process of its own writes it: a child that another test starts would inherit this one's descriptor ("text file
+        // busy").
+        let installed = std::process::Command::new("install").arg(draft).arg(&program).status();
+        assert!(installed.unwrap().success());
         let options = SlicerOptions { slicer: Some(program), slicer_profile: None, printers: None };
         let mut slicer =
             Slicer::find(&options, &folder.join("slices")).unwrap().expect("it is there");

@@ -39,10 +39,11 @@ pub(crate) async fn show_headsets(State(app): State<Arc<BoothApp>>, view: StaffV
             let commands = app.booth.list_commands(device.headset, LISTED_COMMANDS, now)?;
             views.push(HeadsetView { device, status, commands });
         }
-        Ok(views)
+        Ok((views, app.booth.count_badges()?))
     });
-    let views = found.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
+    let (views, badges) = found.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
     let body = html! {
+        @if badges.are_scarce() { p class="note" { (texts.badges_scarce) ": " (badges.free) } }
         @if views.is_empty() { p { (texts.nothing) } }
         @for view in &views { (headset_card(texts, login, view, now)) }
     };

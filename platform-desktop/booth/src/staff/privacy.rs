@@ -7,7 +7,7 @@ use axum::extract::{Path, State};
 use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Response};
 use maud::{Markup, html};
-use paros_booth_rules::records::{BadgeClaim, MailOrder};
+use paros_booth_rules::records::MailOrder;
 use paros_booth_rules::{BadgeRecords, BoothTime, Reason, Refusal, SculptureRecords};
 use paros_core::badge::BadgeNumber;
 use paros_protocol::SculptureId;
@@ -46,7 +46,7 @@ pub(crate) async fn show_known(
     let badge = find_badge(number).map_err(fail)?;
     let known = app.run(move |app| app.booth.list_known(badge)).await.map_err(fail)?;
     let at = format!("/staff/badges/{number}");
-    let is_shared = known.sculptures.iter().any(|known| known.sculpture.claim != BadgeClaim::Sole);
+    let is_shared = known.sculptures.iter().any(|known| known.sculpture.claimed_badge.is_none());
     let body = html! {
         (draw_badge(&badge.badge(), texts.language))
         @if known == BadgeRecords::default() { p { (texts.nothing) } }

@@ -243,11 +243,15 @@ pub(super) fn cards(texts: &Texts, sculptures: &[Sculpture]) -> Markup {
 
 fn sculpture_facts(texts: &Texts, sculpture: &Sculpture) -> Markup {
     let at = format!("/staff/sculptures/{}/picture.png", SculptureId(sculpture.id));
-    let claim = texts.claim(sculpture.claim);
+    let badge_note = match sculpture.claimed_badge {
+        None if sculpture.is_badge_lapsed() => texts.badge_lapsed,
+        None if sculpture.badge.is_some() => texts.badge_shared,
+        _ => "",
+    };
     html! {
         img src=(at) alt=(texts.no_picture) width="192" height="192" loading="lazy";
         (badge_of(texts, sculpture.badge))
-        @if !claim.is_empty() { p class="note" { (claim) } }
+        @if !badge_note.is_empty() { p class="note" { (badge_note) } }
         p {
             (texts.headset) " " (sculpture.headset) br;
             (texts.received) " " (utc(sculpture.received_at)) br;

@@ -1,7 +1,7 @@
 //! What the staff page says, in two languages.
 
 use axum::http::{HeaderMap, header};
-use paros_booth_rules::records::{BadgeClaim, CommandState, ExportState, MailState, Sculpture};
+use paros_booth_rules::records::{CommandState, ExportState, MailState, Sculpture};
 use paros_core::badge::Language;
 use paros_protocol::CommandKind;
 
@@ -59,7 +59,9 @@ pub(crate) struct Texts {
     commands: [&'static str; 5],
     command_states: [&'static str; 5],
     exports: [&'static str; 3],
-    claims: [&'static str; 4],
+    pub(crate) badge_shared: &'static str,
+    pub(crate) badge_lapsed: &'static str,
+    pub(crate) badges_scarce: &'static str,
     mail_states: [&'static str; 3],
 }
 
@@ -74,10 +76,6 @@ impl Texts {
 
     pub(crate) const fn export(&self, state: ExportState) -> &'static str {
         self.exports[state as usize]
-    }
-
-    pub(crate) const fn claim(&self, claim: BadgeClaim) -> &'static str {
-        self.claims[claim as usize]
     }
 
     pub(crate) const fn mail_state(&self, state: MailState) -> &'static str {
@@ -151,12 +149,10 @@ const ENGLISH: Texts = Texts {
     commands: ["Which one is it?", "A minute more", "End", "Recentre", "Reset"],
     command_states: ["waiting", "sent", "done", "expired", "refused"],
     exports: ["mesh being made", "mesh ready", "no mesh"],
-    claims: [
-        "",
-        "others may have this badge",
-        "badge is disputed",
-        "badge in doubt: this headset never got it",
-    ],
+    badge_shared: "others may have this badge",
+    badge_lapsed: "badge lapsed: another sculpture may have it. Look at picture and hour",
+    badges_scarce: "Badges are running out, and visitors will be shown black ones, which may repeat. Keep sculptures for \
+                    fewer days, or wipe headsets less often. Blocks of 64 that are left",
     mail_states: ["mail waiting", "mail sent", "mail failed"],
 };
 
@@ -211,11 +207,9 @@ const GREEK: Texts = Texts {
     commands: ["Ποια είναι;", "Ένα λεπτό ακόμη", "Τέλος", "Κεντράρισμα", "Επανεκκίνηση"],
     command_states: ["περιμένει", "στάλθηκε", "έγινε", "έληξε", "δεν γίνεται"],
     exports: ["το πλέγμα ετοιμάζεται", "πλέγμα έτοιμο", "χωρίς πλέγμα"],
-    claims: [
-        "",
-        "ίσως και άλλοι έχουν αυτό το σήμα",
-        "αμφισβητούμενο σήμα",
-        "αμφίβολο σήμα: δεν δόθηκε σε αυτή τη συσκευή",
-    ],
+    badge_shared: "ίσως και άλλοι έχουν αυτό το σήμα",
+    badge_lapsed: "το σήμα δεν ισχύει πια: ίσως το έχει άλλο γλυπτό. Δείτε εικόνα και ώρα",
+    badges_scarce: "Τα σήματα τελειώνουν, και οι επισκέπτες θα βλέπουν μαύρα, που ίσως επαναλαμβάνονται. Κρατήστε τα γλυπτά \
+                    λιγότερες ημέρες, ή σβήνετε σπανιότερα τις συσκευές. Ομάδες των 64 που μένουν",
     mail_states: ["το μήνυμα περιμένει", "το μήνυμα στάλθηκε", "το μήνυμα απέτυχε"],
 };

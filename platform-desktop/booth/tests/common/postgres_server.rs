@@ -5,7 +5,7 @@ use std::fs;
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU16, AtomicU32, Ordering};
 use std::sync::mpsc::sync_channel;
 use std::time::{Duration, Instant};
 
@@ -19,6 +19,15 @@ pub(crate) struct PostgresServer {
     folder: PathBuf,
     port: u16,
     schemas: AtomicU32,
+}
+
+/// A free port that the system hands to nobody else meanwhile: below those that it gives by itself.
+fn find_port() -> u16 {
+    static NEXT: AtomicU16 = AtomicU16::new(0);
+    let first = 10_000 + (std::process::id() % 400) as u16 * 20;
+    let next = || first + NEXT.fetch_add(1, Ordering::Relaxed);
+    let is_free = |port: &u16| TcpListener::bind(("127.0.0.1", *port)).is_ok();
+    std::iter::repeat_with(next).find(is_free).expect("a free port")
 }
 
 impl PostgresServer {
@@ -46,7 +55,7 @@ impl PostgresServer {
         initdb.arg(folder.join("data")).arg("--pwfile").arg(folder.join("password"));
         let made = initdb.current_dir(&folder).output().expect("initdb");
         assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
-        let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let port = find_port();
         let process = spawn_server(&programs, &folder, port);
         let server = PostgresServer { process, folder, port, schemas: AtomicU32::new(0) };
         let start = Instant::now();

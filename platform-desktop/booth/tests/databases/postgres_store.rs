@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use paros_booth::{PostgresAddress, PostgresStore};
-use paros_booth_rules::records::{Device, LedgerSave, TABLES};
+use paros_booth_rules::records::{BadgeCursor, Device, TABLES};
 use paros_booth_rules::{
     Access, BoothTime, ColumnKind, Field as _, Query, Store, StoreError, check_store, update, view,
 };
@@ -103,7 +103,12 @@ fn the_tables_are_those_of_the_records() {
         let indexes = "SELECT count(*) FROM pg_indexes WHERE schemaname = current_schema()
             AND tablename = $1";
         let indexes: i64 = client.query_one(indexes, &[&table.name]).unwrap().get(0);
-        assert_eq!(indexes as usize, table.indexed.len() + 1, "table {}", table.name);
+        assert_eq!(
+            indexes as usize,
+            table.indexed.len() + table.unique.len() + 1,
+            "table {}",
+            table.name
+        );
     }
 }
 
@@ -166,6 +171,12 @@ fn a_broken_link_is_made_anew() {
     assert_eq!(view(&store, |tx| tx.count_rows(&Query::all::<Device>())).unwrap(), 4);
 }
 
+/// A row of a number, which tests change.
+fn cursor(row: u8, turn: u16) -> BadgeCursor {
+    let restored_at = BoothTime(0);
+    BadgeCursor { row, turn, day: 0, left: 0, closed_until: 0, swept_on: 0, restored_at }
+}
+
 /// Two processes: what each reads, the other changes. One of them has to begin anew.
 #[test]
 fn what_could_not_come_one_after_the_other_is_a_conflict() {
@@ -173,16 +184,16 @@ fn what_could_not_come_one_after_the_other_is_a_conflict() {
     let address = server.new_schema();
     let (one, two) = (open(&address), open(&address));
     for row in [1u8, 2] {
-        update(&one, |tx| tx.put(&LedgerSave { row, bytes: vec![0] })).unwrap();
+        update(&one, |tx| tx.put(&cursor(row, 0))).unwrap();
     }
     let mut first = one.begin(Access::Write).unwrap();
     let mut second = two.begin(Access::Write).unwrap();
     let read = |tx: &mut (dyn paros_booth_rules::Transaction + '_), row: u8| {
-        tx.get::<LedgerSave>(&[row.to_value()]).unwrap().expect("it was put").bytes
+        tx.get::<BadgeCursor>(&[row.to_value()]).unwrap().expect("it was put").turn
     };
-    assert_eq!((read(first.as_mut(), 1), read(second.as_mut(), 2)), (vec![0], vec![0]));
-    first.put(&LedgerSave { row: 2, bytes: vec![1] }).unwrap();
-    let put = second.put(&LedgerSave { row: 1, bytes: vec![1] });
+    assert_eq!((read(first.as_mut(), 1), read(second.as_mut(), 2)), (0, 0));
+    first.put(&cursor(2, 1)).unwrap();
+    let put = second.put(&cursor(1, 1));
     first.commit().expect("it was first");
     let lost = put.and_then(|()| second.commit());
     assert!(matches!(lost, Err(StoreError::Conflict)), "{lost:?}");
@@ -196,25 +207,24 @@ fn processes_count_in_turn() {
     let Some(server) = server() else { return };
     let address = server.new_schema();
     let first = open(&address);
-    update(&first, |tx| tx.put(&LedgerSave { row: 0, bytes: vec![0] })).unwrap();
+    update(&first, |tx| tx.put(&cursor(0, 0))).unwrap();
     std::thread::scope(|scope| {
         for _ in 0..PROCESSES {
             scope.spawn(|| {
                 let store = open(&address);
                 for _ in 0..COUNTS {
                     let counted: Result<(), StoreError> = update(&store, |tx| {
-                        let save = tx.get::<LedgerSave>(&[0u8.to_value()])?;
-                        let mut save = save.expect("it was put");
-                        save.bytes[0] += 1;
-                        tx.put(&save)
+                        let found = tx.get::<BadgeCursor>(&[0u8.to_value()])?;
+                        let found = found.expect("it was put");
+                        tx.put(&cursor(0, found.turn + 1))
                     });
                     counted.expect("it is tried again");
                 }
             });
         }
     });
-    let save = view(&first, |tx| tx.get::<LedgerSave>(&[0u8.to_value()])).unwrap();
-    assert_eq!(usize::from(save.expect("it was put").bytes[0]), PROCESSES * COUNTS);
+    let found = view(&first, |tx| tx.get::<BadgeCursor>(&[0u8.to_value()])).unwrap();
+    assert_eq!(usize::from(found.expect("it was put").turn), PROCESSES * COUNTS);
 }
 
 /// A call that failed can't be passed over: PostgreSQL would roll back, and call that a success.

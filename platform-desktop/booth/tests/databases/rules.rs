@@ -1,4 +1,6 @@
 //! The tests of the decisions, which their own crate runs over a store in memory: here over `crate::new_store`.
+#[path = "../../rules/tests/badges.rs"]
+mod badges;
 #[path = "../../rules/tests/common/mod.rs"]
 mod common;
 #[path = "../../rules/tests/enrol.rs"]

@@ -64,6 +64,7 @@ pub(crate) fn upload_seed() -> Vec<u8> {
     let facts = UploadFacts {
         id: SculptureId([1; 16]),
         badge: None,
+        badge_serial: None,
         core_version: CORE_VERSION,
         side: 128,
         cause: FinishCause::Finished,

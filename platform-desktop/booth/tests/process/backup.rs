@@ -7,7 +7,7 @@ use std::os::unix::fs::PermissionsExt as _;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use paros_core::badge::{AnswerOutcome, BadgeLease};
+use paros_core::badge::BadgeNumber;
 use paros_protocol::*;
 
 use crate::rig::{
@@ -34,18 +34,18 @@ fn restore(from: &BoothFolder, name: &str, with_log: bool) -> Result<BoothFolder
     to.run(&arguments).map(|_| to)
 }
 
-/// Takes badges of a lease, and reports them.
-fn show(client: &Client, headset: &Headset, lease: &mut BadgeLease, shown: &mut BTreeSet<u32>) {
+/// Shows the next badges of what a headset holds, and reports them.
+fn show(client: &Client, headset: &Headset, badges: &mut BadgeReport, shown: &mut BTreeSet<u32>) {
     for _ in 0..9 {
-        let number = lease.take_number(0);
-        assert!(number.is_provisional() || shown.insert(number.get()), "{number:?} is shown again");
+        let Some(held) = badges.blocks.iter_mut().find(|held| !held.is_used_up()) else { break };
+        let number = BadgeNumber::of_block(held.block, held.next).expect("a number");
+        held.next += 1;
+        assert!(shown.insert(number.get()), "{number:?} is shown again");
     }
-    let beat = Heartbeat { lease: Some(lease.make_report()), ..heartbeat(headset.number) };
+    let beat = Heartbeat { badges: badges.clone(), ..heartbeat(headset.number) };
     let answer = client.ask("POST", "/v1/heartbeat", &[headset.bearer()], &beat.to_json());
     let answer = HeartbeatAnswer::from_json(&answer.expect("an answer").body).expect("a message");
-    if lease.take_answer(&answer.lease.expect("it was asked")) == AnswerOutcome::Void {
-        *lease = BadgeLease::new(headset.number, 0x5eed + u64::from(headset.number));
-    }
+    badges.blocks = answer.badges;
 }
 
 fn delete(booth: &BoothProcess, cookie: &str, parcel: &Parcel) {
@@ -88,8 +88,7 @@ fn a_backup_while_it_serves_comes_back_without_what_was_deleted_since() {
     let cookie = Browser::first(&client, &booth.first_code().expect("a code")).cookie;
     let fleet = folder.fleet_token();
     let headsets: Vec<Headset> = (1..=2).map(|byte| Headset::enrol(&client, fleet, byte)).collect();
-    let mut leases: Vec<_> =
-        headsets.iter().map(|headset| BadgeLease::new(headset.number, 7)).collect();
+    let mut leases = vec![BadgeReport { epoch: 7, blocks: Vec::new() }; headsets.len()];
     let mut shown = BTreeSet::new();
     for (headset, lease) in headsets.iter().zip(&mut leases) {
         show(&client, headset, lease, &mut shown);
@@ -126,7 +125,7 @@ fn a_backup_while_it_serves_comes_back_without_what_was_deleted_since() {
     assert!(staff.get("/staff").head.contains("location: /staff/login"), "logins are over");
     for (headset, lease) in headsets.iter().zip(&mut leases) {
         (0..3).for_each(|_| show(client, headset, lease, &mut shown));
-        assert!(lease.left() > 0, "it leases again");
+        assert_eq!(lease.blocks.len(), 2, "it leases again");
     }
     let kept = again.files("sculptures");
     assert_eq!(kept.iter().filter(|name| name.ends_with(".sculpture")).count(), 3);

@@ -39,7 +39,7 @@ pub(crate) fn heartbeat(headset: u32) -> Heartbeat {
         outbox_full_percent: 0,
         app_version: [0, 1, 0],
         core_version: 1,
-        lease: None,
+        badges: BadgeReport { epoch: 1, blocks: Vec::new() },
         last_command: None,
         announcements: Vec::new(),
     }
@@ -92,6 +92,7 @@ impl Parcel {
         let facts = UploadFacts {
             id: SculptureId(bytes),
             badge: BadgeNumber::new(id),
+            badge_serial: Some(BlockSerial([9; 8])),
             core_version: paros_core::codec::trace::CORE_VERSION,
             side: 128,
             cause: FinishCause::Finished,

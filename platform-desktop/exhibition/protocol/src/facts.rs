@@ -8,7 +8,7 @@ use crate::limits::{
     MAX_HEAD_BYTES, MAX_PACKED_SURPLUS, MAX_PARCEL_BYTES, MAX_PARCEL_TRACE_BYTES,
     MAX_PARCEL_VOLUME_BYTES,
 };
-use crate::{ProtocolError, SculptureId, expect, fields};
+use crate::{BlockSerial, ProtocolError, SculptureId, expect, fields};
 
 /// How a session ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
@@ -45,6 +45,8 @@ pub struct UploadFacts {
     /// The badge that the visitor was shown.
     #[serde(with = "fields::badge")]
     pub badge: Option<BadgeNumber>,
+    /// The serial of the badge's block, which proves that it was leased; `None` for a provisional badge.
+    pub badge_serial: Option<BlockSerial>,
     /// [`CORE_VERSION`](paros_core::codec::trace::CORE_VERSION) of the program.
     pub core_version: u16,
     /// Voxels along a side of the grid: 128 or 256.
@@ -112,6 +114,12 @@ impl UploadFacts {
             *self;
         expect(matches!(self.side, 128 | 256), "side", "128 or 256")?;
         expect(self.mode != SessionMode::None, "mode", "what a session starts from")?;
+        let is_leased = self.badge.is_some_and(|badge| !badge.is_provisional());
+        expect(
+            is_leased || self.badge_serial.is_none(),
+            "badge_serial",
+            "none without a leased badge",
+        )?;
         expect(self.height_mm_tenths > 0, "height_mm_tenths", "a height from 1")?;
         let is_volume = is_packed_file(volume_bytes, volume_raw_bytes, MAX_PARCEL_VOLUME_BYTES);
         expect(is_volume, "volume_bytes", "a volume's lengths, packed and unpacked")?;

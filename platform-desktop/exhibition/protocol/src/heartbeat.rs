@@ -1,11 +1,15 @@
 //! What a headset tells the booth every two seconds, and what the booth answers.
 
-use paros_core::badge::{BadgeNumber, LeaseAnswer, LeaseReport};
+use paros_core::badge::BadgeNumber;
 use paros_core::visit::VisitPhase;
 use serde::{Deserialize, Serialize};
 
+use crate::badges::check_blocks;
 use crate::limits::MAX_ANNOUNCEMENTS;
-use crate::{BoothCommand, CommandReport, ProtocolError, SculptureId, SiteId, expect, fields};
+use crate::{
+    BadgeReport, BoothCommand, CommandReport, HeldBlock, ProtocolError, SculptureId, SiteId,
+    expect, fields,
+};
 
 /// The status of a sculpture's upload.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize, Deserialize)]
@@ -88,9 +92,8 @@ pub struct Heartbeat {
     pub app_version: [u16; 3],
     /// [`CORE_VERSION`](paros_core::codec::trace::CORE_VERSION) of the program.
     pub core_version: u16,
-    /// What was taken of the badges' lease, where a report is due. It names the same headset.
-    #[serde(with = "fields::lease_report")]
-    pub lease: Option<LeaseReport>,
+    /// The blocks of badges' numbers that the headset holds.
+    pub badges: BadgeReport,
     /// The last command that was taken, and its outcome; `None` if none was taken in this start.
     pub last_command: Option<CommandReport>,
     /// Up to 32 sculptures that the booth doesn't have: first those whose status it hasn't noted. Then sent ones, to hear
@@ -111,9 +114,11 @@ pub struct HeartbeatAnswer {
     pub number: u32,
     /// Seconds since 1970 by the booth's clock.
     pub booth_time: u64,
-    /// The answer to the report of a lease. It names the same headset.
-    #[serde(with = "fields::lease_answer")]
-    pub lease: Option<LeaseAnswer>,
+    /// Changes when the booth comes back from a backup, which may lack sculptures: the headset asks for all that it sent.
+    pub store_epoch: u64,
+    /// The blocks of badges' numbers that the headset holds from now on, in the order of their use. Others of its report are
+    /// used up, or are no longer its own.
+    pub badges: Vec<HeldBlock>,
     /// A command that waits for this headset.
     pub command: Option<BoothCommand>,
     /// The heartbeat's announcements that the booth has noted. A sent sculpture that the booth doesn't have stands here as
@@ -147,8 +152,7 @@ impl Heartbeat {
         let is_percent = |percent: u8| percent <= 100;
         expect(self.battery_percent.is_none_or(is_percent), "battery_percent", "0 to 100")?;
         expect(is_percent(self.outbox_full_percent), "outbox_full_percent", "0 to 100")?;
-        let is_its = self.lease.is_none_or(|lease| lease.headset == self.headset);
-        expect(is_its, "lease", "the lease of the same headset")?;
+        self.badges.check()?;
         self.last_command.map_or(Ok(()), |report| report.check())?;
         check_announcements(&self.announcements, "announcements")
     }
@@ -157,8 +161,7 @@ impl Heartbeat {
 impl HeartbeatAnswer {
     pub(crate) fn check(&self) -> Result<(), ProtocolError> {
         expect(self.headset != 0, "headset", "a number from 1")?;
-        let is_its = self.lease.as_ref().is_none_or(|lease| lease.headset == self.headset);
-        expect(is_its, "lease", "the lease of the same headset")?;
+        check_blocks(&self.badges, "badges")?;
         self.command.map_or(Ok(()), |command| command.check())?;
         check_announcements(&self.noted, "noted")
     }

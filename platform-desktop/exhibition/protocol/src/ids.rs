@@ -104,6 +104,8 @@ byte_names! {
     SculptureId, 16;
     /// The name of a site, which is a booth and its headsets: 128 random bits.
     SiteId, 16;
+    /// Names one lease of a block of badges' numbers: 64 random bits, which the booth and the headset know.
+    BlockSerial, 8;
     /// A SHA-256: of a parcel, a token, a certificate.
     ContentHash, 32;
     /// What a device remembers itself by (Android's `ANDROID_ID`, or random bits). A hint by which staff find a wiped
@@ -115,5 +117,5 @@ byte_names! {
     EnrolmentToken, 32;
 }
 
-shown_as_hex! { SculptureId SiteId ContentHash DeviceHint }
+shown_as_hex! { SculptureId SiteId BlockSerial ContentHash DeviceHint }
 never_shown! { DeviceToken EnrolmentToken }

@@ -10,6 +10,7 @@
 //! that arrives is hostile until it was read and checked: `from_json` of each message does both.
 #![forbid(unsafe_code)]
 
+mod badges;
 mod commands;
 mod enrolment;
 mod facts;
@@ -21,11 +22,14 @@ pub mod limits;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+pub use badges::{BadgeReport, HeldBlock};
 pub use commands::{BoothCommand, CommandKind, CommandOutcome, CommandReport};
 pub use enrolment::{DeviceName, EnrolAnswer, FleetEnrolment};
 pub use facts::{AgeGroup, FinishCause, UploadFacts};
 pub use heartbeat::{Announcement, Heartbeat, HeartbeatAnswer, HeatLevel, UploadStatus};
-pub use ids::{ContentHash, DeviceHint, DeviceToken, EnrolmentToken, SculptureId, SiteId};
+pub use ids::{
+    BlockSerial, ContentHash, DeviceHint, DeviceToken, EnrolmentToken, SculptureId, SiteId,
+};
 
 /// The version of the protocol. A change that an earlier program can't ignore raises it.
 pub const PROTOCOL_VERSION: u16 = 1;

@@ -3,6 +3,10 @@
 /// Announcements of a heartbeat: all of half a day without the booth. More take turns.
 pub const MAX_ANNOUNCEMENTS: usize = 32;
 
+/// Blocks of badges' numbers that a headset holds: 65 to 128 numbers, more than a day of 50 visits. While one is used up,
+/// the other is there.
+pub const MAX_HELD_BLOCKS: usize = 2;
+
 /// Milliseconds that a command of the booth lives at most: whoever pressed the button still stands there.
 pub const MAX_COMMAND_MS: u16 = 10_000;
 

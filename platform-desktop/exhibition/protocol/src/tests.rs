@@ -1,6 +1,6 @@
 //! Messages come back from their JSON; what no writer makes is refused with the field's name.
 
-use paros_core::badge::{BadgeLease, BadgeLedger, BadgeNumber, DAY_SECONDS, LeaseReport};
+use paros_core::badge::{BadgeNumber, LEASED_BLOCKS};
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
 use proptest::prelude::*;
@@ -45,9 +45,12 @@ fn any_facts(dice: &mut RandomSource) -> UploadFacts {
     let volume_raw_bytes = 1 + dice.next_bits() as u32 % (2 << 20);
     let has_trace = dice.next_bits() & 1 == 1;
     let trace_raw_bytes = if has_trace { 1 + dice.next_bits() as u32 % 1_000_000 } else { 0 };
+    let badge = any_badge(dice);
+    let is_leased = badge.is_some_and(|badge| !badge.is_provisional());
     UploadFacts {
         id: SculptureId(bytes(dice)),
-        badge: any_badge(dice),
+        badge,
+        badge_serial: Some(BlockSerial(bytes(dice))).filter(|_| is_leased),
         core_version: dice.next_bits() as u16,
         side: pick(dice, &[128, 256]),
         cause: pick(dice, &[FinishCause::Finished, FinishCause::Left, FinishCause::CutOff]),
@@ -73,14 +76,19 @@ fn any_announcements(dice: &mut RandomSource) -> Vec<Announcement> {
     (0..dice.next_bits() % 33).map(|_| any(dice)).collect()
 }
 
+/// Up to two different blocks.
+fn any_blocks(dice: &mut RandomSource) -> Vec<HeldBlock> {
+    let half = LEASED_BLOCKS as u64 / 2;
+    let any = |at: u64, dice: &mut RandomSource| HeldBlock {
+        block: (at * half + dice.next_bits() % half) as u16,
+        serial: BlockSerial(bytes(dice)),
+        next: (dice.next_bits() % 65) as u8,
+    };
+    (0..dice.next_bits() % 3).map(|at| any(at, dice)).collect()
+}
+
 fn any_heartbeat(dice: &mut RandomSource) -> Heartbeat {
     let flag = |dice: &mut RandomSource| dice.next_bits() & 1 == 1;
-    let lease = LeaseReport {
-        headset: HEADSET,
-        epoch: dice.next_bits(),
-        report: dice.next_bits() as u32,
-        taken: dice.next_bits() as u32,
-    };
     let outcomes = [CommandOutcome::Done, CommandOutcome::Expired, CommandOutcome::Refused];
     let report = CommandReport { id: 1 + dice.next_bits() / 2, outcome: pick(dice, &outcomes) };
     Heartbeat {
@@ -100,16 +108,13 @@ fn any_heartbeat(dice: &mut RandomSource) -> Heartbeat {
         outbox_full_percent: dice.next_bits() as u8 % 101,
         app_version: [1, 2, dice.next_bits() as u16],
         core_version: dice.next_bits() as u16,
-        lease: Some(lease).filter(|_| flag(dice)),
+        badges: BadgeReport { epoch: dice.next_bits() | 1, blocks: any_blocks(dice) },
         last_command: Some(report).filter(|_| flag(dice)),
         announcements: any_announcements(dice),
     }
 }
 
 fn any_answer(dice: &mut RandomSource) -> HeartbeatAnswer {
-    let mut lease = BadgeLease::new(HEADSET, dice.next_bits() | 1);
-    let mut ledger = Box::new(BadgeLedger::new(90));
-    let lease = ledger.answer_report(&lease.make_report(), DAY_SECONDS).expect("an answer");
     let command = BoothCommand {
         id: 1 + dice.next_bits() / 2,
         boot_id: dice.next_bits(),
@@ -123,7 +128,8 @@ fn any_answer(dice: &mut RandomSource) -> HeartbeatAnswer {
         boot_id: dice.next_bits() | 1,
         number: dice.next_bits() as u32 | 1,
         booth_time: dice.next_bits(),
-        lease: Some(lease).filter(|_| dice.next_bits() & 1 == 1),
+        store_epoch: dice.next_bits(),
+        badges: any_blocks(dice),
         command: Some(command).filter(|_| dice.next_bits() & 1 == 1),
         noted: any_announcements(dice),
     }
@@ -180,7 +186,7 @@ fn a_link_reads_the_longest_answer() {
     let dice = &mut RandomSource::new(1);
     let answer = loop {
         let answer = any_answer(dice);
-        if answer.noted.len() == 32 && answer.lease.is_some() && answer.command.is_some() {
+        if answer.noted.len() == 32 && answer.badges.len() == 2 && answer.command.is_some() {
             break answer;
         }
     };
@@ -224,6 +230,7 @@ fn values_that_nobody_writes_are_refused() {
             ("/id", json!("00".repeat(16))),
             ("/id", json!("5".repeat(31))),
             ("/badge", json!(BadgeNumber::COUNT)),
+            ("/badge", json!(BadgeNumber::provisional(1).get())),
             ("/side", json!(64)),
             ("/cause", json!("ran_away")),
             ("/language", json!("En")),
@@ -250,9 +257,10 @@ fn values_that_nobody_writes_are_refused() {
     };
     let announced =
         Announcement { id: SculptureId([9; 16]), badge: None, status: UploadStatus::Lost };
-    let report = LeaseReport { headset: HEADSET, epoch: 1, report: 1, taken: 0 };
+    let held = HeldBlock { block: 1, serial: BlockSerial([7; 8]), next: 64 };
+    let badges = BadgeReport { epoch: 1, blocks: vec![held, HeldBlock { block: 2, ..held }] };
     let beat = Heartbeat {
-        lease: Some(report),
+        badges,
         last_command: Some(CommandReport { id: 1, outcome: CommandOutcome::Done }),
         announcements: vec![announced],
         ..any_heartbeat(dice)
@@ -262,14 +270,18 @@ fn values_that_nobody_writes_are_refused() {
         Heartbeat::from_json,
         &[
             ("/headset", json!(0)),
-            ("/headset", json!(18)),
             ("/boot_id", json!(0)),
             ("/number", json!(0)),
             ("/battery_percent", json!(101)),
             ("/outbox_full_percent", json!(101)),
             ("/heat", json!("boiling")),
             ("/phase", json!(11)),
-            ("/lease/headset", json!(18)),
+            ("/badges/epoch", json!(0)),
+            ("/badges/blocks/0/block", json!(LEASED_BLOCKS)),
+            ("/badges/blocks/0/block", json!(2)),
+            ("/badges/blocks/0/next", json!(65)),
+            ("/badges/blocks/0/serial", json!("0000000000000000")),
+            ("/badges/blocks", json!([held, held, held])),
             ("/last_command/id", json!(0)),
             ("/announcements/0/status", json!("eaten")),
         ],
@@ -279,11 +291,10 @@ fn values_that_nobody_writes_are_refused() {
     let other = |k: u8| Announcement { id: SculptureId([k; 16]), ..announced };
     assert!(many((1..=32).map(other).collect()).check().is_ok());
     assert!(many((1..=33).map(other).collect()).check().is_err());
-    let answer = loop {
-        let answer = HeartbeatAnswer { command: Some(command), ..any_answer(dice) };
-        if answer.lease.as_ref().is_some_and(|lease| !lease.blocks.is_empty()) {
-            break answer;
-        }
+    let answer = HeartbeatAnswer {
+        command: Some(command),
+        badges: vec![held, HeldBlock { block: 2, ..held }],
+        ..any_answer(dice)
     };
     refuse(
         &answer.to_json(),
@@ -291,11 +302,10 @@ fn values_that_nobody_writes_are_refused() {
         &[
             ("/site", json!("00".repeat(16))),
             ("/headset", json!(0)),
-            ("/lease/headset", json!(18)),
-            ("/lease/is_void", json!(true)),
-            ("/lease/blocks", json!([[0, 64]])),
-            ("/lease/blocks", json!([[3, 0], [3, 1]])),
-            ("/lease/blocks", json!((0..7).map(|block| (block, 0)).collect::<Vec<_>>())),
+            ("/badges/0/block", json!(LEASED_BLOCKS)),
+            ("/badges/0/block", json!(2)),
+            ("/badges/0/next", json!(65)),
+            ("/badges", json!([held, held, held])),
             ("/command/id", json!(0)),
             ("/command/lives_ms", json!(0)),
             ("/command/lives_ms", json!(10_001)),

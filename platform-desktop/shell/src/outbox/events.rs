@@ -1,6 +1,5 @@
 //! What a sender asks the shell around it, and reports to it.
 
-use paros_core::badge::{LeaseAnswer, LeaseReport};
 use paros_core::visit::VisitPhase;
 use paros_protocol::{CommandKind, HeatLevel, SculptureId, SiteId};
 
@@ -56,9 +55,6 @@ pub trait OutboxHost {
     /// How the headset is.
     fn status(&mut self) -> HeadsetStatus;
 
-    /// A report of the badges' lease, if one is due and the lease is on the disk; it is sent at once.
-    fn lease_report(&mut self) -> Option<LeaseReport>;
-
     /// Takes an event.
     fn on_event(&mut self, event: OutboxEvent);
 }
@@ -83,8 +79,6 @@ pub enum OutboxEvent {
         /// When the command's life ends, in milliseconds of the host's clock.
         ends_ms: u64,
     },
-    /// The booth's answer to a report of the badges' lease.
-    Lease(LeaseAnswer),
     /// The booth doesn't know this headset: it must enrol again.
     UnknownToken,
     /// The booth's staff have shut this headset out.

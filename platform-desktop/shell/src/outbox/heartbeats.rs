@@ -1,6 +1,5 @@
 //! What a headset tells the booth every two seconds, and what it takes from the answers.
 
-use paros_core::badge::LeaseReport;
 use paros_core::codec::trace::CORE_VERSION;
 use paros_protocol::limits::{MAX_ANNOUNCEMENTS, MAX_COMMAND_MS};
 use paros_protocol::{
@@ -38,6 +37,8 @@ pub(super) struct HeartbeatClock {
     failures: u8,
     /// The entry from which on announcements are listed.
     cursor: usize,
+    /// Of the booth's last answer.
+    store_epoch: Option<u64>,
     /// The last command that was taken; 0 for none.
     last_command: u64,
     /// Its outcome, once that is known.
@@ -91,12 +92,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
     }
 
     /// Makes a heartbeat, to be sent now. `random` bits spread the next one if the last ones weren't answered.
-    pub(super) fn begin_heartbeat(
-        &mut self,
-        status: &HeadsetStatus,
-        lease: Option<LeaseReport>,
-        random: u32,
-    ) -> Heartbeat {
+    pub(super) fn begin_heartbeat(&mut self, status: &HeadsetStatus, random: u32) -> Heartbeat {
         self.heartbeats.forget_sent();
         let announcements = self.list_announcements();
         let (now_ms, host_ms) = (self.elapsed_ms, self.host_ms());
@@ -124,7 +120,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
             outbox_full_percent: self.spool.full_percent(),
             app_version: status.app_version,
             core_version: CORE_VERSION,
-            lease: lease.filter(|report| report.headset == self.owner.headset),
+            badges: self.badges.report().clone(),
             last_command: clock.report,
             announcements,
         }
@@ -190,14 +186,12 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         self.heartbeats.sent_ms = None;
         self.heartbeats.failures = 0;
         self.was_wiped = false;
-        if answer.lease.as_ref().is_some_and(|lease| lease.is_void) {
-            // A restored booth knows no leases: it may know fewer sculptures too.
+        if self.heartbeats.store_epoch.replace(answer.store_epoch) != Some(answer.store_epoch) {
+            // A restored booth may lack sculptures.
             self.spool.entries_mut().iter_mut().for_each(|entry| entry.confirmed_ms = None);
         }
+        self.badges.take_answer(self.spool.folder_mut(), &answer.badges);
         answer.noted.iter().for_each(|announcement| self.note_announced(announcement));
-        if let Some(lease) = answer.lease {
-            self.push_event(OutboxEvent::Lease(lease));
-        }
         if let Some(command) = answer.command
             && let Some(due) = self.take_command(&command, session_id, sent_ms)
         {

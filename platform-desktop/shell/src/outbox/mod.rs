@@ -11,16 +11,16 @@
 //! | `ID.sent` | *kept at the booth*: deleted after the grace, or earlier if there is no room |
 //! | `ID.refused` | the booth can't take it: sent again every six hours and at each start |
 //! | `ID.damaged` | was a parcel; for people to look at |
-//! | `badges.lease` | the lease of badges |
+//! | `badges.lease` | the blocks of badges' numbers that the device holds |
 //! | `last-finished` | the sculpture that was finished last |
 
+mod badge_lease;
 pub mod courier;
 pub mod enrolment;
 mod events;
 mod folder;
 mod heartbeats;
 mod http;
-mod lease_keeper;
 mod link;
 mod parcel;
 mod sender;

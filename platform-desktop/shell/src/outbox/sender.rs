@@ -4,8 +4,9 @@ use std::mem;
 use std::time::Duration;
 
 use paros_core::badge::BadgeNumber;
-use paros_protocol::{CommandOutcome, SculptureId, UploadStatus};
+use paros_protocol::{BlockSerial, CommandOutcome, SculptureId, UploadStatus};
 
+use super::badge_lease::BadgeLease;
 use super::events::{OutboxEvent, OutboxHost, OutboxOwner};
 use super::folder::OutboxFolder;
 use super::heartbeats::HeartbeatClock;
@@ -47,6 +48,7 @@ pub struct Sender<F, L> {
     /// Milliseconds of this start.
     pub(super) elapsed_ms: u64,
     uploads: UploadClock,
+    pub(super) badges: BadgeLease,
     pub(super) heartbeats: HeartbeatClock,
     next_sweep_ms: u64,
     events: Vec<OutboxEvent>,
@@ -94,6 +96,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         let events = lost.map(|entry| OutboxEvent::Lost(entry.id)).collect();
         Ok(Sender {
             was_wiped: spool.is_new(),
+            badges: BadgeLease::open(spool.folder(), boot_id),
             spool,
             link,
             owner,
@@ -149,6 +152,23 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
     /// Those of [`Spool::note_badge`].
     pub fn note_badge(&mut self, id: SculptureId, badge: BadgeNumber) -> Result<(), SpoolError> {
         self.spool.note_badge(id, badge)
+    }
+
+    /// Takes the number of the next badge. A leased one is on the disk as taken; a provisional one is of these `random` bits.
+    pub fn take_badge(&mut self, random: u32) -> BadgeNumber {
+        self.badges.take_number(self.spool.folder_mut(), random)
+    }
+
+    /// The serial by which a parcel proves that its badge was leased to this device.
+    #[must_use]
+    pub fn badge_serial(&self, badge: BadgeNumber) -> Option<BlockSerial> {
+        self.badges.serial_of(badge)
+    }
+
+    /// Leased numbers that are left.
+    #[must_use]
+    pub fn badges_left(&self) -> u32 {
+        self.badges.left()
     }
 
     /// Writes a parcel to the disk: *kept here*.
@@ -337,8 +357,8 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
     }
 
     fn send_heartbeat(&mut self, host: &mut impl OutboxHost) {
-        let (status, lease, random) = (host.status(), host.lease_report(), host.random());
-        let heartbeat = self.begin_heartbeat(&status, lease, random);
+        let (status, random) = (host.status(), host.random());
+        let heartbeat = self.begin_heartbeat(&status, random);
         let (number, body) = (heartbeat.number, heartbeat.to_json());
         self.link.send(BoothRequest::Heartbeat { number, body });
     }

@@ -176,6 +176,14 @@ impl<F: OutboxFolder> Spool<F> {
         Ok(spool)
     }
 
+    pub(super) const fn folder(&self) -> &F {
+        &self.folder
+    }
+
+    pub(super) const fn folder_mut(&mut self) -> &mut F {
+        &mut self.folder
+    }
+
     /// `true` if the folder has no file yet: the device is new, or its data was wiped.
     #[must_use]
     pub fn is_new(&self) -> bool {

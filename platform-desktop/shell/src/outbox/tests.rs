@@ -8,7 +8,6 @@ use std::fs;
 use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
 
-use paros_core::badge::LeaseReport;
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
 use paros_protocol::{
@@ -70,10 +69,6 @@ impl OutboxHost for Host {
         }
     }
 
-    fn lease_report(&mut self) -> Option<LeaseReport> {
-        None
-    }
-
     fn on_event(&mut self, event: OutboxEvent) {
         self.events.push(event);
     }
@@ -125,6 +120,7 @@ fn parcel(number: u8) -> Parcel {
     let facts = UploadFacts {
         id: SculptureId([number; 16]),
         badge: None,
+        badge_serial: None,
         core_version: 1,
         side: 128,
         cause: FinishCause::Finished,

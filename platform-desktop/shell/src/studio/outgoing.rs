@@ -95,6 +95,7 @@ impl Outgoing {
         UploadFacts {
             id,
             badge: None,
+            badge_serial: None,
             core_version: CORE_VERSION,
             side: N as u16,
             cause,

@@ -2,7 +2,6 @@
 
 mod enrolments;
 mod files;
-mod leases;
 mod manifests;
 mod meshes;
 mod outbox;
@@ -15,7 +14,7 @@ mod words;
 use crate::engine::FuzzTarget;
 
 /// All targets.
-pub const ALL: [FuzzTarget; 17] = [
+pub const ALL: [FuzzTarget; 16] = [
     meshes::OBJ,
     meshes::STL,
     meshes::PLY,
@@ -26,7 +25,6 @@ pub const ALL: [FuzzTarget; 17] = [
     settings::SETTINGS_FILE,
     manifests::MANIFEST,
     saves::SAVE,
-    leases::LEASE,
     outbox::MESSAGE,
     outbox::PARCEL,
     enrolments::ENROLMENT,

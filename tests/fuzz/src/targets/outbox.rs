@@ -4,9 +4,9 @@
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
 use paros_protocol::{
-    AgeGroup, Announcement, ContentHash, DeviceHint, DeviceName, EnrolAnswer, EnrolmentToken,
-    FinishCause, FleetEnrolment, Heartbeat, HeartbeatAnswer, HeatLevel, ProtocolError, SculptureId,
-    SiteId, UploadFacts, UploadStatus,
+    AgeGroup, Announcement, BadgeReport, BlockSerial, ContentHash, DeviceHint, DeviceName,
+    EnrolAnswer, EnrolmentToken, FinishCause, FleetEnrolment, Heartbeat, HeartbeatAnswer,
+    HeatLevel, HeldBlock, ProtocolError, SculptureId, SiteId, UploadFacts, UploadStatus,
 };
 use paros_shell::outbox::{Parcel, ParcelFault};
 use sha2::{Digest as _, Sha256};
@@ -60,7 +60,7 @@ const HEARTBEAT: Heartbeat = Heartbeat {
     outbox_full_percent: 1,
     app_version: [0, 1, 0],
     core_version: 12,
-    lease: None,
+    badges: BadgeReport { epoch: 9, blocks: Vec::new() },
     last_command: None,
     announcements: Vec::new(),
 };
@@ -68,6 +68,7 @@ const HEARTBEAT: Heartbeat = Heartbeat {
 const FACTS: UploadFacts = UploadFacts {
     id: SculptureId([1; 16]),
     badge: None,
+    badge_serial: None,
     core_version: 12,
     side: 128,
     cause: FinishCause::Left,
@@ -110,7 +111,8 @@ fn message_seeds() -> Vec<Vec<u8>> {
         boot_id: 3,
         number: 1,
         booth_time: 1_790_000_000,
-        lease: None,
+        store_epoch: 1,
+        badges: vec![HeldBlock { block: 5, serial: BlockSerial([4; 8]), next: 63 }],
         command: None,
         noted: heartbeat.announcements.clone(),
     };

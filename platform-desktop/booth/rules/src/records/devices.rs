@@ -95,13 +95,3 @@ record! {
         pub status: u8,
     }
 }
-
-record! {
-    /// The ledger of badges: a single row.
-    pub struct LedgerSave in "ledger", key 1, indexed [] {
-        /// Always 0.
-        pub row: u8,
-        /// As `BadgeLedger::save` writes it.
-        pub bytes: Vec<u8>,
-    }
-}

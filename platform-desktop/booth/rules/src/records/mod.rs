@@ -1,17 +1,17 @@
 //! What the booth keeps: a struct a table.
 
+mod badges;
 mod devices;
-mod grants;
 mod people;
 mod prints;
 mod sculptures;
 mod work;
 
-pub use devices::{Announcement, Command, CommandState, Device, EnrolToken, LedgerSave};
-pub use grants::BlockGrant;
+pub use badges::{BadgeBlock, BadgeCursor};
+pub use devices::{Announcement, Command, CommandState, Device, EnrolToken};
 pub use people::{Account, AuditEntry, MailOrder, MailState, StaffRole, StaffSession};
 pub use prints::{EstimateState, PrintOrder, PrintState};
-pub use sculptures::{BadgeClaim, ExportState, Sculpture, Tombstone};
+pub use sculptures::{ExportState, Sculpture, Tombstone};
 pub use work::{WorkKind, WorkLease};
 
 use crate::table::{Record, Table};
@@ -22,7 +22,8 @@ pub const TABLES: [&Table; 14] = [
     EnrolToken::TABLE,
     Command::TABLE,
     Announcement::TABLE,
-    LedgerSave::TABLE,
+    BadgeBlock::TABLE,
+    BadgeCursor::TABLE,
     Sculpture::TABLE,
     Tombstone::TABLE,
     Account::TABLE,
@@ -30,6 +31,5 @@ pub const TABLES: [&Table; 14] = [
     MailOrder::TABLE,
     PrintOrder::TABLE,
     AuditEntry::TABLE,
-    BlockGrant::TABLE,
     WorkLease::TABLE,
 ];

@@ -1,25 +1,11 @@
 //! Sculptures, and what is left of those that were deleted.
 
-use paros_core::badge::Language;
+use paros_core::badge::{BadgeNumber, Language};
 use paros_protocol::UploadFacts;
 
 use crate::table::record;
 use crate::time::BoothTime;
 use crate::value::stored_enum;
-
-stored_enum! {
-    /// What a badge says of a sculpture.
-    pub enum BadgeClaim {
-        /// It is the only one with its badge.
-        Sole = 0,
-        /// Its badge is provisional: others may have the same.
-        Shared = 1,
-        /// Another sculpture with the same leased badge was here before: a headset errs or lies.
-        Disputed = 2,
-        /// It is a leased badge that its headset was never handed: the headset errs or lies.
-        Unleased = 3,
-    }
-}
 
 stored_enum! {
     /// The state of a sculpture's mesh at the booth.
@@ -35,7 +21,7 @@ stored_enum! {
 
 record! {
     /// A sculpture that is kept.
-    pub struct Sculpture in "sculptures", key 1, indexed ["badge", "received_at", "export", "keep_day", "is_in_ledger"] {
+    pub struct Sculpture in "sculptures", key 1, indexed ["badge", "received_at", "export", "keep_day"], unique ["claimed_badge"] {
         /// Its random id.
         pub id: [u8; 16],
         /// Who made it.
@@ -44,16 +30,15 @@ record! {
         pub hash: [u8; 32],
         /// The number of its badge, if its visitor was shown one.
         pub badge: Option<u32>,
-        /// What the badge says of it.
-        pub claim: BadgeClaim,
+        /// The same number if the badge is its own: it was leased to the headset that sent it, and no other sculpture that is
+        /// kept has it.
+        pub claimed_badge: Option<u32>,
         /// `UploadFacts`, as they came.
         pub facts: Vec<u8>,
         /// When it was whole.
         pub received_at: BoothTime,
         /// The last day on which it is kept.
         pub keep_day: u32,
-        /// Whether the ledger of badges knows of this last day. It is told before it hands numbers out.
-        pub is_in_ledger: bool,
         /// When it was withdrawn.
         pub withdrawn_at: Option<BoothTime>,
         /// Whether the trace that came with it is here.
@@ -88,6 +73,13 @@ record! {
 }
 
 impl Sculpture {
+    /// `true` if it has a leased badge that isn't its own, or isn't any more: it is found by its picture and its hour.
+    #[must_use]
+    pub fn is_badge_lapsed(&self) -> bool {
+        let badge = self.badge.and_then(BadgeNumber::new);
+        self.claimed_badge.is_none() && badge.is_some_and(|badge| !badge.is_provisional())
+    }
+
     /// The language that its visitor chose; English where its facts can't be read.
     #[must_use]
     pub fn visit_language(&self) -> Language {

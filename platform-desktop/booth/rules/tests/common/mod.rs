@@ -3,13 +3,12 @@
 
 use std::sync::Arc;
 
-use paros_booth_rules::records::{BlockGrant, Device, LedgerSave, TABLES};
+use paros_booth_rules::records::{Device, TABLES};
 use paros_booth_rules::{
-    Access, Booth, BoothPlan, BoothTime, Field as _, MemoryFiles, MemoryStore, ParcelOutcome,
-    Query, Refusal, SiteKeys, Store, hash_of,
+    Access, Booth, BoothPlan, BoothTime, MemoryFiles, MemoryStore, ParcelOutcome, Query, Refusal,
+    SiteKeys, Store, hash_of,
 };
-use paros_booth_rules::{update, view};
-use paros_core::badge::{BadgeLedger, BadgeNumber, LeaseReport};
+use paros_core::badge::BadgeNumber;
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
 use paros_protocol::*;
@@ -50,7 +49,7 @@ pub(crate) struct Rig {
 }
 
 impl Rig {
-    /// Without headsets; with a token for 100 of them.
+    /// Without headsets; with a token for 250 of them.
     pub(crate) fn new() -> Self {
         Rig::with_plan(BoothPlan { retention_days: 30, ..BoothPlan::default() })
     }
@@ -59,7 +58,7 @@ impl Rig {
         let (store, files) = (crate::new_store(), Arc::new(MemoryFiles::new()));
         let keys = SiteKeys::new(SITE, ContentHash([6; 32]), [8; 32]);
         let booth = Booth::new(store.clone(), files.clone(), keys, plan);
-        booth.add_enrol_token(&FLEET, (100, days(1000)), "all", None, START).expect("room");
+        booth.add_enrol_token(&FLEET, (250, days(1000)), "all", None, START).expect("room");
         Rig { booth, store, files }
     }
 
@@ -79,41 +78,20 @@ impl Rig {
         self.booth.take_parcel(device, parcel.id, &parcel.file(), &decode, now)
     }
 
-    /// Has a headset ask for numbers, in a lease of this epoch. Returns all that it holds.
-    pub(crate) fn lease(&self, device: &Device, epoch: u64) -> Vec<Option<BadgeNumber>> {
-        self.lease_at(device, epoch, START)
+    /// The blocks that a headset leases, in an epoch in which it holds nothing.
+    pub(crate) fn lease(&self, device: &Device, epoch: u64, now: BoothTime) -> Vec<HeldBlock> {
+        self.report(device, &BadgeReport { epoch, blocks: Vec::new() }, now)
     }
 
-    pub(crate) fn lease_at(
+    /// Has a headset report blocks. Returns those that it holds from then on.
+    pub(crate) fn report(
         &self,
         device: &Device,
-        epoch: u64,
+        badges: &BadgeReport,
         now: BoothTime,
-    ) -> Vec<Option<BadgeNumber>> {
-        let report = LeaseReport { headset: device.headset, epoch, report: 1, taken: 0 };
-        let beat = Heartbeat { lease: Some(report), ..heartbeat(device.headset) };
-        let answer = self.beat(device, &beat, now).lease.expect("an answer");
-        let numbers = answer.blocks.iter().flat_map(|tail| {
-            let first = (u32::from(tail.block()) + 1) * 64 - tail.count();
-            (first..first + tail.count()).map(BadgeNumber::new)
-        });
-        numbers.collect()
-    }
-
-    /// As if a headset had been handed the block of a number once, which nobody holds now.
-    pub(crate) fn grant(&self, device: &Device, number: BadgeNumber) {
-        let block = number.get() / 64;
-        let grant = BlockGrant { block, first_place: 0, headset: device.headset };
-        update(self.store.as_ref(), |tx| tx.put(&grant)).expect("a store");
-    }
-
-    /// The ledger of badges, as it is kept.
-    pub(crate) fn ledger(&self) -> Box<BadgeLedger> {
-        let key = [0u8.to_value()];
-        let save: Option<LedgerSave> = view(self.store.as_ref(), |tx| tx.get(&key)).expect("rows");
-        let mut ledger = Box::new(BadgeLedger::new(0));
-        ledger.load(&save.expect("it was asked").bytes).expect("a ledger");
-        ledger
+    ) -> Vec<HeldBlock> {
+        let beat = Heartbeat { badges: badges.clone(), ..heartbeat(device.headset) };
+        self.beat(device, &beat, now).badges
     }
 
     pub(crate) fn beat(
@@ -150,10 +128,22 @@ pub(crate) struct Parcel {
 }
 
 impl Parcel {
+    /// With a serial that all made-up parcels have.
     pub(crate) fn new(id: u8, badge: Option<BadgeNumber>) -> Self {
+        Parcel::with_serial(id, badge, BlockSerial([9; 8]))
+    }
+
+    /// With the number at a place of a block.
+    pub(crate) fn of_block(id: u8, held: &HeldBlock, place: u8) -> Self {
+        Parcel::with_serial(id, BadgeNumber::of_block(held.block, place), held.serial)
+    }
+
+    pub(crate) fn with_serial(id: u8, badge: Option<BadgeNumber>, serial: BlockSerial) -> Self {
+        let is_leased = badge.is_some_and(|badge| !badge.is_provisional());
         Parcel::of_facts(UploadFacts {
             id: SculptureId([id; 16]),
             badge,
+            badge_serial: Some(serial).filter(|_| is_leased),
             core_version: 1,
             side: 128,
             cause: FinishCause::Finished,
@@ -210,7 +200,7 @@ pub(crate) fn heartbeat(headset: u32) -> Heartbeat {
         outbox_full_percent: 0,
         app_version: [1, 2, 3],
         core_version: 1,
-        lease: None,
+        badges: BadgeReport { epoch: 1, blocks: Vec::new() },
         last_command: None,
         announcements: Vec::new(),
     }

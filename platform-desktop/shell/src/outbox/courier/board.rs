@@ -39,7 +39,7 @@ pub struct CourierSummary {
     pub level: OutboxLevel,
     /// Whether the booth answers.
     pub hears_booth: bool,
-    /// Leased badges that could be shown now.
+    /// Leased badges that are left.
     pub badges_left: u32,
 }
 
@@ -152,7 +152,7 @@ impl Board {
     }
 
     /// Takes the outbox as it is.
-    pub(super) fn show(&mut self, sender: &Sender<DiskFolder, CourierLink>, badges_left: u32) {
+    pub(super) fn show(&mut self, sender: &Sender<DiskFolder, CourierLink>) {
         let spool = sender.spool();
         // What has no room in the spool isn't at the booth either.
         let is_outside = |(id, _): &&(SculptureId, UploadStatus)| spool.find(*id).is_none();
@@ -161,7 +161,7 @@ impl Board {
             owed: u32::try_from(owed).unwrap_or(u32::MAX),
             level: spool.level(),
             hears_booth: sender.hears_booth(),
-            badges_left,
+            badges_left: sender.badges_left(),
         };
         if self.summary.hears_booth {
             self.refused = None;

@@ -7,7 +7,6 @@ use std::sync::{Arc, LazyLock};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use paros_core::badge::{BadgeLedger, LeaseAnswer};
 use paros_protocol::*;
 
 use super::{Courier, CourierLink, CourierPlan};
@@ -30,14 +29,14 @@ struct Booth {
     status: Arc<AtomicU16>,
     is_down: Arc<AtomicBool>,
     answers: VecDeque<LinkAnswer>,
-    ledger: Box<BadgeLedger>,
     command: Option<BoothCommand>,
 }
 
 impl Booth {
     fn answer_heartbeat(&mut self, beat: &Heartbeat) -> Vec<u8> {
-        let report = |report| self.ledger.answer_report(&report, 1_790_000_000).ok();
-        let lease: Option<LeaseAnswer> = beat.lease.and_then(report);
+        let first = HeldBlock { block: 7, serial: BlockSerial([7; 8]), next: 0 };
+        let badges = beat.badges.blocks.clone();
+        let badges = if badges.is_empty() { vec![first] } else { badges };
         let command = self.command.filter(|_| beat.last_command.is_none());
         let answer = HeartbeatAnswer {
             site: OWNER.site,
@@ -45,7 +44,8 @@ impl Booth {
             boot_id: beat.boot_id,
             number: beat.number,
             booth_time: 0,
-            lease,
+            store_epoch: 0,
+            badges,
             command: command.map(|command| BoothCommand { boot_id: beat.boot_id, ..command }),
             noted: beat.announcements.clone(),
         };
@@ -131,7 +131,6 @@ impl Rig {
             status: self.status.clone(),
             is_down: self.is_down.clone(),
             answers: VecDeque::new(),
-            ledger: Box::new(BadgeLedger::new(90)),
             command,
         })
     }

@@ -18,6 +18,7 @@ fn draft(id: SculptureId, badge: Option<BadgeNumber>) -> ParcelDraft {
     let facts = UploadFacts {
         id,
         badge,
+        badge_serial: None,
         core_version: 1,
         side: 128,
         cause: FinishCause::Finished,

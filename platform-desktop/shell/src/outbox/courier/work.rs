@@ -6,8 +6,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
-use paros_core::badge::LeaseReport;
-use paros_protocol::{ContentHash, SculptureId, UploadStatus};
+use paros_protocol::{ContentHash, SculptureId, UploadFacts, UploadStatus};
 use sha2::{Digest as _, Sha256};
 
 use super::board::{Board, DeviceRefusal, RemoteCommand};
@@ -16,7 +15,6 @@ use super::orders::{CourierOrder, FinishedSculpture, ParcelDraft};
 use super::{CourierLink, CourierPlan};
 use crate::outbox::events::{HeadsetStatus, OutboxEvent, OutboxHost};
 use crate::outbox::folder::DiskFolder;
-use crate::outbox::lease_keeper::LeaseKeeper;
 use crate::outbox::parcel::Parcel;
 use crate::outbox::sender::Sender;
 use crate::outbox::spool::SpoolError;
@@ -45,7 +43,6 @@ pub(super) struct Work {
 struct CourierHost {
     board: Arc<Mutex<Board>>,
     clock: fn() -> u64,
-    lease: LeaseKeeper,
 }
 
 impl CourierHost {
@@ -68,18 +65,11 @@ impl OutboxHost for CourierHost {
         self.board().status
     }
 
-    fn lease_report(&mut self) -> Option<LeaseReport> {
-        self.lease.make_due_report((self.clock)())
-    }
-
     fn on_event(&mut self, event: OutboxEvent) {
         let note = match event {
             OutboxEvent::Command { command, session_id, ends_ms } => {
                 let command = RemoteCommand { id: command.id, kind: command.kind, session_id };
                 return self.board().commands.push_back((command, ends_ms));
-            }
-            OutboxEvent::Lease(answer) => {
-                return self.lease.take_answer(&answer, (self.clock)());
             }
             OutboxEvent::UnknownToken => {
                 return self.board().note_refused(DeviceRefusal::Forgotten);
@@ -105,9 +95,7 @@ impl Work {
         let owner = plan.enrolment.owner;
         let boot_id = getrandom::u64().unwrap_or_default() | 1;
         let sender = Sender::open(folder, link, owner, plan.settings, boot_id)?;
-        let lease = LeaseKeeper::open(&plan.folder, owner);
-        let host =
-            CourierHost { board: Arc::new(Mutex::new(Board::new())), clock: plan.clock, lease };
+        let host = CourierHost { board: Arc::new(Mutex::new(Board::new())), clock: plan.clock };
         let mark_path = mark::path_in(&plan.folder);
         let last_finished = mark::read(&mark_path);
         let waiting = Vec::new();
@@ -155,7 +143,8 @@ impl Work {
         match order {
             CourierOrder::Announce { id, volume } => self.announce(id, &volume),
             CourierOrder::TakeBadge { id } => {
-                let badge = self.host.lease.take_number((self.host.clock)());
+                let random = self.host.random();
+                let badge = self.sender.take_badge(random);
                 self.host.board().add_badge(id, badge);
             }
             CourierOrder::NoteBadge { id, badge } => {
@@ -194,6 +183,8 @@ impl Work {
 
     fn pack_and_keep(&mut self, draft: ParcelDraft) {
         let ParcelDraft { facts, volume, trace } = draft;
+        let badge_serial = facts.badge.and_then(|badge| self.sender.badge_serial(badge));
+        let facts = UploadFacts { badge_serial, ..facts };
         match Parcel::pack(&facts, &volume, trace.as_deref()) {
             Ok(parcel) => self.keep(parcel),
             Err(fault) => {
@@ -237,7 +228,6 @@ impl Work {
     }
 
     fn show(&self) {
-        let left = self.host.lease.left_now();
-        self.host.board().show(&self.sender, left);
+        self.host.board().show(&self.sender);
     }
 }

@@ -2,7 +2,6 @@
 
 use std::mem;
 
-use paros_core::badge::LeaseAnswer;
 use paros_protocol::limits::MAX_ANNOUNCEMENTS;
 use paros_protocol::{BoothCommand, CommandKind, CommandOutcome};
 
@@ -17,7 +16,8 @@ fn answer_to(beat: &Heartbeat) -> HeartbeatAnswer {
         boot_id: beat.boot_id,
         number: beat.number,
         booth_time: 1,
-        lease: None,
+        store_epoch: 1,
+        badges: Vec::new(),
         command: None,
         noted: beat.announcements.clone(),
     }
@@ -161,12 +161,10 @@ fn a_sent_parcel_that_the_booth_lacks_is_sent_again() {
     assert_eq!(status(&sender, 1), Some(UploadStatus::Sent));
     // It is on its way by then.
     assert_eq!(folder.names(), [name_of(1, "sent"), name_of(2, "parcel")]);
-    // A lease that is void is a booth that was restored: all is asked at once.
+    // Another store is a booth that was restored: all is asked at once.
     let beat = next_beat(&mut sender, &mut host);
     assert_eq!(announced(&beat), [(2, UploadStatus::Kept)]);
-    let (headset, epoch, blocks) = (OWNER.headset, 1, <_>::default());
-    let void = LeaseAnswer { headset, epoch, report: 1, taken: 0, is_void: true, blocks };
-    give(&mut sender, &mut host, &HeartbeatAnswer { lease: Some(void), ..answer_to(&beat) });
+    give(&mut sender, &mut host, &HeartbeatAnswer { store_epoch: 2, ..answer_to(&beat) });
     let beat = next_beat(&mut sender, &mut host);
     assert_eq!(announced(&beat), [(1, UploadStatus::Sent), (2, UploadStatus::Kept)]);
 }

@@ -79,13 +79,29 @@ fn draw_no_picture(_: &RangeMaps<128, INTERVALS>) -> Result<Vec<u8>, String> {
     Err("no picture".into())
 }
 
+/// Until it is dropped, also by a failed test, no picture is drawn.
+struct DrawingPause;
+
+impl DrawingPause {
+    fn begin() -> Self {
+        MAY_DRAW.store(false, Ordering::Relaxed);
+        DrawingPause
+    }
+}
+
+impl Drop for DrawingPause {
+    fn drop(&mut self) {
+        MAY_DRAW.store(true, Ordering::Relaxed);
+    }
+}
+
 /// The staff begins again while the print is made, and the next visitor is welcome at once.
 #[test]
 fn a_sculpture_is_saved_until_its_files_are_made_whoever_comes_next() {
     let folder = std::env::temp_dir().join(format!("paros-next-{}", std::process::id()));
     let _ = fs::remove_dir_all(&folder);
     run_program(&folder, |studio| {
-        MAY_DRAW.store(false, Ordering::Relaxed);
+        let pause = DrawingPause::begin();
         sculpt_in_a_visit(studio);
         assert_eq!(studio.count_unkept_sculptures(), 1, "it is being made");
         for presence in [Presence::Off, Presence::Worn] {
@@ -101,7 +117,7 @@ fn a_sculpture_is_saved_until_its_files_are_made_whoever_comes_next() {
             }
         }
         assert!(studio.is_exporting(), "its picture is still being drawn");
-        MAY_DRAW.store(true, Ordering::Relaxed);
+        drop(pause);
     });
     run_program(&folder, |studio| {
         assert!(studio.is_exporting(), "it is lost: {:?}", studio.world().visit().phase());

@@ -1,0 +1,429 @@
+//! Blocks of badges' numbers: leased to headsets, resting, and free again.
+//!
+//! A block without a row is free. It is *leased* to a headset in a heartbeat, and *rests* once it is used up, or the headset
+//! lost it, was retired, or was silent for too long. It is free again after [`LATE_DAYS`], when no sculpture that is kept
+//! has one of its numbers. A sculpture *claims* its badge by the serial of the block's lease, at most one a number.
+
+use std::collections::BTreeSet;
+
+use paros_core::badge::LEASED_BLOCKS;
+use paros_core::limits::BLOCK_NUMBERS;
+use paros_protocol::limits::MAX_HELD_BLOCKS;
+use paros_protocol::{BadgeReport, BlockSerial, HeldBlock, UploadFacts};
+
+use crate::booth::{Booth, Tx};
+use crate::limits::{DAY_BLOCKS, LATE_DAYS, MAX_HEADSET_DAY_BLOCKS};
+use crate::records::{BadgeBlock, BadgeCursor, Device, Sculpture};
+use crate::refusal::Refusal;
+use crate::store::{Query, StoreError};
+use crate::time::{BoothTime, DAY};
+use crate::value::Field as _;
+
+/// Colours whose numbers are leased.
+const LEASED_COLOURS: usize = 7;
+
+/// Blocks in a row that are taken, after which all taken ones are counted.
+const COUNTED_AFTER: usize = 64;
+
+/// What stands before what a serial is made of, so that nothing else that is made of the site's secret is one.
+const SERIAL_CONTEXT: &[u8] = b"paros badge block v1\0";
+
+/// What a headset's report leads to.
+#[derive(Default)]
+pub(crate) struct BadgePlan {
+    /// Rows to keep.
+    blocks: Vec<BadgeBlock>,
+    cursor: Option<BadgeCursor>,
+    /// What the headset holds once they are kept.
+    pub(crate) held: Vec<HeldBlock>,
+}
+
+/// How the leasable numbers are distributed, in blocks. All three together are [`LEASED_BLOCKS`].
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct BadgeTotals {
+    /// To be leased.
+    pub free: u64,
+    /// Leased to headsets.
+    pub leased: u64,
+    /// Resting.
+    pub resting: u64,
+}
+
+impl BadgeTotals {
+    /// `true` if fewer than a tenth are free: staff are warned.
+    #[must_use]
+    pub const fn are_scarce(&self) -> bool {
+        self.free < LEASED_BLOCKS as u64 / 10
+    }
+}
+
+impl BadgePlan {
+    pub(crate) const fn changes_nothing(&self) -> bool {
+        self.blocks.is_empty() && self.cursor.is_none()
+    }
+
+    pub(crate) fn write(&self, tx: &mut Tx<'_>) -> Result<(), StoreError> {
+        self.blocks.iter().try_for_each(|block| tx.put(block))?;
+        self.cursor.iter().try_for_each(|cursor| tx.put(cursor))
+    }
+
+    fn rest(&mut self, mut block: BadgeBlock, now: BoothTime) {
+        rest(&mut block, now);
+        self.blocks.push(block);
+    }
+}
+
+impl Booth {
+    /// Counts blocks, for staff.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn count_badges(&self) -> Result<BadgeTotals, Refusal> {
+        self.view(|tx| {
+            let known = tx.count_rows(&Query::all::<BadgeBlock>())?;
+            let leased = tx.count_rows(&Query::all::<BadgeBlock>().absent("free_on"))?;
+            let free = (LEASED_BLOCKS as u64).saturating_sub(known);
+            Ok(BadgeTotals { free, leased, resting: known - leased })
+        })
+    }
+
+    /// Finds what a headset holds after its report, and what changes by it. Nothing does where it holds two blocks and has
+    /// shown no badge since.
+    pub(crate) fn plan_badges(
+        &self,
+        tx: &mut Tx<'_>,
+        headset: u32,
+        report: &BadgeReport,
+        now: BoothTime,
+    ) -> Result<BadgePlan, StoreError> {
+        let mut plan = BadgePlan::default();
+        for reported in &report.blocks {
+            take_reported(tx, (headset, report.epoch), reported, now, &mut plan)?;
+        }
+        if plan.held.len() < MAX_HELD_BLOCKS {
+            take_unreported(tx, (headset, report), now, &mut plan)?;
+        }
+        if plan.held.len() < MAX_HELD_BLOCKS {
+            self.lease(tx, (headset, report.epoch), now, &mut plan)?;
+        }
+        Ok(plan)
+    }
+
+    /// Leases blocks until the headset holds two; fewer where it, or all headsets together, had a day's number of them.
+    fn lease(
+        &self,
+        tx: &mut Tx<'_>,
+        (headset, epoch): (u32, u64),
+        now: BoothTime,
+        plan: &mut BadgePlan,
+    ) -> Result<(), StoreError> {
+        let mut cursor = get_cursor(tx)?;
+        if now.day() > cursor.day {
+            (cursor.day, cursor.left) = (now.day(), DAY_BLOCKS);
+        }
+        if now.day() < cursor.closed_until {
+            return Ok(());
+        }
+        let new = plan.blocks.iter().filter(|block| block.leased_at == now).count();
+        let mut own_left =
+            MAX_HEADSET_DAY_BLOCKS.saturating_sub(count_of_day(tx, headset, now)? + new);
+        let mut is_moved = false;
+        while plan.held.len() < MAX_HELD_BLOCKS && own_left > 0 && cursor.left > 0 {
+            let planned: BTreeSet<u16> = plan.blocks.iter().map(|block| block.block).collect();
+            let Some(block) = find_free(tx, &planned, &mut cursor.turn)? else { break };
+            let serial = self.make_serial(block, headset, now);
+            let leased = BadgeBlock {
+                block,
+                headset,
+                serial,
+                epoch,
+                next: None,
+                leased_at: now,
+                free_on: None,
+            };
+            plan.held.push(leased.held());
+            plan.blocks.push(leased);
+            (cursor.left, own_left, is_moved) = (cursor.left - 1, own_left - 1, true);
+        }
+        plan.cursor = is_moved.then_some(cursor);
+        Ok(())
+    }
+
+    /// A serial that nobody guesses, another one each time.
+    fn make_serial(&self, block: u16, headset: u32, now: BoothTime) -> [u8; 8] {
+        let [block, headset, now] =
+            [u64::from(block), u64::from(headset), now.0].map(u64::to_le_bytes);
+        let mut serial = self.keys.make_secret(SERIAL_CONTEXT, &[&block, &headset, &now]);
+        // Zeros are no serial.
+        serial[0] |= 1;
+        serial
+    }
+
+    /// Puts blocks of silent headsets to rest, and frees those that have rested. Once a day.
+    pub(crate) fn sweep_badges(&self, tx: &mut Tx<'_>, now: BoothTime) -> Result<(), StoreError> {
+        let mut cursor = get_cursor(tx)?;
+        if cursor.swept_on == now.day() {
+            return Ok(());
+        }
+        cursor.swept_on = now.day();
+        tx.put(&cursor)?;
+        let silence = DAY * (u32::from(self.plan.retention_days) + LATE_DAYS);
+        for mut block in tx.find::<BadgeBlock>(&Query::all::<BadgeBlock>().absent("free_on"))? {
+            let device: Option<Device> = tx.get(&[block.headset.to_value()])?;
+            let heard_at = device.and_then(|device| device.seen_at).unwrap_or(block.leased_at);
+            if now.since(heard_at.max(block.leased_at)) > silence {
+                rest(&mut block, now);
+                tx.put(&block)?;
+            }
+        }
+        let rested = Query::all::<BadgeBlock>().below("free_on", &now.day().saturating_add(1));
+        for block in tx.find::<BadgeBlock>(&rested)? {
+            free_unless_claimed(tx, block)?;
+        }
+        Ok(())
+    }
+}
+
+/// Takes a block of a report: notes how far it is used, and whether the headset keeps it.
+fn take_reported(
+    tx: &mut Tx<'_>,
+    (headset, epoch): (u32, u64),
+    reported: &HeldBlock,
+    now: BoothTime,
+    plan: &mut BadgePlan,
+) -> Result<(), StoreError> {
+    let known: Option<BadgeBlock> = tx.get(&[reported.block.to_value()])?;
+    let before = known.clone();
+    // What a restored booth doesn't know was leased after the backup.
+    let adopted = match known {
+        None => adopt(tx, (headset, epoch), (reported.block, reported.serial), now)?,
+        known => known,
+    };
+    let is_its = |block: &BadgeBlock| {
+        (block.headset, block.epoch, block.serial) == (headset, epoch, reported.serial.0)
+            && block.free_on.is_none()
+    };
+    let Some(mut block) = adopted.filter(is_its) else { return Ok(()) };
+    block.next = Some(reported.next.max(block.next.unwrap_or_default()));
+    if block.held().is_used_up() {
+        plan.rest(block, now);
+        return Ok(());
+    }
+    plan.held.push(block.held());
+    if before.as_ref() != Some(&block) {
+        plan.blocks.push(block);
+    }
+    Ok(())
+}
+
+/// Blocks that are leased to a headset and not in its report. One that it never reported it may not have heard of: it gets
+/// the same again. Others it lost, or gave up.
+fn take_unreported(
+    tx: &mut Tx<'_>,
+    (headset, report): (u32, &BadgeReport),
+    now: BoothTime,
+    plan: &mut BadgePlan,
+) -> Result<(), StoreError> {
+    let leased = Query::all::<BadgeBlock>().equal("headset", &headset).absent("free_on");
+    for block in tx.find::<BadgeBlock>(&leased)? {
+        if report.blocks.iter().any(|reported| reported.block == block.block) {
+            continue;
+        }
+        let is_unheard = block.epoch == report.epoch && block.next.is_none();
+        if is_unheard && plan.held.len() < MAX_HELD_BLOCKS {
+            plan.held.push(block.held());
+        } else {
+            plan.rest(block, now);
+        }
+    }
+    Ok(())
+}
+
+/// Whether a sculpture that is being kept has its badge as its own: its serial is that of the lease, and no sculpture that is
+/// kept has claimed the number.
+pub(crate) fn claim_badge(
+    tx: &mut Tx<'_>,
+    headset: u32,
+    facts: &UploadFacts,
+    now: BoothTime,
+) -> Result<Option<u32>, StoreError> {
+    let UploadFacts { badge, badge_serial, .. } = facts;
+    let (Some(badge), Some(serial)) = (badge, badge_serial) else { return Ok(None) };
+    let Some((block, _)) = badge.block_and_place() else { return Ok(None) };
+    let known: Option<BadgeBlock> = tx.get(&[block.to_value()])?;
+    let lease = match known {
+        Some(known) => Some(known),
+        None => {
+            let adopted = adopt(tx, (headset, 0), (block, *serial), now)?;
+            let resting = adopted.map(|mut block| {
+                rest(&mut block, now);
+                block
+            });
+            resting.iter().try_for_each(|block| tx.put(block))?;
+            resting
+        }
+    };
+    let claimed = Query::all::<Sculpture>().equal("claimed_badge", &badge.get());
+    let is_own = lease.is_some_and(|lease| lease.serial == serial.0)
+        && tx.find_first::<Sculpture>(claimed)?.is_none();
+    Ok(is_own.then_some(badge.get()))
+}
+
+/// A headset is gone for good: its blocks rest.
+pub(crate) fn retire_headset(
+    tx: &mut Tx<'_>,
+    headset: u32,
+    now: BoothTime,
+) -> Result<(), StoreError> {
+    let leased = Query::all::<BadgeBlock>().equal("headset", &headset).absent("free_on");
+    rest_all(tx, &leased, now)
+}
+
+/// Makes the table of a copy fit for use. Blocks that may have been leased since the copy was made are passed over, and
+/// forgotten: whoever shows a serial of one has it. Where that may be all of them, or the clock is before the copy, all
+/// blocks rest.
+///
+/// A day's blocks may have been leased twice, as the booth may have come back from the same copy on each day before.
+pub(crate) fn restore_badges(
+    tx: &mut Tx<'_>,
+    copied_at: BoothTime,
+    now: BoothTime,
+) -> Result<(), StoreError> {
+    let mut cursor = get_cursor(tx)?;
+    let days = now.day().checked_sub(copied_at.day().max(cursor.day));
+    let passed = days.map(|days| usize::from(DAY_BLOCKS) * (2 * days as usize + 1));
+    (cursor.day, cursor.left, cursor.restored_at) = (now.day(), DAY_BLOCKS, now);
+    match passed.filter(|passed| *passed < LEASED_BLOCKS) {
+        None => {
+            rest_all(tx, &Query::all::<BadgeBlock>().absent("free_on"), now)?;
+            cursor.closed_until = rested_on(now);
+        }
+        Some(passed) => {
+            for _ in 0..passed {
+                let block = block_of_turn(cursor.turn);
+                cursor.turn = next_turn(cursor.turn);
+                let known: Option<BadgeBlock> = tx.get(&[block.to_value()])?;
+                let free_on = |block: &BadgeBlock| block.free_on.unwrap_or(rested_on(copied_at));
+                if let Some(block) = known.filter(|block| free_on(block) <= now.day()) {
+                    free_unless_claimed(tx, block)?;
+                }
+            }
+        }
+    }
+    // Of these the headset may have heard since, and used them up.
+    let unheard = Query::all::<BadgeBlock>().absent("free_on").absent("next");
+    rest_all(tx, &unheard, now)?;
+    tx.put(&cursor)
+}
+
+/// When the booth last came back from a backup, in milliseconds; 0 if it never did.
+pub(crate) fn store_epoch(tx: &mut Tx<'_>) -> Result<u64, StoreError> {
+    Ok(get_cursor(tx)?.restored_at.0)
+}
+
+/// The row of a block that the booth knows nothing of, for the headset that shows a serial; `None` where it adopted too many
+/// today.
+fn adopt(
+    tx: &mut Tx<'_>,
+    (headset, epoch): (u32, u64),
+    (block, serial): (u16, BlockSerial),
+    now: BoothTime,
+) -> Result<Option<BadgeBlock>, StoreError> {
+    let has_room = count_of_day(tx, headset, now)? < MAX_HEADSET_DAY_BLOCKS;
+    Ok(has_room.then_some(BadgeBlock {
+        block,
+        headset,
+        serial: serial.0,
+        epoch,
+        next: None,
+        leased_at: now,
+        free_on: None,
+    }))
+}
+
+/// Blocks that a headset got in the last 24 hours.
+fn count_of_day(tx: &mut Tx<'_>, headset: u32, now: BoothTime) -> Result<usize, StoreError> {
+    let day_ago = BoothTime(now.0.saturating_sub(DAY.as_millis() as u64));
+    let of_headset = Query::all::<BadgeBlock>().equal("headset", &headset);
+    Ok(tx.count_rows(&of_headset.at_least("leased_at", &day_ago))? as usize)
+}
+
+/// The next block without a row, and not planned.
+fn find_free(
+    tx: &mut Tx<'_>,
+    planned: &BTreeSet<u16>,
+    turn: &mut u16,
+) -> Result<Option<u16>, StoreError> {
+    for tried in 0..LEASED_BLOCKS {
+        // Where all are taken, not every heartbeat looks at all.
+        if tried == COUNTED_AFTER
+            && tx.count_rows(&Query::all::<BadgeBlock>())? >= LEASED_BLOCKS as u64
+        {
+            break;
+        }
+        let block = block_of_turn(*turn);
+        *turn = next_turn(*turn);
+        let is_free = !planned.contains(&block);
+        if is_free && tx.get::<BadgeBlock>(&[block.to_value()])?.is_none() {
+            return Ok(Some(block));
+        }
+    }
+    Ok(None)
+}
+
+fn get_cursor(tx: &mut Tx<'_>) -> Result<BadgeCursor, StoreError> {
+    let new = BadgeCursor {
+        row: 0,
+        turn: 0,
+        day: 0,
+        left: 0,
+        closed_until: 0,
+        swept_on: 0,
+        restored_at: BoothTime(0),
+    };
+    Ok(tx.get(&[0u8.to_value()])?.unwrap_or(new))
+}
+
+/// Removes a block's row, unless a sculpture that is kept has one of its numbers: then it is looked at again after that one's
+/// last day.
+fn free_unless_claimed(tx: &mut Tx<'_>, mut block: BadgeBlock) -> Result<(), StoreError> {
+    let first = u32::from(block.block) * BLOCK_NUMBERS as u32;
+    let claims = Query::all::<Sculpture>()
+        .at_least("claimed_badge", &first)
+        .below("claimed_badge", &(first + BLOCK_NUMBERS as u32));
+    let last = tx.find::<Sculpture>(&claims)?.iter().map(|kept| kept.keep_day).max();
+    match last {
+        None => tx.remove::<BadgeBlock>(&[block.block.to_value()]),
+        Some(last) => {
+            block.free_on = Some(last.saturating_add(1));
+            tx.put(&block)
+        }
+    }
+}
+
+fn rest_all(tx: &mut Tx<'_>, query: &Query, now: BoothTime) -> Result<(), StoreError> {
+    for mut block in tx.find::<BadgeBlock>(query)? {
+        rest(&mut block, now);
+        tx.put(&block)?;
+    }
+    Ok(())
+}
+
+fn rest(block: &mut BadgeBlock, now: BoothTime) {
+    block.free_on = Some(rested_on(now));
+}
+
+/// The first day on which a block is free that rests from now on.
+const fn rested_on(now: BoothTime) -> u32 {
+    now.day().saturating_add(LATE_DAYS + 1)
+}
+
+/// The blocks take turns by colour, so that visitors of a day have badges of all.
+const fn block_of_turn(turn: u16) -> u16 {
+    let (turn, of_colour) = (turn as usize % LEASED_BLOCKS, LEASED_BLOCKS / LEASED_COLOURS);
+    (turn % LEASED_COLOURS * of_colour + turn / LEASED_COLOURS) as u16
+}
+
+const fn next_turn(turn: u16) -> u16 {
+    ((turn as usize + 1) % LEASED_BLOCKS) as u16
+}

@@ -1,0 +1,56 @@
+//! Who holds which numbers of badges.
+
+use paros_protocol::{BlockSerial, HeldBlock};
+
+use crate::table::record;
+use crate::time::BoothTime;
+
+record! {
+    /// A block of 64 numbers that is leased, or rests after a lease. A block without a row is free.
+    pub struct BadgeBlock in "badge_blocks", key 1, indexed ["headset", "free_on"] {
+        /// The block.
+        pub block: u16,
+        /// The headset that it is leased to, or was.
+        pub headset: u32,
+        /// Names this lease.
+        pub serial: [u8; 8],
+        /// The headset's epoch in which it was leased.
+        pub epoch: u64,
+        /// The place of the next number, as the headset last reported it; `None` until it has reported the block. From then
+        /// on a report without the block says that the headset doesn't have it any more.
+        pub next: Option<u8>,
+        /// When it was leased, or first heard of after a restore.
+        pub leased_at: BoothTime,
+        /// For a block that rests: the first day on which it may be free. `None` while it is leased.
+        pub free_on: Option<u32>,
+    }
+}
+
+record! {
+    /// Where the leasing of blocks stands: a single row.
+    pub struct BadgeCursor in "badge_cursor", key 1, indexed [] {
+        /// Always 0.
+        pub row: u8,
+        /// The turn of the block that is looked at next.
+        pub turn: u16,
+        /// The day of the last lease.
+        pub day: u32,
+        /// Blocks that may yet be leased on that day.
+        pub left: u16,
+        /// Until this day no block is leased.
+        pub closed_until: u32,
+        /// The last day on which resting blocks were looked at.
+        pub swept_on: u32,
+        /// When the booth last came back from a backup; 0 if it never did.
+        pub restored_at: BoothTime,
+    }
+}
+
+impl BadgeBlock {
+    /// The block, as headset and booth tell each other of it.
+    #[must_use]
+    pub fn held(&self) -> HeldBlock {
+        let next = self.next.unwrap_or_default();
+        HeldBlock { block: self.block, serial: BlockSerial(self.serial), next }
+    }
+}

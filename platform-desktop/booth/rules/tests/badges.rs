@@ -1,0 +1,299 @@
+//! Blocks of badges' numbers: leased, resting, free again; and which sculpture a badge is the own of.
+
+use super::common::*;
+use super::restore::restored;
+use paros_booth_rules::limits::{DAY_BLOCKS, LATE_DAYS, MAX_HEADSET_DAY_BLOCKS};
+use paros_booth_rules::records::{BadgeBlock, Device, Sculpture};
+use paros_booth_rules::{
+    BadgeTotals, BoothTime, Field as _, FoundByBadge, MemoryStore, Query, Transaction, update, view,
+};
+use paros_core::badge::{BadgeNumber, LEASED_BLOCKS};
+use paros_protocol::*;
+
+/// The retention of a rig's plan, in days.
+const RETENTION: u64 = 30;
+
+fn of_epoch(epoch: u64, blocks: &[HeldBlock]) -> BadgeReport {
+    BadgeReport { epoch, blocks: blocks.to_vec() }
+}
+
+fn at_place(held: HeldBlock, next: u8) -> HeldBlock {
+    HeldBlock { next, ..held }
+}
+
+fn row(rig: &Rig, block: u16) -> Option<BadgeBlock> {
+    view(rig.store.as_ref(), |tx| tx.get(&[block.to_value()])).expect("a store")
+}
+
+fn totals(rig: &Rig) -> (u64, u64) {
+    let BadgeTotals { free, leased, resting } = rig.booth.count_badges().unwrap();
+    assert_eq!(free + leased + resting, LEASED_BLOCKS as u64);
+    (leased, resting)
+}
+
+/// Sends a parcel. Returns the number that it has as its own.
+fn claim(rig: &Rig, device: &Device, parcel: &Parcel, now: BoothTime) -> Option<u32> {
+    rig.upload(device, parcel, now).expect("it is kept all the same");
+    let kept = rig.booth.find_sculpture(&parcel.id, now).expect("it is kept");
+    assert_eq!(kept.is_badge_lapsed(), kept.claimed_badge.is_none());
+    kept.claimed_badge
+}
+
+#[test]
+fn a_headset_holds_two_blocks_and_gets_the_same_until_it_has_heard_of_them() {
+    let rig = Rig::new();
+    let (device, other) = (rig.enrol(1), rig.enrol(2));
+    let held = rig.lease(&device, 5, START);
+    assert_eq!(held.len(), 2);
+    assert_ne!(held[0].block / 4096, held[1].block / 4096, "of two colours");
+    // The answer was lost.
+    assert_eq!(rig.lease(&device, 5, seconds(2)), held);
+    let others = rig.lease(&other, 5, START);
+    assert!(others.iter().all(|block| held.iter().all(|mine| mine.block != block.block)));
+    // The greater place counts, whoever says it: the headset may be behind.
+    let used = [at_place(held[0], 9), held[1]];
+    assert_eq!(rig.report(&device, &of_epoch(5, &used), seconds(4)), used);
+    assert_eq!(rig.report(&device, &of_epoch(5, &held), seconds(6)), used);
+    assert_eq!(totals(&rig), (4, 0));
+}
+
+#[test]
+fn a_used_up_block_rests_and_another_comes_in_the_same_exchange() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let held = rig.lease(&device, 5, START);
+    let used = [at_place(held[0], 64), at_place(held[1], 1)];
+    let next = rig.report(&device, &of_epoch(5, &used), seconds(2));
+    assert_eq!((next.len(), next[0]), (2, used[1]));
+    assert_eq!(totals(&rig), (2, 1));
+    // The answer was lost: the same again.
+    assert_eq!(rig.report(&device, &of_epoch(5, &used), seconds(4)), next);
+    assert_eq!(rig.report(&device, &of_epoch(5, &next), seconds(6)), next);
+    assert_eq!(totals(&rig), (2, 1));
+}
+
+#[test]
+fn blocks_of_an_epoch_before_rest_and_late_reports_of_it_take_none_away() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let before = rig.lease(&device, 5, START);
+    let after = rig.lease(&device, 6, seconds(100));
+    assert!(after.iter().all(|held| before.iter().all(|old| old.block != held.block)));
+    assert_eq!(totals(&rig), (2, 2));
+    // A report of before, which comes late, costs blocks; what was shown of them is the headset's all the same.
+    rig.report(&device, &of_epoch(5, &before), seconds(101));
+    let again = rig.report(&device, &of_epoch(6, &after), seconds(102));
+    assert_eq!(again.len(), 2);
+    let parcel = Parcel::of_block(1, &after[0], 3);
+    assert!(claim(&rig, &device, &parcel, seconds(103)).is_some());
+}
+
+#[test]
+fn what_a_headset_gave_up_or_copied_is_not_its_own() {
+    let rig = Rig::new();
+    let (device, other) = (rig.enrol(1), rig.enrol(2));
+    let held = rig.lease(&device, 5, START);
+    rig.report(&device, &of_epoch(5, &held), seconds(1));
+    // It has reported both, and now one of them.
+    let next = rig.report(&device, &of_epoch(5, &held[..1]), seconds(2));
+    assert_eq!((next.len(), next[0]), (2, held[0]));
+    assert_ne!(next[1].block, held[1].block);
+    // Another headset, or another serial.
+    let copied = rig.report(&other, &of_epoch(5, &held[..1]), seconds(3));
+    assert!(copied.iter().all(|block| block.block != held[0].block));
+    let forged = HeldBlock { serial: BlockSerial([1; 8]), ..held[0] };
+    let told = rig.report(&device, &of_epoch(5, &[forged]), seconds(4));
+    assert!(told.iter().all(|block| block.serial != forged.serial));
+}
+
+#[test]
+fn a_block_is_free_once_it_has_rested_and_no_sculpture_has_its_numbers() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let [claimed, unclaimed] = rig.lease(&device, 5, START)[..] else { panic!("two blocks") };
+    let parcel = Parcel::of_block(1, &claimed, 0);
+    assert!(claim(&rig, &device, &parcel, days(2)).is_some());
+    rig.booth.revoke_device(device.headset, "ana", days(3)).unwrap();
+    assert_eq!(totals(&rig), (0, 2), "a headset that is shut out");
+    let late = u64::from(LATE_DAYS);
+    let last_day = days(40).day();
+    rig.booth.keep_until(&parcel.id, last_day, "ana", days(4)).unwrap();
+    for (day, is_unclaimed_free) in [(3 + late, false), (4 + late, true), (5 + late, true)] {
+        rig.booth.sweep(days(day)).unwrap();
+        assert_eq!(row(&rig, unclaimed.block).is_none(), is_unclaimed_free, "day {day}");
+        assert!(row(&rig, claimed.block).is_some());
+    }
+    rig.booth.sweep(days(40)).unwrap();
+    assert!(row(&rig, claimed.block).is_some(), "it is kept until the end of that day");
+    rig.booth.sweep(days(41)).unwrap();
+    assert!(row(&rig, claimed.block).is_none());
+}
+
+#[test]
+fn a_silent_headsets_blocks_rest_and_it_leases_others_when_it_returns() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let held = rig.lease(&device, 5, START);
+    let silence = RETENTION + u64::from(LATE_DAYS);
+    rig.booth.sweep(days(silence)).unwrap();
+    assert_eq!(totals(&rig), (2, 0));
+    rig.booth.sweep(days(silence + 1)).unwrap();
+    assert_eq!(totals(&rig), (0, 2));
+    let used = [at_place(held[0], 30), held[1]];
+    let next = rig.report(&device, &of_epoch(5, &used), days(silence + 2));
+    assert_eq!(next.len(), 2);
+    assert!(next.iter().all(|new| held.iter().all(|old| old.block != new.block)));
+    // What it showed meanwhile is its own: nobody else was leased the block.
+    let parcel = Parcel::of_block(1, &held[0], 29);
+    assert!(claim(&rig, &device, &parcel, days(silence + 2)).is_some());
+}
+
+#[test]
+fn a_badge_is_the_own_of_one_sculpture_that_shows_its_serial() {
+    let rig = Rig::new();
+    let (device, liar) = (rig.enrol(1), rig.enrol(2));
+    let held = rig.lease(&device, 5, START);
+    let theirs = rig.lease(&liar, 6, START);
+    let right = Parcel::of_block(2, &held[0], 3);
+    let number = right.facts.badge.expect("a number");
+    // Before the right one, by a headset that was never leased it.
+    for (id, serial) in [(1, BlockSerial([9; 8])), (3, theirs[0].serial)] {
+        let stolen = Parcel::with_serial(id, Some(number), serial);
+        assert_eq!(claim(&rig, &liar, &stolen, START), None);
+    }
+    assert_eq!(claim(&rig, &device, &right, seconds(1)), Some(number.get()));
+    let twice = Parcel::of_block(4, &held[0], 3);
+    assert_eq!(claim(&rig, &device, &twice, seconds(2)), None);
+    let without = Parcel::of_facts(UploadFacts {
+        badge_serial: None,
+        ..Parcel::of_block(5, &held[0], 4).facts
+    });
+    assert_eq!(claim(&rig, &device, &without, seconds(2)), None);
+    // Who says the badge finds the visitor's own first, then the newest.
+    let found = rig.booth.find_by_badge(&number.badge().into(), seconds(3)).unwrap();
+    let FoundByBadge::Exact(found) = found else { panic!("a right badge") };
+    let ids: Vec<u8> = found.kept.iter().map(|kept| kept.id[0]).collect();
+    assert_eq!(ids, [2, 4, 1, 3]);
+    // Once it is deleted, the number is nobody's, and the serial still the device's.
+    rig.booth.delete(&right.id, "ana", seconds(4)).unwrap();
+    let after = Parcel::of_block(6, &held[0], 3);
+    assert_eq!(claim(&rig, &device, &after, seconds(5)), Some(number.get()));
+    for id in [7, 8] {
+        let provisional = Parcel::new(id, Some(BadgeNumber::provisional(5)));
+        rig.upload(&device, &provisional, seconds(6)).unwrap();
+        let kept = rig.booth.find_sculpture(&provisional.id, seconds(6)).unwrap();
+        assert!(kept.claimed_badge.is_none() && !kept.is_badge_lapsed());
+    }
+}
+
+#[test]
+fn a_headset_gets_so_many_blocks_a_day_and_all_together_so_many() {
+    let rig = Rig::new();
+    let liar = rig.enrol(250);
+    for epoch in 1..100 {
+        rig.lease(&liar, epoch, seconds(epoch));
+    }
+    let (leased, resting) = totals(&rig);
+    assert_eq!((leased + resting) as usize, MAX_HEADSET_DAY_BLOCKS);
+    // What it makes up of free blocks is bounded with it.
+    let made_up = Parcel::new(1, BadgeNumber::of_block(20_000, 0));
+    assert_eq!(claim(&rig, &liar, &made_up, seconds(200)), None);
+    for byte in 1..=99 {
+        let device = rig.enrol(byte);
+        (1..4).for_each(|epoch| drop(rig.lease(&device, epoch, seconds(300 + epoch))));
+    }
+    let (leased, resting) = totals(&rig);
+    assert_eq!(leased + resting, u64::from(DAY_BLOCKS));
+    let late = rig.enrol(249);
+    assert_eq!(rig.lease(&late, 1, seconds(400)), []);
+    assert_eq!(rig.lease(&late, 1, days(1)).len(), 2);
+    assert_eq!(rig.lease(&liar, 200, days(2)).len(), 2);
+}
+
+/// A booth that comes back from a backup of `copied_at`.
+fn restore(rig: &Rig, copy: MemoryStore, copied_at: BoothTime, now: BoothTime) -> Rig {
+    let again = restored(copy, rig.files.clone());
+    again.booth.make_restored(&[], copied_at, now).unwrap();
+    again
+}
+
+/// Once it was refused for ever: its numbers were the ledger's of before.
+#[test]
+fn a_headset_goes_on_with_its_blocks_after_a_restore() {
+    let rig = Rig::new();
+    let (early, late) = (rig.enrol(1), rig.enrol(2));
+    let held = rig.lease(&early, 5, START);
+    rig.report(&early, &of_epoch(5, &held), seconds(1));
+    let unheard = rig.lease(&late, 5, START);
+    let copy = copy_of(rig.store.as_ref());
+    // Since the backup: the first used a block up, the second heard of its blocks and used them up.
+    let used = [at_place(held[0], 64), at_place(held[1], 20)];
+    let after = rig.report(&early, &of_epoch(5, &used), seconds(100));
+    let used_up = unheard.iter().map(|block| at_place(*block, 64)).collect::<Vec<_>>();
+    let fresh = rig.report(&late, &of_epoch(5, &used_up), seconds(100));
+    let again = restore(&rig, copy, seconds(50), days(1));
+    // Their blocks are known by their serials. What they gave up they don't get again.
+    assert_eq!(again.report(&early, &of_epoch(5, &after), days(1)), after);
+    assert_eq!(again.report(&late, &of_epoch(5, &fresh), days(1)), fresh);
+    // Nobody else gets what was leased since.
+    let next = again.enrol(3);
+    let others = again.lease(&next, 1, days(1));
+    assert_eq!(others.len(), 2);
+    let known = [&held, &unheard, &after, &fresh].map(Vec::as_slice).concat();
+    assert!(others.iter().all(|new| known.iter().all(|old| old.block != new.block)));
+    // Sculptures that were lost with the booth come again, with their badges: of blocks that are held, or were.
+    for (id, device, block, place) in
+        [(1, &early, held[0], 63), (2, &early, after[1], 0), (3, &late, unheard[1], 7)]
+    {
+        assert!(claim(&again, device, &Parcel::of_block(id, &block, place), days(1)).is_some());
+    }
+}
+
+#[test]
+fn numbers_rest_for_a_copy_whose_leases_nobody_can_know() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let held = rig.lease(&device, 5, days(1));
+    rig.report(&device, &of_epoch(5, &held), days(1));
+    let late = u64::from(LATE_DAYS);
+    // The clock is before the copy; or so many days have passed that every block may have been leased.
+    for now in [days(0), days(60)] {
+        let copy = copy_of(rig.store.as_ref());
+        let again = restore(&rig, copy, days(1), now);
+        assert_eq!(again.report(&device, &of_epoch(5, &held), now), []);
+        let after = BoothTime(now.0 + days(late + 1).0 - START.0);
+        assert_eq!(again.report(&device, &of_epoch(5, &held), after).len(), 2);
+        // What it showed of them is its own.
+        assert!(claim(&again, &device, &Parcel::of_block(1, &held[0], 0), after).is_some());
+    }
+}
+
+/// Once a badge was shown twice: an upload was stuck for longer than sculptures are kept, and its number free meanwhile.
+#[test]
+fn an_upload_that_was_stuck_for_too_long_has_its_badge_lapsed() {
+    let rig = Rig::new();
+    let (stuck, other) = (rig.enrol(1), rig.enrol(2));
+    let held = rig.lease(&stuck, 5, START);
+    let parcel = Parcel::of_block(1, &held[0], 0);
+    // Wiped but for its parcel: the blocks rest, and are free.
+    rig.lease(&stuck, 6, seconds(60));
+    rig.booth.sweep(days(u64::from(LATE_DAYS) + 1)).unwrap();
+    assert!(row(&rig, held[0].block).is_none());
+    // All others are leased before it has its turn again.
+    let leased = rig.lease(&other, 7, days(12));
+    let leased = row(&rig, leased[0].block).expect("it is leased");
+    let others = (0..LEASED_BLOCKS as u16).filter(|block| *block != held[0].block);
+    let rows = others.map(|block| BadgeBlock { block, leased_at: START, ..leased.clone() });
+    let put_all = |tx: &mut (dyn Transaction + '_)| rows.clone().try_for_each(|row| tx.put(&row));
+    update(rig.store.as_ref(), put_all).unwrap();
+    let again = rig.lease(&other, 8, days(13));
+    assert_eq!(again[0].block, held[0].block);
+    assert!(claim(&rig, &other, &Parcel::of_block(2, &again[0], 0), days(13)).is_some());
+    assert_eq!(
+        claim(&rig, &stuck, &parcel, days(14)),
+        None,
+        "it is kept, and its badge is another's"
+    );
+    let claimed = Query::all::<Sculpture>().present("claimed_badge");
+    assert_eq!(rig.booth.count(&claimed).unwrap(), 1);
+}
