@@ -140,7 +140,7 @@ fn the_choice_in_large() {
         let eye = Eye { position: Vec3::Z, rotation: Quat::IDENTITY, fov };
         let size = [width as usize, height as usize];
         let image = render_panels_with_pictures(&[panel], &pictures, &eye, size, 2, Vec3::ZERO);
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/tmp");
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../target/tmp");
         let file = File::create(folder.join(format!("choice-{count}-{ticks}.png")));
         image.write_png(file.expect("a picture's file")).expect("a picture");
     }

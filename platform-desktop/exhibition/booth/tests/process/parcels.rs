@@ -45,7 +45,7 @@ pub(crate) fn heartbeat(headset: u32) -> Heartbeat {
     }
 }
 
-const SOME_TRACE: &[u8] = include_bytes!("../../../../core/examples/replay/groove.trace");
+const SOME_TRACE: &[u8] = include_bytes!("../../../../../core/examples/replay/groove.trace");
 
 /// Where a trace's head has its number of ticks.
 const TICKS_AT: usize = 12;

@@ -15,7 +15,7 @@ use paros_shell::rmap;
 use paros_shell::tick_runner::with_fresh_world;
 use proptest::prelude::*;
 
-const TRACE: &[u8] = include_bytes!("../../../core/examples/replay/groove.trace");
+const TRACE: &[u8] = include_bytes!("../../../../core/examples/replay/groove.trace");
 
 fn deflate(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = DeflateEncoder::new(Vec::new(), Compression::fast());

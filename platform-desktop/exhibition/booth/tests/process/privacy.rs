@@ -41,7 +41,7 @@ fn all_that_is_known_of_a_badge_is_shown_exported_and_deleted() {
     };
     assert!(file(&format!("{id}.stl")) == figure().stl);
     assert_eq!(&file(&format!("{id}.png"))[..4], b"\x89PNG");
-    let trace = include_bytes!("../../../../core/examples/replay/groove.trace");
+    let trace = include_bytes!("../../../../../core/examples/replay/groove.trace");
     assert!(file(&format!("{id}.trace")) == trace);
     let known: serde_json::Value = serde_json::from_slice(&file("known.json")).expect("JSON");
     assert_eq!(known["number"], 77);

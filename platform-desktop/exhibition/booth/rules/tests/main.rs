@@ -1,4 +1,4 @@
-//! The booth's decisions over a store in memory. `platform-desktop/booth/tests/databases` runs these modules over databases.
+//! The booth's decisions over a store in memory. `platform-desktop/exhibition/booth/tests/databases` runs these modules over databases.
 
 mod badges;
 mod common;

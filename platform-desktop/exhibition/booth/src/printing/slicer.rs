@@ -263,7 +263,7 @@ mod tests {
 
     /// A slicer that is a script of the shell's.
     fn slicer(name: &str, script: &str) -> Slicer {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/tmp/slicer");
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../target/tmp/slicer");
         let folder = folder.join(name);
         let _ = std::fs::remove_dir_all(&folder);
         std::fs::create_dir_all(&folder).unwrap();
