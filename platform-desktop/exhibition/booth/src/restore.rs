@@ -108,8 +108,8 @@ fn tell(folder: &Path, report: &RestoreReport) -> String {
     format!(
         "{}: {sculptures} sculptures, {deleted} of them deleted again; {tombstones} deletions more\n\
          {mails} mails that waited have to be asked for anew\n\
-         Accounts and headsets that were shut out since the backup are let in again: look at both pages.\n\
-         Restore no other copy of the same backup today: badges would repeat.\n",
+         Accounts, headsets and fleets' files that were shut out since the backup are let in again: look at both pages.\n\
+         Restore no other copy of the same backup today, and no newer one later: badges would repeat.\n",
         folder.display()
     )
 }

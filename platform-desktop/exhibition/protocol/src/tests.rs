@@ -222,7 +222,13 @@ fn refuse<M>(message: &[u8], read: Read<M>, faults: &[(&str, Value)]) {
 #[test]
 fn values_that_nobody_writes_are_refused() {
     let dice = &mut RandomSource::new(2);
-    let facts = UploadFacts { trace_bytes: 0, trace_raw_bytes: 0, ..any_facts(dice) };
+    let facts = UploadFacts {
+        badge: BadgeNumber::new(77),
+        badge_serial: Some(BlockSerial([7; 8])),
+        trace_bytes: 0,
+        trace_raw_bytes: 0,
+        ..any_facts(dice)
+    };
     refuse(
         &facts.to_json(),
         UploadFacts::from_json,

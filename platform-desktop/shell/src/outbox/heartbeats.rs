@@ -170,7 +170,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
             }
             _ => None,
         };
-        let is_taken = answer.is_some_and(|answer| self.take_heartbeat_answer(answer, session_id));
+        let is_taken = answer.is_some_and(|answer| self.take_heartbeat_answer(&answer, session_id));
         if !is_taken && number == self.heartbeats.heartbeats {
             self.heartbeats.forget_sent();
         }
@@ -178,7 +178,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
 
     /// Takes an answer to the heartbeat under way. Returns `false` for the answer to another one, or of another booth:
     /// nothing of it counts.
-    fn take_heartbeat_answer(&mut self, answer: HeartbeatAnswer, session_id: u64) -> bool {
+    fn take_heartbeat_answer(&mut self, answer: &HeartbeatAnswer, session_id: u64) -> bool {
         let is_own = (answer.site, answer.headset) == (self.owner.site, self.owner.headset);
         let is_last = (answer.boot_id, answer.number) == (self.boot_id, self.heartbeats.heartbeats);
         let under_way = self.heartbeats.sent_ms.filter(|_| is_own && is_last);

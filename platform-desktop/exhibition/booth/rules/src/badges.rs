@@ -4,15 +4,16 @@
 //! lost it, was retired, or was silent for too long. It is free again after [`LATE_DAYS`], when no sculpture that is kept
 //! has one of its numbers. A sculpture *claims* its badge by the serial of the block's lease, at most one a number.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use paros_core::badge::LEASED_BLOCKS;
 use paros_core::limits::BLOCK_NUMBERS;
 use paros_protocol::limits::MAX_HELD_BLOCKS;
 use paros_protocol::{BadgeReport, BlockSerial, HeldBlock, UploadFacts};
+use subtle::ConstantTimeEq as _;
 
 use crate::booth::{Booth, Tx};
-use crate::limits::{DAY_BLOCKS, LATE_DAYS, MAX_HEADSET_DAY_BLOCKS};
+use crate::limits::{DAY_BLOCKS, LATE_DAYS, MAX_HEADSET_DAY_BLOCKS, SWEEP_BATCH};
 use crate::records::{BadgeBlock, BadgeCursor, Device, Sculpture};
 use crate::refusal::Refusal;
 use crate::store::{Query, StoreError};
@@ -22,8 +23,8 @@ use crate::value::Field as _;
 /// Colours whose numbers are leased.
 const LEASED_COLOURS: usize = 7;
 
-/// Blocks in a row that are taken, after which all taken ones are counted.
-const COUNTED_AFTER: usize = 64;
+/// Blocks in a row that are taken, after which all taken ones are read at once.
+const ASKED_ONE_BY_ONE: usize = 64;
 
 /// What stands before what a serial is made of, so that nothing else that is made of the site's secret is one.
 const SERIAL_CONTEXT: &[u8] = b"paros badge block v1\0";
@@ -98,7 +99,7 @@ impl Booth {
     ) -> Result<BadgePlan, StoreError> {
         let mut plan = BadgePlan::default();
         for reported in &report.blocks {
-            take_reported(tx, (headset, report.epoch), reported, now, &mut plan)?;
+            self.take_reported(tx, (headset, report.epoch), reported, now, &mut plan)?;
         }
         if plan.held.len() < MAX_HELD_BLOCKS {
             take_unreported(tx, (headset, report), now, &mut plan)?;
@@ -118,20 +119,27 @@ impl Booth {
         plan: &mut BadgePlan,
     ) -> Result<(), StoreError> {
         let mut cursor = get_cursor(tx)?;
-        if now.day() > cursor.day {
+        // Tomorrow's may be there from another process. What lies further ahead is of a clock that was wrong.
+        if !(now.day()..=now.day() + 1).contains(&cursor.day) {
             (cursor.day, cursor.left) = (now.day(), DAY_BLOCKS);
         }
-        if now.day() < cursor.closed_until {
+        let is_closed = (now.day() + 1..=rested_on(now)).contains(&cursor.closed_until);
+        if is_closed || cursor.copied_at.is_some() || cursor.is_used_up {
             return Ok(());
         }
-        let new = plan.blocks.iter().filter(|block| block.leased_at == now).count();
+        let is_new = |block: &&BadgeBlock| block.leased_at == now && block.free_on.is_none();
+        let new = plan.blocks.iter().filter(is_new).count();
         let mut own_left =
             MAX_HEADSET_DAY_BLOCKS.saturating_sub(count_of_day(tx, headset, now)? + new);
-        let mut is_moved = false;
+        let before = cursor.clone();
         while plan.held.len() < MAX_HELD_BLOCKS && own_left > 0 && cursor.left > 0 {
             let planned: BTreeSet<u16> = plan.blocks.iter().map(|block| block.block).collect();
-            let Some(block) = find_free(tx, &planned, &mut cursor.turn)? else { break };
-            let serial = self.make_serial(block, headset, now);
+            let Some(block) = find_free(tx, planned, &mut cursor.turn)? else {
+                // Not every heartbeat looks again.
+                cursor.is_used_up = true;
+                break;
+            };
+            let serial = self.make_serial(block, now.day());
             let leased = BadgeBlock {
                 block,
                 headset,
@@ -143,30 +151,138 @@ impl Booth {
             };
             plan.held.push(leased.held());
             plan.blocks.push(leased);
-            (cursor.left, own_left, is_moved) = (cursor.left - 1, own_left - 1, true);
+            (cursor.left, own_left) = (cursor.left - 1, own_left - 1);
         }
-        plan.cursor = is_moved.then_some(cursor);
+        plan.cursor = (cursor != before).then_some(cursor);
         Ok(())
     }
 
-    /// A serial that nobody guesses, another one each time.
-    fn make_serial(&self, block: u16, headset: u32, now: BoothTime) -> [u8; 8] {
-        let [block, headset, now] =
-            [u64::from(block), u64::from(headset), now.0].map(u64::to_le_bytes);
-        let mut serial = self.keys.make_secret(SERIAL_CONTEXT, &[&block, &headset, &now]);
-        // Zeros are no serial.
-        serial[0] |= 1;
-        serial
+    /// The serial of a block's lease on a day. Nobody else can make one, so that the booth knows its own again after a restore.
+    fn make_serial(&self, block: u16, day: u32) -> [u8; 8] {
+        // Days are counted from 1970: until 2149.
+        let day = u16::try_from(day).unwrap_or(u16::MAX).to_be_bytes();
+        let [a, b, c, d, e, f] =
+            self.keys.make_secret(SERIAL_CONTEXT, &[&block.to_le_bytes(), &day]);
+        [day[0], day[1], a, b, c, d, e, f]
     }
 
-    /// Puts blocks of silent headsets to rest, and frees those that have rested. Once a day.
-    pub(crate) fn sweep_badges(&self, tx: &mut Tx<'_>, now: BoothTime) -> Result<(), StoreError> {
-        let mut cursor = get_cursor(tx)?;
-        if cursor.swept_on == now.day() {
+    /// Whether a serial is one that this site made for a block.
+    fn is_own_serial(&self, block: u16, serial: BlockSerial) -> bool {
+        let day = u32::from(u16::from_be_bytes([serial.0[0], serial.0[1]]));
+        self.make_serial(block, day).ct_eq(&serial.0).into()
+    }
+
+    /// The row of a block for a headset that shows a serial. A booth that came back from a backup doesn't know what it leased
+    /// since: a later serial of its own takes the place of what it knows.
+    fn get_or_adopt(
+        &self,
+        tx: &mut Tx<'_>,
+        (headset, epoch): (u32, u64),
+        (block, serial): (u16, BlockSerial),
+        now: BoothTime,
+    ) -> Result<Option<BadgeBlock>, StoreError> {
+        let known: Option<BadgeBlock> = tx.get(&[block.to_value()])?;
+        let is_later = known.as_ref().is_none_or(|known| known.serial[..2] < serial.0[..2]);
+        if !is_later || !self.is_own_serial(block, serial) {
+            return Ok(known);
+        }
+        Ok(Some(BadgeBlock {
+            block,
+            headset,
+            serial: serial.0,
+            epoch,
+            next: None,
+            leased_at: now,
+            free_on: None,
+        }))
+    }
+
+    /// Takes a block of a report: notes how far it is used, and whether the headset keeps it.
+    fn take_reported(
+        &self,
+        tx: &mut Tx<'_>,
+        (headset, epoch): (u32, u64),
+        reported: &HeldBlock,
+        now: BoothTime,
+        plan: &mut BadgePlan,
+    ) -> Result<(), StoreError> {
+        let shown = (reported.block, reported.serial);
+        let known = self.get_or_adopt(tx, (headset, epoch), shown, now)?;
+        let is_its = |block: &BadgeBlock| {
+            (block.headset, block.epoch, block.serial) == (headset, epoch, reported.serial.0)
+                && block.free_on.is_none()
+        };
+        let Some(mut block) = known.filter(is_its) else { return Ok(()) };
+        let before = block.next.replace(reported.next.max(block.next.unwrap_or_default()));
+        if block.held().is_used_up() {
+            plan.rest(block, now);
             return Ok(());
         }
-        cursor.swept_on = now.day();
-        tx.put(&cursor)?;
+        plan.held.push(block.held());
+        if before != block.next {
+            plan.blocks.push(block);
+        }
+        Ok(())
+    }
+
+    /// Whether a sculpture that is being kept has its badge as its own: its serial is that of the lease, and no sculpture that
+    /// is kept has claimed the number.
+    pub(crate) fn claim_badge(
+        &self,
+        tx: &mut Tx<'_>,
+        headset: u32,
+        facts: &UploadFacts,
+        now: BoothTime,
+    ) -> Result<Option<u32>, StoreError> {
+        let UploadFacts { badge, badge_serial, .. } = facts;
+        let (Some(badge), Some(serial)) = (badge, badge_serial) else { return Ok(None) };
+        let Some((block, _)) = badge.block_and_place() else { return Ok(None) };
+        let Some(mut lease) = self.get_or_adopt(tx, (headset, 0), (block, *serial), now)? else {
+            return Ok(None);
+        };
+        if lease.epoch == 0 && lease.free_on.is_none() {
+            // Adopted just now: whether its headset holds it still, its report says.
+            rest(&mut lease, now);
+            tx.put(&lease)?;
+        }
+        let claimed = Query::all::<Sculpture>().equal("claimed_badge", &badge.get());
+        let is_own = lease.serial == serial.0 && tx.find_first::<Sculpture>(claimed)?.is_none();
+        Ok(is_own.then_some(badge.get()))
+    }
+
+    /// Does what is due once a day: what a restore left to be passed over, blocks of silent headsets, which rest, and blocks
+    /// that have rested, which are free.
+    pub(crate) fn sweep_badges(&self, now: BoothTime) -> Result<(), Refusal> {
+        let is_due = self.update(|tx| {
+            let mut cursor = get_cursor(tx)?;
+            if let Some(copied_at) = cursor.copied_at.filter(|copied_at| now >= *copied_at) {
+                cursor.copied_at = None;
+                pass_over(tx, &mut cursor, copied_at, now)?;
+                tx.put(&cursor)?;
+            }
+            if cursor.swept_on == now.day() {
+                return Ok(false);
+            }
+            (cursor.swept_on, cursor.is_used_up) = (now.day(), false);
+            tx.put(&cursor)?;
+            self.rest_silent(tx, now)?;
+            Ok(true)
+        })?;
+        let rested = Query::all::<BadgeBlock>().below("free_on", &now.day().saturating_add(1));
+        let rested = rested.first(SWEEP_BATCH);
+        while is_due
+            && self.update(|tx| {
+                let blocks: Vec<BadgeBlock> = tx.find(&rested)?;
+                let count = blocks.len();
+                blocks.into_iter().try_for_each(|block| free_unless_claimed(tx, block, now))?;
+                Ok(count == SWEEP_BATCH)
+            })?
+        {}
+        Ok(())
+    }
+
+    /// Puts blocks to rest whose headsets have said nothing for longer than sculptures are kept and may be late.
+    fn rest_silent(&self, tx: &mut Tx<'_>, now: BoothTime) -> Result<(), StoreError> {
         let silence = DAY * (u32::from(self.plan.retention_days) + LATE_DAYS);
         for mut block in tx.find::<BadgeBlock>(&Query::all::<BadgeBlock>().absent("free_on"))? {
             let device: Option<Device> = tx.get(&[block.headset.to_value()])?;
@@ -176,44 +292,8 @@ impl Booth {
                 tx.put(&block)?;
             }
         }
-        let rested = Query::all::<BadgeBlock>().below("free_on", &now.day().saturating_add(1));
-        for block in tx.find::<BadgeBlock>(&rested)? {
-            free_unless_claimed(tx, block)?;
-        }
         Ok(())
     }
-}
-
-/// Takes a block of a report: notes how far it is used, and whether the headset keeps it.
-fn take_reported(
-    tx: &mut Tx<'_>,
-    (headset, epoch): (u32, u64),
-    reported: &HeldBlock,
-    now: BoothTime,
-    plan: &mut BadgePlan,
-) -> Result<(), StoreError> {
-    let known: Option<BadgeBlock> = tx.get(&[reported.block.to_value()])?;
-    let before = known.clone();
-    // What a restored booth doesn't know was leased after the backup.
-    let adopted = match known {
-        None => adopt(tx, (headset, epoch), (reported.block, reported.serial), now)?,
-        known => known,
-    };
-    let is_its = |block: &BadgeBlock| {
-        (block.headset, block.epoch, block.serial) == (headset, epoch, reported.serial.0)
-            && block.free_on.is_none()
-    };
-    let Some(mut block) = adopted.filter(is_its) else { return Ok(()) };
-    block.next = Some(reported.next.max(block.next.unwrap_or_default()));
-    if block.held().is_used_up() {
-        plan.rest(block, now);
-        return Ok(());
-    }
-    plan.held.push(block.held());
-    if before.as_ref() != Some(&block) {
-        plan.blocks.push(block);
-    }
-    Ok(())
 }
 
 /// Blocks that are leased to a headset and not in its report. One that it never reported it may not have heard of: it gets
@@ -239,36 +319,6 @@ fn take_unreported(
     Ok(())
 }
 
-/// Whether a sculpture that is being kept has its badge as its own: its serial is that of the lease, and no sculpture that is
-/// kept has claimed the number.
-pub(crate) fn claim_badge(
-    tx: &mut Tx<'_>,
-    headset: u32,
-    facts: &UploadFacts,
-    now: BoothTime,
-) -> Result<Option<u32>, StoreError> {
-    let UploadFacts { badge, badge_serial, .. } = facts;
-    let (Some(badge), Some(serial)) = (badge, badge_serial) else { return Ok(None) };
-    let Some((block, _)) = badge.block_and_place() else { return Ok(None) };
-    let known: Option<BadgeBlock> = tx.get(&[block.to_value()])?;
-    let lease = match known {
-        Some(known) => Some(known),
-        None => {
-            let adopted = adopt(tx, (headset, 0), (block, *serial), now)?;
-            let resting = adopted.map(|mut block| {
-                rest(&mut block, now);
-                block
-            });
-            resting.iter().try_for_each(|block| tx.put(block))?;
-            resting
-        }
-    };
-    let claimed = Query::all::<Sculpture>().equal("claimed_badge", &badge.get());
-    let is_own = lease.is_some_and(|lease| lease.serial == serial.0)
-        && tx.find_first::<Sculpture>(claimed)?.is_none();
-    Ok(is_own.then_some(badge.get()))
-}
-
 /// A headset is gone for good: its blocks rest.
 pub(crate) fn retire_headset(
     tx: &mut Tx<'_>,
@@ -279,66 +329,63 @@ pub(crate) fn retire_headset(
     rest_all(tx, &leased, now)
 }
 
-/// Makes the table of a copy fit for use. Blocks that may have been leased since the copy was made are passed over, and
-/// forgotten: whoever shows a serial of one has it. Where that may be all of them, or the clock is before the copy, all
-/// blocks rest.
-///
-/// A day's blocks may have been leased twice, as the booth may have come back from the same copy on each day before.
+/// Begins the leasing of a booth that came back from a copy. A clock that is before the copy says nothing of what was leased
+/// since: until it is right, no block is leased.
 pub(crate) fn restore_badges(
     tx: &mut Tx<'_>,
     copied_at: BoothTime,
     now: BoothTime,
 ) -> Result<(), StoreError> {
     let mut cursor = get_cursor(tx)?;
-    let days = now.day().checked_sub(copied_at.day().max(cursor.day));
-    let passed = days.map(|days| usize::from(DAY_BLOCKS) * (2 * days as usize + 1));
-    (cursor.day, cursor.left, cursor.restored_at) = (now.day(), DAY_BLOCKS, now);
-    match passed.filter(|passed| *passed < LEASED_BLOCKS) {
-        None => {
-            rest_all(tx, &Query::all::<BadgeBlock>().absent("free_on"), now)?;
-            cursor.closed_until = rested_on(now);
-        }
-        Some(passed) => {
-            for _ in 0..passed {
-                let block = block_of_turn(cursor.turn);
-                cursor.turn = next_turn(cursor.turn);
-                let known: Option<BadgeBlock> = tx.get(&[block.to_value()])?;
-                let free_on = |block: &BadgeBlock| block.free_on.unwrap_or(rested_on(copied_at));
-                if let Some(block) = known.filter(|block| free_on(block) <= now.day()) {
-                    free_unless_claimed(tx, block)?;
-                }
-            }
-        }
-    }
-    // Of these the headset may have heard since, and used them up.
+    // Their headsets may have heard of them since, and used them up.
     let unheard = Query::all::<BadgeBlock>().absent("free_on").absent("next");
     rest_all(tx, &unheard, now)?;
+    cursor.restored_at = now;
+    if now < copied_at {
+        cursor.copied_at = Some(copied_at);
+    } else {
+        pass_over(tx, &mut cursor, copied_at, now)?;
+    }
     tx.put(&cursor)
+}
+
+/// Passes over as many blocks as may have been leased since a copy was made, of those that were free or may have become so.
+/// Where these are all, every block rests.
+///
+/// A day's blocks may have been leased twice, as the booth may have come back from the same copy on each day before.
+fn pass_over(
+    tx: &mut Tx<'_>,
+    cursor: &mut BadgeCursor,
+    copied_at: BoothTime,
+    now: BoothTime,
+) -> Result<(), StoreError> {
+    let days = now.day().saturating_sub(copied_at.day());
+    let mut left = u64::from(DAY_BLOCKS) * (2 * u64::from(days) + 1);
+    let known: BTreeMap<u16, u32> = tx
+        .find::<BadgeBlock>(&Query::all::<BadgeBlock>())?
+        .iter()
+        .map(|block| (block.block, block.free_on.unwrap_or(rested_on(copied_at))))
+        .collect();
+    let is_maybe_leased =
+        |block: u16| known.get(&block).is_none_or(|free_on| *free_on <= now.day());
+    for _ in 0..LEASED_BLOCKS {
+        if left == 0 {
+            break;
+        }
+        left -= u64::from(is_maybe_leased(block_of_turn(cursor.turn)));
+        cursor.turn = next_turn(cursor.turn);
+    }
+    (cursor.day, cursor.left) = (now.day(), DAY_BLOCKS);
+    if left > 0 {
+        rest_all(tx, &Query::all::<BadgeBlock>().absent("free_on"), now)?;
+        cursor.closed_until = rested_on(now);
+    }
+    Ok(())
 }
 
 /// When the booth last came back from a backup, in milliseconds; 0 if it never did.
 pub(crate) fn store_epoch(tx: &mut Tx<'_>) -> Result<u64, StoreError> {
     Ok(get_cursor(tx)?.restored_at.0)
-}
-
-/// The row of a block that the booth knows nothing of, for the headset that shows a serial; `None` where it adopted too many
-/// today.
-fn adopt(
-    tx: &mut Tx<'_>,
-    (headset, epoch): (u32, u64),
-    (block, serial): (u16, BlockSerial),
-    now: BoothTime,
-) -> Result<Option<BadgeBlock>, StoreError> {
-    let has_room = count_of_day(tx, headset, now)? < MAX_HEADSET_DAY_BLOCKS;
-    Ok(has_room.then_some(BadgeBlock {
-        block,
-        headset,
-        serial: serial.0,
-        epoch,
-        next: None,
-        leased_at: now,
-        free_on: None,
-    }))
 }
 
 /// Blocks that a headset got in the last 24 hours.
@@ -351,20 +398,20 @@ fn count_of_day(tx: &mut Tx<'_>, headset: u32, now: BoothTime) -> Result<usize, 
 /// The next block without a row, and not planned.
 fn find_free(
     tx: &mut Tx<'_>,
-    planned: &BTreeSet<u16>,
+    mut taken: BTreeSet<u16>,
     turn: &mut u16,
 ) -> Result<Option<u16>, StoreError> {
     for tried in 0..LEASED_BLOCKS {
-        // Where all are taken, not every heartbeat looks at all.
-        if tried == COUNTED_AFTER
-            && tx.count_rows(&Query::all::<BadgeBlock>())? >= LEASED_BLOCKS as u64
-        {
-            break;
+        if tried == ASKED_ONE_BY_ONE {
+            let all = tx.find::<BadgeBlock>(&Query::all::<BadgeBlock>())?;
+            taken.extend(all.iter().map(|block| block.block));
         }
         let block = block_of_turn(*turn);
         *turn = next_turn(*turn);
-        let is_free = !planned.contains(&block);
-        if is_free && tx.get::<BadgeBlock>(&[block.to_value()])?.is_none() {
+        let is_known = |tx: &mut Tx<'_>| {
+            Ok::<_, StoreError>(tx.get::<BadgeBlock>(&[block.to_value()])?.is_some())
+        };
+        if !taken.contains(&block) && (tried >= ASKED_ONE_BY_ONE || !is_known(tx)?) {
             return Ok(Some(block));
         }
     }
@@ -378,6 +425,8 @@ fn get_cursor(tx: &mut Tx<'_>) -> Result<BadgeCursor, StoreError> {
         day: 0,
         left: 0,
         closed_until: 0,
+        copied_at: None,
+        is_used_up: false,
         swept_on: 0,
         restored_at: BoothTime(0),
     };
@@ -386,7 +435,11 @@ fn get_cursor(tx: &mut Tx<'_>) -> Result<BadgeCursor, StoreError> {
 
 /// Removes a block's row, unless a sculpture that is kept has one of its numbers: then it is looked at again after that one's
 /// last day.
-fn free_unless_claimed(tx: &mut Tx<'_>, mut block: BadgeBlock) -> Result<(), StoreError> {
+fn free_unless_claimed(
+    tx: &mut Tx<'_>,
+    mut block: BadgeBlock,
+    now: BoothTime,
+) -> Result<(), StoreError> {
     let first = u32::from(block.block) * BLOCK_NUMBERS as u32;
     let claims = Query::all::<Sculpture>()
         .at_least("claimed_badge", &first)
@@ -395,7 +448,8 @@ fn free_unless_claimed(tx: &mut Tx<'_>, mut block: BadgeBlock) -> Result<(), Sto
     match last {
         None => tx.remove::<BadgeBlock>(&[block.block.to_value()]),
         Some(last) => {
-            block.free_on = Some(last.saturating_add(1));
+            // What is past its last day is swept soon.
+            block.free_on = Some(last.max(now.day()).saturating_add(1));
             tx.put(&block)
         }
     }

@@ -265,6 +265,8 @@ fn counts_in_turn(store: &dyn Store) {
         day: 0,
         left: 0,
         closed_until: 0,
+        copied_at: None,
+        is_used_up: false,
         swept_on: 0,
         restored_at: BoothTime(0),
     };

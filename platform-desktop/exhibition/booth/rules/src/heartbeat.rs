@@ -77,15 +77,14 @@ impl Booth {
         beat: &Heartbeat,
         now: BoothTime,
     ) -> Result<HeartbeatPlan, StoreError> {
-        let mut plan = HeartbeatPlan {
-            badges: self.plan_badges(tx, beat.headset, &beat.badges, now)?,
-            store_epoch: store_epoch(tx)?,
-            ..HeartbeatPlan::default()
-        };
-        // As it is now: the token may have been another's since it was looked at.
-        let device: Option<Device> = tx.get(&[device.headset.to_value()])?;
-        if let Some(device) = device {
+        let mut plan = HeartbeatPlan { store_epoch: store_epoch(tx)?, ..HeartbeatPlan::default() };
+        // As it is now: it may have been shut out since, or enrolled anew.
+        let is_same =
+            |known: &Device| known.revoked_at.is_none() && known.token_hash == device.token_hash;
+        let known: Option<Device> = tx.get(&[device.headset.to_value()])?;
+        if let Some(device) = known.filter(is_same) {
             plan.device = plan_status(device, beat, now)?;
+            plan.badges = self.plan_badges(tx, beat.headset, &beat.badges, now)?;
         }
         plan_commands(tx, beat, now, &mut plan)?;
         plan_announcements(tx, beat, now, &mut plan)?;

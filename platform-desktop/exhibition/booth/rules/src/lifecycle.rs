@@ -135,9 +135,9 @@ impl Booth {
             }
             drop_old_entries(tx, days_before(now, AUDIT_DAYS))?;
             drop_old_leases(tx, now)?;
-            self.sweep_badges(tx, now)?;
             Ok((ended.len(), old.len()))
         })?;
+        self.sweep_badges(now)?;
         Ok(report)
     }
 

@@ -6,7 +6,6 @@ use paros_core::badge::BadgeNumber;
 use paros_protocol::limits::MAX_PARCEL_BYTES;
 use paros_protocol::{ContentHash, SculptureId, UploadFacts};
 
-use crate::badges::claim_badge;
 use crate::booth::{Booth, Tx, hash_of};
 use crate::parcel_files::{KeptName, KeptPart};
 use crate::reason::Reason;
@@ -81,7 +80,7 @@ impl Booth {
             if let Some(outcome) = find_outcome(tx, id, hash)? {
                 return Ok(outcome);
             }
-            let claimed_badge = claim_badge(tx, headset, &facts, now)?;
+            let claimed_badge = self.claim_badge(tx, headset, &facts, now)?;
             tx.put(&Sculpture {
                 id: id.0,
                 headset,

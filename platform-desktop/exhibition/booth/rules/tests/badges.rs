@@ -3,7 +3,7 @@
 use super::common::*;
 use super::restore::restored;
 use paros_booth_rules::limits::{DAY_BLOCKS, LATE_DAYS, MAX_HEADSET_DAY_BLOCKS};
-use paros_booth_rules::records::{BadgeBlock, Device, Sculpture};
+use paros_booth_rules::records::{BadgeBlock, BadgeCursor, Device, Sculpture};
 use paros_booth_rules::{
     BadgeTotals, BoothTime, Field as _, FoundByBadge, MemoryStore, Query, Transaction, update, view,
 };
@@ -34,9 +34,7 @@ fn totals(rig: &Rig) -> (u64, u64) {
 /// Sends a parcel. Returns the number that it has as its own.
 fn claim(rig: &Rig, device: &Device, parcel: &Parcel, now: BoothTime) -> Option<u32> {
     rig.upload(device, parcel, now).expect("it is kept all the same");
-    let kept = rig.booth.find_sculpture(&parcel.id, now).expect("it is kept");
-    assert_eq!(kept.is_badge_lapsed(), kept.claimed_badge.is_none());
-    kept.claimed_badge
+    rig.booth.find_sculpture(&parcel.id, now).expect("it is kept").claimed_badge
 }
 
 #[test]
@@ -195,9 +193,10 @@ fn a_headset_gets_so_many_blocks_a_day_and_all_together_so_many() {
     }
     let (leased, resting) = totals(&rig);
     assert_eq!((leased + resting) as usize, MAX_HEADSET_DAY_BLOCKS);
-    // What it makes up of free blocks is bounded with it.
+    // What it makes up of free blocks takes none.
     let made_up = Parcel::new(1, BadgeNumber::of_block(20_000, 0));
     assert_eq!(claim(&rig, &liar, &made_up, seconds(200)), None);
+    assert_eq!(row(&rig, 20_000), None);
     for byte in 1..=99 {
         let device = rig.enrol(byte);
         (1..4).for_each(|epoch| drop(rig.lease(&device, epoch, seconds(300 + epoch))));
@@ -250,22 +249,114 @@ fn a_headset_goes_on_with_its_blocks_after_a_restore() {
 }
 
 #[test]
-fn numbers_rest_for_a_copy_whose_leases_nobody_can_know() {
+fn all_numbers_rest_where_every_block_may_have_been_leased_since_a_copy() {
     let rig = Rig::new();
     let device = rig.enrol(1);
     let held = rig.lease(&device, 5, days(1));
     rig.report(&device, &of_epoch(5, &held), days(1));
-    let late = u64::from(LATE_DAYS);
-    // The clock is before the copy; or so many days have passed that every block may have been leased.
-    for now in [days(0), days(60)] {
-        let copy = copy_of(rig.store.as_ref());
-        let again = restore(&rig, copy, days(1), now);
-        assert_eq!(again.report(&device, &of_epoch(5, &held), now), []);
-        let after = BoothTime(now.0 + days(late + 1).0 - START.0);
-        assert_eq!(again.report(&device, &of_epoch(5, &held), after).len(), 2);
-        // What it showed of them is its own.
-        assert!(claim(&again, &device, &Parcel::of_block(1, &held[0], 0), after).is_some());
+    let now = days(60);
+    let again = restore(&rig, copy_of(rig.store.as_ref()), days(1), now);
+    assert_eq!(again.report(&device, &of_epoch(5, &held), now), []);
+    let after = days(61 + u64::from(LATE_DAYS));
+    assert_eq!(again.report(&device, &of_epoch(5, &held), after).len(), 2);
+    // What it showed of them is its own.
+    assert!(claim(&again, &device, &Parcel::of_block(1, &held[0], 0), after).is_some());
+}
+
+#[test]
+fn nothing_is_leased_after_a_restore_until_the_clock_is_right() {
+    let rig = Rig::new();
+    let devices = [1, 2].map(|byte| rig.enrol(byte));
+    let held = rig.lease(&devices[0], 5, days(10));
+    rig.report(&devices[0], &of_epoch(5, &held), days(10));
+    let copy = copy_of(rig.store.as_ref());
+    let since = rig.lease(&devices[1], 5, days(11));
+    let again = restore(&rig, copy, days(10), days(2));
+    again.booth.sweep(days(3)).unwrap();
+    assert_eq!(again.lease(&devices[1], 6, days(3)), []);
+    assert_eq!(
+        again.report(&devices[0], &of_epoch(5, &held), days(3)),
+        held,
+        "it holds them still"
+    );
+    // The clock is set. What may have been leased since is passed over.
+    again.booth.sweep(days(12)).unwrap();
+    let other = again.enrol(3);
+    let leased = again.lease(&other, 1, days(12));
+    assert_eq!(leased.len(), 2);
+    assert!(leased.iter().all(|new| since.iter().all(|old| old.block != new.block)));
+}
+
+/// Blocks that are taken are stepped over by who leases, and count for nothing in a restore.
+#[test]
+fn a_restore_passes_over_what_may_have_been_leased_beyond_taken_blocks() {
+    let rig = Rig::new();
+    let devices = [1, 2].map(|byte| rig.enrol(byte));
+    let held = rig.lease(&devices[0], 5, START);
+    let taken = row(&rig, held[0].block).expect("it is leased");
+    // The next blocks rest for long.
+    let block_of_turn = |turn: u16| turn % 7 * (LEASED_BLOCKS as u16 / 7) + turn / 7;
+    let rows = (2..300).map(|turn| BadgeBlock {
+        block: block_of_turn(turn),
+        free_on: Some(days(500).day()),
+        ..taken.clone()
+    });
+    let put_all = |tx: &mut (dyn Transaction + '_)| rows.clone().try_for_each(|row| tx.put(&row));
+    update(rig.store.as_ref(), put_all).unwrap();
+    let copy = copy_of(rig.store.as_ref());
+    let since = rig.lease(&devices[1], 5, days(2));
+    assert_eq!(since[0].block, block_of_turn(300));
+    let again = restore(&rig, copy, START, seconds(120));
+    let other = again.enrol(3);
+    let leased = again.lease(&other, 1, days(2));
+    assert_eq!(leased.len(), 2);
+    assert_eq!(leased[0].block, block_of_turn(300 + DAY_BLOCKS));
+}
+
+/// A visitor's badge shows its block: a headset that lies may make up a serial of it.
+#[test]
+fn a_liar_takes_no_block_that_a_restored_booth_forgot() {
+    let rig = Rig::new();
+    let (device, liar) = (rig.enrol(1), rig.enrol(2));
+    let copy = copy_of(rig.store.as_ref());
+    let held = rig.lease(&device, 5, START);
+    let again = restore(&rig, copy, START, seconds(60));
+    let day = held[0].serial.0;
+    for (id, serial) in
+        [[9; 8], [255; 8], [day[0], day[1], 0, 0, 0, 0, 0, 1]].into_iter().enumerate()
+    {
+        let forged = HeldBlock { serial: BlockSerial(serial), ..held[0] };
+        let told = again.report(&liar, &of_epoch(6, &[forged]), seconds(60));
+        assert!(told.iter().all(|block| block.block != held[0].block));
+        let parcel = Parcel::of_block(10 + id as u8, &forged, 0);
+        assert_eq!(claim(&again, &liar, &parcel, seconds(60)), None);
     }
+    assert_eq!(again.report(&device, &of_epoch(5, &held), seconds(61)), held);
+    assert!(claim(&again, &device, &Parcel::of_block(3, &held[0], 0), seconds(62)).is_some());
+}
+
+#[test]
+fn a_clock_that_was_ahead_once_stops_no_lease() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    rig.lease(&device, 1, days(400));
+    for day in 0..40 {
+        for epoch in 0..15 {
+            assert_eq!(
+                rig.lease(&device, 2 + 100 * day + epoch, days(2 * day)).len(),
+                2,
+                "day {day}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_headset_that_was_shut_out_a_moment_ago_is_leased_nothing() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    rig.booth.revoke_device(device.headset, "ana", START).unwrap();
+    assert_eq!(rig.lease(&device, 1, START), []);
 }
 
 /// Once a badge was shown twice: an upload was stuck for longer than sculptures are kept, and its number free meanwhile.
@@ -279,13 +370,12 @@ fn an_upload_that_was_stuck_for_too_long_has_its_badge_lapsed() {
     rig.lease(&stuck, 6, seconds(60));
     rig.booth.sweep(days(u64::from(LATE_DAYS) + 1)).unwrap();
     assert!(row(&rig, held[0].block).is_none());
-    // All others are leased before it has its turn again.
-    let leased = rig.lease(&other, 7, days(12));
-    let leased = row(&rig, leased[0].block).expect("it is leased");
-    let others = (0..LEASED_BLOCKS as u16).filter(|block| *block != held[0].block);
-    let rows = others.map(|block| BadgeBlock { block, leased_at: START, ..leased.clone() });
-    let put_all = |tx: &mut (dyn Transaction + '_)| rows.clone().try_for_each(|row| tx.put(&row));
-    update(rig.store.as_ref(), put_all).unwrap();
+    // It has its turn again.
+    let turn_back = |tx: &mut (dyn Transaction + '_)| {
+        let cursor: BadgeCursor = tx.get(&[0u8.to_value()])?.expect("blocks were leased");
+        tx.put(&BadgeCursor { turn: 0, ..cursor })
+    };
+    update(rig.store.as_ref(), turn_back).unwrap();
     let again = rig.lease(&other, 8, days(13));
     assert_eq!(again[0].block, held[0].block);
     assert!(claim(&rig, &other, &Parcel::of_block(2, &again[0], 0), days(13)).is_some());

@@ -20,19 +20,23 @@ fn a_badge_finds_its_sculpture_and_a_provisional_one_all() {
     let rig = Rig::new();
     let (device, other) = (rig.enrol(1), rig.enrol(2));
     let provisional = BadgeNumber::provisional(77);
+    let held = rig.lease(&device, 1, START)[0];
+    let own = Parcel::of_block(1, &held, 9);
+    let number = own.facts.badge.expect("a number");
+    rig.upload(&device, &own, START).unwrap();
     for (k, badge) in
-        [leased(9), leased(10), Some(provisional), Some(provisional), None].into_iter().enumerate()
+        [leased(10), Some(provisional), Some(provisional), None].into_iter().enumerate()
     {
-        let parcel = Parcel::new(k as u8 + 1, badge);
-        rig.upload(&device, &parcel, seconds(k as u64)).unwrap();
+        let parcel = Parcel::new(k as u8 + 2, badge);
+        rig.upload(&device, &parcel, seconds(k as u64 + 1)).unwrap();
     }
     let id = |byte| SculptureId([byte; 16]);
-    assert_eq!(found(&rig, &leased(9).unwrap().badge()), [id(1)]);
+    assert_eq!(found(&rig, &number.badge()), [id(1)]);
     assert_eq!(found(&rig, &provisional.badge()), [id(4), id(3)], "the newest first");
     assert_eq!(found(&rig, &leased(11).unwrap().badge()), []);
     // One whose badge lapsed stands behind, though it is newer.
-    rig.upload(&other, &Parcel::new(50, leased(9)), seconds(50)).unwrap();
-    assert_eq!(found(&rig, &leased(9).unwrap().badge()), [id(1), id(50)]);
+    rig.upload(&other, &Parcel::new(50, Some(number)), seconds(50)).unwrap();
+    assert_eq!(found(&rig, &number.badge()), [id(1), id(50)]);
     let newest = rig.booth.list_newest(2, seconds(99)).unwrap();
     assert_eq!(newest.iter().map(|kept| kept.id[0]).collect::<Vec<_>>(), [50, 5]);
 }

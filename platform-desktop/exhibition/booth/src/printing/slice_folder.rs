@@ -96,7 +96,8 @@ mod tests {
     use super::SliceFolders;
 
     fn empty_folder(name: &str) -> PathBuf {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../target/tmp/slice-folders");
+        let folder =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../target/tmp/slice-folders");
         let folder = folder.join(name);
         let _ = fs::remove_dir_all(&folder);
         folder

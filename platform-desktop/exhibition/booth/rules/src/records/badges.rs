@@ -12,7 +12,7 @@ record! {
         pub block: u16,
         /// The headset that it is leased to, or was.
         pub headset: u32,
-        /// Names this lease.
+        /// Names this lease: the day of the lease, and what only the site can make of it.
         pub serial: [u8; 8],
         /// The headset's epoch in which it was leased.
         pub epoch: u64,
@@ -39,6 +39,11 @@ record! {
         pub left: u16,
         /// Until this day no block is leased.
         pub closed_until: u32,
+        /// For a booth that came back from a backup, and hasn't passed over what may have been leased since: when the backup
+        /// was made. No block is leased.
+        pub copied_at: Option<BoothTime>,
+        /// Whether no block was free when one was looked for; until the next sweep.
+        pub is_used_up: bool,
         /// The last day on which resting blocks were looked at.
         pub swept_on: u32,
         /// When the booth last came back from a backup; 0 if it never did.
