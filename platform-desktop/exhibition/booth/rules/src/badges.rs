@@ -26,16 +26,16 @@ const LEASED_COLOURS: usize = 7;
 /// Blocks in a row that are taken, after which all taken ones are read at once.
 const ASKED_ONE_BY_ONE: usize = 64;
 
-/// What stands before what a serial is made of, so that nothing else that is made of the site's secret is one.
+/// Stands before the parts of a serial, so that no other secret of the site's key is a serial.
 const SERIAL_CONTEXT: &[u8] = b"paros badge block v1\0";
 
-/// What a headset's report leads to.
+/// The changes that a headset's report leads to.
 #[derive(Default)]
 pub(crate) struct BadgePlan {
     /// Rows to keep.
     blocks: Vec<BadgeBlock>,
     cursor: Option<BadgeCursor>,
-    /// What the headset holds once they are kept.
+    /// The blocks that the headset holds once they are kept.
     pub(crate) held: Vec<HeldBlock>,
 }
 
@@ -120,10 +120,11 @@ impl Booth {
     ) -> Result<(), StoreError> {
         let mut cursor = get_cursor(tx)?;
         // Tomorrow's may be there from another process. What lies further ahead is of a clock that was wrong.
-        if !(now.day()..=now.day() + 1).contains(&cursor.day) {
-            (cursor.day, cursor.left) = (now.day(), DAY_BLOCKS);
+        let (today, tomorrow) = (now.day(), now.day().saturating_add(1));
+        if !(today..=tomorrow).contains(&cursor.day) {
+            (cursor.day, cursor.left) = (today, DAY_BLOCKS);
         }
-        let is_closed = (now.day() + 1..=rested_on(now)).contains(&cursor.closed_until);
+        let is_closed = (tomorrow..=rested_on(now)).contains(&cursor.closed_until);
         if is_closed || cursor.copied_at.is_some() || cursor.is_used_up {
             return Ok(());
         }
@@ -139,16 +140,8 @@ impl Booth {
                 cursor.is_used_up = true;
                 break;
             };
-            let serial = self.make_serial(block, now.day());
-            let leased = BadgeBlock {
-                block,
-                headset,
-                serial,
-                epoch,
-                next: None,
-                leased_at: now,
-                free_on: None,
-            };
+            let lease = (block, self.make_serial(block, today));
+            let leased = BadgeBlock::leased(lease, (headset, epoch), now);
             plan.held.push(leased.held());
             plan.blocks.push(leased);
             (cursor.left, own_left) = (cursor.left - 1, own_left - 1);
@@ -158,43 +151,24 @@ impl Booth {
     }
 
     /// The serial of a block's lease on a day. Nobody else can make one, so that the booth knows its own again after a restore.
-    fn make_serial(&self, block: u16, day: u32) -> [u8; 8] {
+    fn make_serial(&self, block: u16, day: u32) -> BlockSerial {
         // Days are counted from 1970: until 2149.
         let day = u16::try_from(day).unwrap_or(u16::MAX).to_be_bytes();
         let [a, b, c, d, e, f] =
             self.keys.make_secret(SERIAL_CONTEXT, &[&block.to_le_bytes(), &day]);
-        [day[0], day[1], a, b, c, d, e, f]
+        BlockSerial([day[0], day[1], a, b, c, d, e, f])
     }
 
-    /// Whether a serial is one that this site made for a block.
-    fn is_own_serial(&self, block: u16, serial: BlockSerial) -> bool {
-        let day = u32::from(u16::from_be_bytes([serial.0[0], serial.0[1]]));
-        self.make_serial(block, day).ct_eq(&serial.0).into()
-    }
-
-    /// The row of a block for a headset that shows a serial. A booth that came back from a backup doesn't know what it leased
-    /// since: a later serial of its own takes the place of what it knows.
-    fn get_or_adopt(
+    /// `true` if this site made a serial for a block later than the lease that it knows, as where it came back from a backup
+    /// of before that.
+    fn is_later_lease(
         &self,
-        tx: &mut Tx<'_>,
-        (headset, epoch): (u32, u64),
+        known: Option<&BadgeBlock>,
         (block, serial): (u16, BlockSerial),
-        now: BoothTime,
-    ) -> Result<Option<BadgeBlock>, StoreError> {
-        let known: Option<BadgeBlock> = tx.get(&[block.to_value()])?;
-        let is_later = known.as_ref().is_none_or(|known| known.serial[..2] < serial.0[..2]);
-        if !is_later || !self.is_own_serial(block, serial) {
-            return Ok(known);
-        }
-        Ok(Some(BadgeBlock {
-            block,
-            headset,
-            serial: serial.0,
-            epoch,
-            next: None,
-            leased_at: now,
-            free_on: None,
-        }))
+    ) -> bool {
+        let day = u32::from(u16::from_be_bytes([serial.0[0], serial.0[1]]));
+        let is_later = known.is_none_or(|known| known.serial[..2] < serial.0[..2]);
+        is_later && self.make_serial(block, day).0.ct_eq(&serial.0).into()
     }
 
     /// Takes a block of a report: notes how far it is used, and whether the headset keeps it.
@@ -207,7 +181,10 @@ impl Booth {
         plan: &mut BadgePlan,
     ) -> Result<(), StoreError> {
         let shown = (reported.block, reported.serial);
-        let known = self.get_or_adopt(tx, (headset, epoch), shown, now)?;
+        let mut known: Option<BadgeBlock> = tx.get(&[reported.block.to_value()])?;
+        if self.is_later_lease(known.as_ref(), shown) {
+            known = Some(BadgeBlock::leased(shown, (headset, epoch), now));
+        }
         let is_its = |block: &BadgeBlock| {
             (block.headset, block.epoch, block.serial) == (headset, epoch, reported.serial.0)
                 && block.free_on.is_none()
@@ -225,7 +202,7 @@ impl Booth {
         Ok(())
     }
 
-    /// Whether a sculpture that is being kept has its badge as its own: its serial is that of the lease, and no sculpture that
+    /// Returns the number of a sculpture's badge if it is its own: its serial is that of the block's lease, and no sculpture that
     /// is kept has claimed the number.
     pub(crate) fn claim_badge(
         &self,
@@ -237,16 +214,17 @@ impl Booth {
         let UploadFacts { badge, badge_serial, .. } = facts;
         let (Some(badge), Some(serial)) = (badge, badge_serial) else { return Ok(None) };
         let Some((block, _)) = badge.block_and_place() else { return Ok(None) };
-        let Some(mut lease) = self.get_or_adopt(tx, (headset, 0), (block, *serial), now)? else {
-            return Ok(None);
-        };
-        if lease.epoch == 0 && lease.free_on.is_none() {
-            // Adopted just now: whether its headset holds it still, its report says.
-            rest(&mut lease, now);
-            tx.put(&lease)?;
+        let mut lease: Option<BadgeBlock> = tx.get(&[block.to_value()])?;
+        if self.is_later_lease(lease.as_ref(), (block, *serial)) {
+            // It rests: nobody said that a headset holds it still. No report has the epoch 0.
+            let mut adopted = BadgeBlock::leased((block, *serial), (headset, 0), now);
+            rest(&mut adopted, now);
+            tx.put(&adopted)?;
+            lease = Some(adopted);
         }
         let claimed = Query::all::<Sculpture>().equal("claimed_badge", &badge.get());
-        let is_own = lease.serial == serial.0 && tx.find_first::<Sculpture>(claimed)?.is_none();
+        let is_leased = lease.is_some_and(|lease| lease.serial == serial.0);
+        let is_own = is_leased && tx.find_first::<Sculpture>(claimed)?.is_none();
         Ok(is_own.then_some(badge.get()))
     }
 
@@ -255,18 +233,19 @@ impl Booth {
     pub(crate) fn sweep_badges(&self, now: BoothTime) -> Result<(), Refusal> {
         let is_due = self.update(|tx| {
             let mut cursor = get_cursor(tx)?;
-            if let Some(copied_at) = cursor.copied_at.filter(|copied_at| now >= *copied_at) {
-                cursor.copied_at = None;
+            let before = cursor.clone();
+            if let Some(copied_at) = cursor.copied_at.take_if(|copied_at| now >= *copied_at) {
                 pass_over(tx, &mut cursor, copied_at, now)?;
+            }
+            let is_due = cursor.swept_on != now.day();
+            if is_due {
+                (cursor.swept_on, cursor.is_used_up) = (now.day(), false);
+                self.rest_silent(tx, now)?;
+            }
+            if cursor != before {
                 tx.put(&cursor)?;
             }
-            if cursor.swept_on == now.day() {
-                return Ok(false);
-            }
-            (cursor.swept_on, cursor.is_used_up) = (now.day(), false);
-            tx.put(&cursor)?;
-            self.rest_silent(tx, now)?;
-            Ok(true)
+            Ok(is_due)
         })?;
         let rested = Query::all::<BadgeBlock>().below("free_on", &now.day().saturating_add(1));
         let rested = rested.first(SWEEP_BATCH);
@@ -419,18 +398,7 @@ fn find_free(
 }
 
 fn get_cursor(tx: &mut Tx<'_>) -> Result<BadgeCursor, StoreError> {
-    let new = BadgeCursor {
-        row: 0,
-        turn: 0,
-        day: 0,
-        left: 0,
-        closed_until: 0,
-        copied_at: None,
-        is_used_up: false,
-        swept_on: 0,
-        restored_at: BoothTime(0),
-    };
-    Ok(tx.get(&[0u8.to_value()])?.unwrap_or(new))
+    Ok(tx.get(&[0u8.to_value()])?.unwrap_or_default())
 }
 
 /// Removes a block's row, unless a sculpture that is kept has one of its numbers: then it is looked at again after that one's

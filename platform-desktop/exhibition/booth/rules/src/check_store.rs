@@ -259,18 +259,7 @@ fn never_takes_nothing_for_something(store: &dyn Store) {
 fn counts_in_turn(store: &dyn Store) {
     const THREADS: usize = 4;
     const COUNTS: usize = 10;
-    let zero = BadgeCursor {
-        row: 0,
-        turn: 0,
-        day: 0,
-        left: 0,
-        closed_until: 0,
-        copied_at: None,
-        is_used_up: false,
-        swept_on: 0,
-        restored_at: BoothTime(0),
-    };
-    put_row(store, BadgeCursor::TABLE, &zero.to_row());
+    put_row(store, BadgeCursor::TABLE, &BadgeCursor::new().to_row());
     let count_up = |tx: &mut (dyn Transaction + '_)| -> Result<(), StoreError> {
         let mut cursor: BadgeCursor = tx.get(&[0u8.to_value()])?.expect("it was put");
         cursor.turn += 1;

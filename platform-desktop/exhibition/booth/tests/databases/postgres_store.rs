@@ -173,18 +173,7 @@ fn a_broken_link_is_made_anew() {
 
 /// A row of a number, which tests change.
 fn cursor(row: u8, turn: u16) -> BadgeCursor {
-    let restored_at = BoothTime(0);
-    BadgeCursor {
-        row,
-        turn,
-        day: 0,
-        left: 0,
-        closed_until: 0,
-        copied_at: None,
-        is_used_up: false,
-        swept_on: 0,
-        restored_at,
-    }
+    BadgeCursor { row, turn, ..BadgeCursor::new() }
 }
 
 /// Two processes: what each reads, the other changes. One of them has to begin anew.

@@ -51,7 +51,48 @@ record! {
     }
 }
 
+impl BadgeCursor {
+    /// The row of a booth that leased nothing yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        BadgeCursor {
+            row: 0,
+            turn: 0,
+            day: 0,
+            left: 0,
+            closed_until: 0,
+            copied_at: None,
+            is_used_up: false,
+            swept_on: 0,
+            restored_at: BoothTime(0),
+        }
+    }
+}
+
+impl Default for BadgeCursor {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl BadgeBlock {
+    /// A block that is leased to a headset from now on, in an epoch of its.
+    pub(crate) const fn leased(
+        (block, serial): (u16, BlockSerial),
+        (headset, epoch): (u32, u64),
+        now: BoothTime,
+    ) -> Self {
+        BadgeBlock {
+            block,
+            headset,
+            serial: serial.0,
+            epoch,
+            next: None,
+            leased_at: now,
+            free_on: None,
+        }
+    }
+
     /// The block, as headset and booth tell each other of it.
     #[must_use]
     pub fn held(&self) -> HeldBlock {
