@@ -28,6 +28,12 @@ pub struct HiddenStart {
     pub thickness: StoneThickness,
 }
 
+/// Of the lump's fracture, how much the thinner stones have.
+const ROUGHNESS_OF_LUMP: f32 = 0.5;
+
+/// The most by which that moves their surface.
+const ROUGHNESS: f32 = ROUGHNESS_OF_LUMP * lump::MAX_FRACTURE;
+
 /// Names on the command line, by figure and thickness. The bare name is for newcomers.
 const NAMES: [[&str; 3]; 4] = [
     ["owl-whole", "owl-half", "owl"],
@@ -106,10 +112,22 @@ impl HiddenStart {
             return Figure::Lump.rasterize_into(maps, bit_grid);
         };
         raster::rasterize(bit_grid, &|p| {
+            let even = self.figure.signed_distance(p) - reach + 0.5;
+            // A bound is enough where a sign is certain: the fracture takes most of the time.
+            if even > ROUGHNESS {
+                return (even - ROUGHNESS) * 0.75;
+            }
+            let (in_lump, broken) = lump::distance_and_fracture(p);
+            if in_lump > 0.0 {
+                return in_lump;
+            }
             // Smoother than the lump, as a newcomer strokes it off in layers.
-            let rough = 0.5 * lump::fracture(p) + 0.5;
-            let around = (self.figure.signed_distance(p) - reach + rough) * 0.75;
-            max(lump::signed_distance(p), around)
+            let rough = if even < -ROUGHNESS {
+                ROUGHNESS
+            } else {
+                ROUGHNESS_OF_LUMP * broken.unwrap_or_else(|| lump::fracture(p))
+            };
+            max(in_lump, (even + rough) * 0.75)
         });
         bit_grid.write_closure(maps);
         bit_grid.set_from_maps(maps);

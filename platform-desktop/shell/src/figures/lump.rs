@@ -112,12 +112,21 @@ static FACETS: LazyLock<[Facet; CUTS.len()]> = LazyLock::new(|| {
 const RELIEF: f32 = 5.0;
 
 pub(super) fn signed_distance(p: Vec3) -> f32 {
+    distance_and_fracture(p).0
+}
+
+/// The signed distance, and the [`fracture`] if it was needed for that.
+pub(super) fn distance_and_fracture(p: Vec3) -> (f32, Option<f32>) {
     let middle = p - v(0.0, 64.0, 0.0);
     let beyond = |facet: &Facet| middle.dot(facet.normal) - facet.height;
+    let cut = FACETS.iter().map(beyond).fold(f32::MIN, max);
+    if cut > RELIEF {
+        return (cut - RELIEF, None);
+    }
     let taken = max(chips(p), holes(p));
-    let flat = max(FACETS.iter().map(beyond).fold(f32::MIN, max), taken);
+    let flat = max(cut, taken);
     if flat.abs() > RELIEF {
-        return if flat > 0.0 { flat - RELIEF } else { flat + RELIEF };
+        return (if flat > 0.0 { flat - RELIEF } else { flat + RELIEF }, None);
     }
     let broken = fracture(p);
     // The chisel worked in patches.
@@ -133,10 +142,13 @@ pub(super) fn signed_distance(p: Vec3) -> f32 {
         beyond + broken * (1.0 - 0.7 * strength) + facet.bite * strength * chisel_wave(furrow)
     };
     let rough = FACETS.iter().map(tooled).fold(f32::MIN, max);
-    (max(rough, taken + 0.4 * broken) + 1.0) * 0.7
+    ((max(rough, taken + 0.4 * broken) + 1.0) * 0.7, Some(broken))
 }
 
-/// How far a fractured surface lies from an even one: within 2.5 units, in flat facets that meet in creases.
+/// The most by which a fracture moves a surface.
+pub(super) const MAX_FRACTURE: f32 = 2.5;
+
+/// How far a fractured surface lies from an even one: within [`MAX_FRACTURE`], in flat facets that meet in creases.
 pub(super) fn fracture(p: Vec3) -> f32 {
     // Any rotation, so that no crease lies along an axis.
     let turned =
