@@ -231,8 +231,8 @@ where
         self.hand_over_if_gone(elapsed);
         let due = self.pace.take_due_ticks(elapsed);
         // A script runs as fast as it can, and drops none.
-        let ticks = if self.script.is_some() {
-            TickClock::MAX_TICKS_PER_FRAME
+        let ticks = if let Some(script) = &self.script {
+            script.ticks_of_frame()
         } else {
             self.slowness.note_frame(elapsed, due);
             due.due

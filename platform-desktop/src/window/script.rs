@@ -1,11 +1,14 @@
 //! Scripted input in place of mouse and keys, for tests and demonstrations: a step a line, run between
 //! ticks, so that the same script leads to the same sculpture.
 
-use paros_headless::Error;
 use std::io::{self, BufRead, Write};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::thread;
+
+use paros_core::session::TICK_RATE;
+use paros_headless::Error;
+use paros_shell::tick_runner::TickClock;
 
 use super::hands::{HandButton, InputEvent};
 use super::keys::{self, KeyCommand};
@@ -123,6 +126,15 @@ impl Script {
         self.waiting = wait.map(|wait| (wait, text.to_owned()));
         self.doing = wait.is_none().then(|| text.to_owned());
         Ok(Some(step))
+    }
+
+    /// How many ticks the next frame runs: a wait for ticks is drawn twice a second of the sculpture's time.
+    pub(super) fn ticks_of_frame(&self) -> u32 {
+        let at_least = TickClock::MAX_TICKS_PER_FRAME;
+        match self.waiting {
+            Some((WaitFor::Ticks(left), _)) => left.clamp(at_least, TICK_RATE / 2),
+            _ => at_least,
+        }
     }
 
     /// Prints that the step of [`Script::next_step`] is done.

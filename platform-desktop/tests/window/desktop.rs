@@ -126,8 +126,8 @@ fn minimised_it_draws_nothing_and_goes_on_after() -> Result<(), MissingDependenc
     let shown = visit.screenshot(&display, "1-shown");
     for _ in 0..3 {
         display.xdotool("search --onlyvisible --name Paros windowminimize --sync");
-        // A frame that was under way may still be drawn.
-        visit.do_step("wait 12");
+        // Frames that were under way may still be drawn.
+        visit.do_all(&["wait 4"; 3]);
         let frames = visit.ask_state("frames");
         visit.do_step("wait 60");
         assert_eq!((visit.ask_state("frames"), visit.voxel_count()), (frames, voxels));

@@ -160,9 +160,9 @@ impl ScriptedWindow {
         self.ask_state("voxels").parse().expect("a number")
     }
 
-    /// The screen after 16 frames, when all changes are drawn, saved as `name.png`.
+    /// The screen after 6 frames, when all changes are drawn, saved as `name.png`.
     pub(crate) fn screenshot(&mut self, display: &XvfbDisplay, name: &str) -> Image {
-        self.do_step("frames 16");
+        self.do_step("frames 6");
         display.save_screenshot(name)
     }
 
