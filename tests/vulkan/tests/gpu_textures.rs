@@ -1,6 +1,6 @@
-//! What the device holds of a sculpture, read back: after a thousand edits among which strokes are
-//! taken back and sessions loaded, and after an island's fall, the range maps are the world's, and
-//! all that is derived from them is what a rebuild from nothing gives.
+//! The device's textures of a sculpture, read back: after hundreds of edits, at night thousands, among which strokes are
+//! taken back and sessions loaded, and after an island's fall, the range maps are the world's, and all that is derived
+//! from them is what a rebuild from nothing gives.
 //!
 //! Uploads go the way that the shells' do: a tick is noted, a frame takes what its budget allows
 //! through the ring's staging memory, and frames are drawn until nothing is left; by a program that
@@ -16,6 +16,7 @@ use paros_core::internals::BitAction;
 use paros_core::session::{BenchItem, SessionMode, Tool, ToolBit};
 use paros_core::volume::{Axis, Grid, Size};
 use paros_core::{World, WorldEvent};
+use paros_models::cases::scaled_cases;
 use paros_models::random_visitor::RandomVisitor;
 use paros_models::scripted_hand::{RIGHT, step_with_bit_at, take_item};
 use paros_models::world_harness::WorldHarness;
@@ -182,6 +183,7 @@ fn check_device<const N: usize, const K: usize>(
 ) where
     Grid<N>: Size,
 {
+    let edits = scaled_cases(edits);
     let Some(mut held) = TextureCheck::new(copies) else { return };
     let mut studio = studio.lock().unwrap_or_else(PoisonError::into_inner);
     run_random_edits(&mut studio, &mut held, edits);
@@ -193,19 +195,19 @@ fn check_device<const N: usize, const K: usize>(
 #[test]
 fn the_device_holds_the_sculpture_at_128() {
     static STUDIO: Mutex<WorldHarness<128>> = Mutex::new(WorldHarness::new());
-    check_device(&STUDIO, false, 1000);
+    check_device(&STUDIO, false, 300);
 }
 
 #[test]
 fn the_device_holds_the_sculpture_by_copies_at_128() {
     static STUDIO: Mutex<WorldHarness<128>> = Mutex::new(WorldHarness::new());
-    check_device(&STUDIO, true, 1000);
+    check_device(&STUDIO, true, 300);
 }
 
 #[test]
 fn the_device_holds_two_intervals_at_128() {
     static STUDIO: Mutex<WorldHarness<128, 2>> = Mutex::new(WorldHarness::new());
-    check_device(&STUDIO, false, 500);
+    check_device(&STUDIO, false, 200);
 }
 
 fn count_gaps<const N: usize, const K: usize>(world: &World<N, K>) -> usize
@@ -220,11 +222,11 @@ where
 #[test]
 fn the_device_holds_the_sculpture_at_256() {
     static STUDIO: Mutex<WorldHarness<256>> = Mutex::new(WorldHarness::new());
-    check_device(&STUDIO, false, 120);
+    check_device(&STUDIO, false, 80);
 }
 
 #[test]
 fn the_device_holds_the_sculpture_by_copies_at_256() {
     static STUDIO: Mutex<WorldHarness<256>> = Mutex::new(WorldHarness::new());
-    check_device(&STUDIO, true, 120);
+    check_device(&STUDIO, true, 80);
 }
