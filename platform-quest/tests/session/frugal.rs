@@ -15,10 +15,10 @@ use super::{REST, RIGHT, hands_at_rest, take_tool};
 
 /// Warm-up frames, which may allocate, and measured frames.
 const FIRST: u64 = 100;
-const FRAMES: u64 = 1000;
+const FRAMES: u64 = 500;
 
 /// Measured frames in which the visitor sculpts.
-const BUSY: u64 = 600;
+const BUSY: u64 = 320;
 
 /// The limit of the median of a frame's own CPU time without the clock's, in times of the reference
 /// calculation, which the program runs between its frames (some 0.2 ms on the machines of CI). Measured:
@@ -41,7 +41,7 @@ fn a_frame_takes_little_time_and_no_memory() {
     let (said, ShellEnd { code, errors }) = shell.wait_for_last_status();
     println!("{gone} voxels, {saves} saves, nanoseconds: {}", said.text());
     assert_eq!(code, Some(0), "{errors}");
-    assert!(gone > 1000 && saves > 4, "{gone} voxels are gone, {saves} saves");
+    assert!(gone > 1000 && saves > 2, "{gone} voxels are gone, {saves} saves");
     assert_eq!(said.number("frames"), FRAMES);
     assert!(said.number("first") > 0, "nothing counts");
     assert_eq!((said.number("allocating"), said.number("most")), (0, 0));

@@ -38,10 +38,10 @@ const RIGHT: usize = 1;
 const REST: RemoteHand = RemoteHand::at(0.35, 0.75, 0.0);
 const LEFT_REST: RemoteHand = RemoteHand::at(-0.35, 0.75, 0.0);
 
-/// Connects to the driver, and places the head before the stone and both hands at rest.
+/// Connects to the driver, and places the head before the stone, over which it looks, and both hands at rest.
 fn hands_at_rest(monado: &MonadoService) -> RemoteHands {
     let mut hands = monado.connect_hands();
-    hands.place_eyes(&visitor_eyes());
+    hands.place_eyes(&looking_over_stone(visitor_eyes()));
     hands.place_hand(0, LEFT_REST);
     hands.place_hand(RIGHT, REST);
     hands
@@ -52,10 +52,17 @@ fn visitor_eyes() -> [Eye; 2] {
     eyes_at(Vec3::new(0.0, 1.45, 0.35), Quat::from_rotation_x(-0.35))
 }
 
+/// What an eye sees: angles in radians.
+const FOV: Fov = Fov { left: -0.6, right: 0.6, up: 0.5, down: -0.5 };
+
+/// Has eyes see what is above the stone: a software device draws the wall several times as fast.
+fn looking_over_stone(eyes: [Eye; 2]) -> [Eye; 2] {
+    eyes.map(|eye| Eye { fov: Fov { up: 1.1, down: 0.55, ..FOV }, ..eye })
+}
+
 /// The eyes of a head.
 fn eyes_at(head: Vec3, rotation: Quat) -> [Eye; 2] {
-    let fov = Fov { left: -0.6, right: 0.6, up: 0.5, down: -0.5 };
-    let eye = |x| Eye { position: head + rotation * Vec3::new(x, 0.0, 0.0), rotation, fov };
+    let eye = |x| Eye { position: head + rotation * Vec3::new(x, 0.0, 0.0), rotation, fov: FOV };
     [-0.032, 0.032].map(eye)
 }
 
@@ -147,6 +154,7 @@ fn a_scripted_hand_takes_a_tool_and_carves() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
     let monado = MonadoService::start(&tree, "carves");
     let mut hands = hands_at_rest(&monado);
+    hands.place_eyes(&visitor_eyes());
     let mut shell = monado.start_shell(&["--record", "live.trace"]);
     shell.wait_until("focus", |said| said.field("life") == "focused");
     shell.wait_until("a session", |said| said.field("session") == "Sculpting");

@@ -7,7 +7,7 @@ use paros_shell::require::require_or_skip;
 
 use super::layered::{assert_no_violations, find_example, read_log};
 use super::monado::{MonadoService, MonadoTree, ShellEnd, wait_for};
-use super::{hands_at_rest, read_frame};
+use super::{hands_at_rest, read_frame, visitor_eyes};
 
 /// The rectangles that were submitted, in their order.
 fn submitted(monado: &MonadoService) -> Vec<[u32; 2]> {
@@ -31,7 +31,8 @@ fn pictures_shrink_under_load_and_follow_the_runtime() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
     let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "resolution");
-    let _hands = hands_at_rest(&monado);
+    let mut hands = hands_at_rest(&monado);
+    hands.place_eyes(&visitor_eyes());
     fs::create_dir_all(monado.folder.join("layer")).expect("a folder");
     fs::write(monado.folder.join("layer/fast-display"), "").expect("a wish");
     let mut shell = monado.start_layered_shell(&layer, &["--least-resolution", "85"]);

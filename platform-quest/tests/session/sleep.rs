@@ -11,7 +11,7 @@ use paros_shell::require::require_or_skip;
 use super::handover::finished_sculptures;
 use super::layered::find_example;
 use super::monado::{MonadoService, MonadoTree, RemoteHands, ShellEnd, ShellProcess, wait_for};
-use super::{carve_voxels, eyes_at, hands_at_rest, take_tool};
+use super::{carve_voxels, eyes_at, hands_at_rest, looking_over_stone, take_tool};
 
 /// Sets for how long the device has slept since it booted, and whether that was another boot.
 fn set_clock(monado: &MonadoService, slept_seconds: u32, boot: &str) {
@@ -40,7 +40,8 @@ fn carve_and_save(
 
 /// A visitor who stands where the room has them: it need not be moved.
 fn stand_before_stool(hands: &mut RemoteHands, height: f32) {
-    hands.place_eyes(&eyes_at(Vec3::Y * height, Quat::from_rotation_x(-0.3)));
+    let eyes = eyes_at(Vec3::Y * height, Quat::from_rotation_x(-0.3));
+    hands.place_eyes(&looking_over_stone(eyes));
 }
 
 #[test]
