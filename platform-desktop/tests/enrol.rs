@@ -6,7 +6,7 @@ use std::os::unix::fs::PermissionsExt as _;
 use std::process::Command;
 
 use paros_booth_process::{BoothProcess, find_booth};
-use paros_shell::outbox::enrolment::Enrolment;
+use paros_upload::enrolment::Enrolment;
 
 use crate::support::TestFolder;
 

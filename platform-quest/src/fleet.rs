@@ -10,8 +10,8 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use paros_protocol::{DeviceHint, DeviceName};
-use paros_shell::outbox::BoothCaller;
-use paros_shell::outbox::enrolment::{
+use paros_upload::BoothCaller;
+use paros_upload::enrolment::{
     EnrolError, Enrolment, FLEET_FILE_NAME, FleetFile, NewDevice, enrol_by_fleet,
 };
 

@@ -9,8 +9,8 @@ use openxr as xr;
 use paros_shell::headset::device_health::DeviceHealth;
 use paros_shell::headset::start_up::StartUp;
 use paros_shell::headset::visit::BootId;
-use paros_shell::outbox::courier::CourierLink;
-use paros_shell::outbox::enrolment::Enrolment;
+use paros_upload::courier::CourierLink;
+use paros_upload::enrolment::Enrolment;
 
 use crate::boot_clock;
 use crate::error::Error;
@@ -120,7 +120,7 @@ impl Platform for PlainPlatform {
 
     #[cfg(not(target_os = "android"))]
     fn open_booth_link(&mut self, enrolment: &Enrolment) -> Option<CourierLink> {
-        use paros_outbox_link::{LinkTimes, open_link};
+        use paros_upload_https::{LinkTimes, open_link};
 
         Some(Box::new(open_link(&enrolment.booth_address(), LinkTimes::default())))
     }

@@ -28,11 +28,12 @@ use paros_shell::headset::room_placement::{RoomPlacement, RoomTransform};
 use paros_shell::headset::start_up::StartUp;
 use paros_shell::headset::stick_presses::StickPresses;
 use paros_shell::headset::visit::{BootId, VisitPolicy};
-use paros_shell::outbox::Parcel;
 use paros_shell::statics::{Resident, WorldWithStarts};
 use paros_shell::studio::{Notice, Studio};
 use paros_shell::studio_paths::StudioPaths;
 use paros_sound::{SoundDevice, Speaker};
+use paros_upload::Parcel;
+use paros_upload::courier::Courier;
 use paros_visit::{ChargerPanel, VisitHost};
 
 use crate::error::Error;
@@ -70,6 +71,8 @@ where
     Grid<N>: Size,
 {
     studio: Studio<'a, N>,
+    /// Where the device is enrolled at a booth.
+    courier: Option<Arc<Courier>>,
     options: &'a ShellOptions,
     test_commands: Option<&'a CommandQueue>,
     start: &'a mut StartKeeper,
@@ -185,8 +188,9 @@ where
         None if options.booth.sends_traces => {}
         None => studio.disable_recording(),
     }
-    booth::bring_to_booth(&mut studio, options, platform, &mut Vec::new());
-    let mut shell = HeadsetShell::new(studio, options, commands, start, platform.boot_id());
+    let courier = booth::bring_to_booth(&mut studio, options, platform, &mut Vec::new());
+    let mut shell =
+        HeadsetShell::new((studio, courier), options, commands, start, platform.boot_id());
     shell.resume_session(platform);
     let done = shell.run_sessions(platform);
     shell.keep_last_use_before_pause();
@@ -218,7 +222,7 @@ where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
     fn new(
-        studio: Studio<'a, N>,
+        (studio, courier): (Studio<'a, N>, Option<Arc<Courier>>),
         options: &'a ShellOptions,
         test_commands: Option<&'a CommandQueue>,
         start: &'a mut StartKeeper,
@@ -228,6 +232,7 @@ where
         let host = hosting::open_host(options, start_anew, studio.world().visit());
         HeadsetShell {
             studio,
+            courier,
             options,
             test_commands,
             start,

@@ -6,7 +6,7 @@ use std::path::Path;
 /// A session number held by this window alone, among those with the same session folder and size.
 /// It is free again once this is dropped or the process ends in any way.
 #[derive(Debug)]
-pub(crate) struct SessionClaim {
+pub struct SessionClaim {
     number: u32,
     // Held for its drop.
     _socket: Option<ClaimSocket>,
@@ -16,7 +16,7 @@ impl SessionClaim {
     /// Claims the lowest free number, from 1, for a session folder and a grid of `grid_side` voxels a
     /// side. The folder is created. On systems other than Linux the number is always 1.
     #[must_use]
-    pub(crate) fn claim_lowest_free_number(sessions_folder: &Path, grid_side: usize) -> Self {
+    pub fn claim_lowest_free_number(sessions_folder: &Path, grid_side: usize) -> Self {
         // Two names of one folder must give one claim. A folder that can't be created needs none.
         let _ = std::fs::create_dir_all(sessions_folder);
         let folder = std::fs::canonicalize(sessions_folder)
@@ -36,7 +36,7 @@ impl SessionClaim {
 
     /// The number claimed, from 1.
     #[must_use]
-    pub(crate) const fn number(&self) -> u32 {
+    pub const fn number(&self) -> u32 {
         self.number
     }
 }

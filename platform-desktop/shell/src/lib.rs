@@ -2,7 +2,7 @@
 //! absent, and the start volumes.
 #![forbid(unsafe_code)]
 
-mod claim;
+pub mod claim;
 pub mod demo;
 pub mod durable;
 pub mod edit_totals;
@@ -15,8 +15,6 @@ pub mod log_file;
 #[cfg(feature = "meshes")]
 pub mod mesh;
 pub mod modes;
-pub mod outbox;
-
 pub mod replay;
 pub mod require;
 pub mod rmap;

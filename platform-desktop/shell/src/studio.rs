@@ -11,8 +11,8 @@ mod export;
 mod files;
 mod last_use;
 mod one_before;
-mod outgoing;
 mod pending_read;
+mod receiver;
 mod recorder;
 mod sculpture_files;
 mod session;
@@ -29,14 +29,13 @@ use autosave::Autosave;
 pub use carve_on::CarvingOn;
 use export::SculptureExport;
 use last_use::LastUseFile;
-use outgoing::Outgoing;
-pub use outgoing::{BoothState, SendPlan};
 use paros_core::limits::INTERVALS;
 use paros_core::session::SessionMode;
 use paros_core::visit::{VisitCommand, VisitPhase};
 use paros_core::volume::{Grid, Size};
 use paros_core::{RangeMaps, TickInput, World, WorldEvent};
 use pending_read::PendingRead;
+pub use receiver::SculptureReceiver;
 use recorder::Recorder;
 use session::LiveSession;
 
@@ -82,8 +81,8 @@ where
     one_before: Option<Vec<u8>>,
     /// The save of the sculpture as it was before it was finished.
     before_finish: Option<Vec<u8>>,
-    /// What brings sculptures to a booth, where the device is enrolled at one.
-    outgoing: Option<Outgoing>,
+    /// The receiver of finished sculptures, if there is one.
+    receiver: Option<Box<dyn SculptureReceiver<N>>>,
     notices: Vec<Notice>,
 }
 
@@ -120,7 +119,7 @@ where
             has_read_volume: false,
             one_before,
             before_finish: None,
-            outgoing: None,
+            receiver: None,
             notices,
         };
         studio.export_what_was_cut_off();
@@ -231,8 +230,8 @@ where
         let hidden = volumes.hidden_figures();
         let runner = TickRunner::new(world, volumes.start_volumes(&hidden));
         self.recorder.run_tick(runner, starts_session, input, wrap_step);
-        if let Some(outgoing) = self.outgoing.as_mut().filter(|_| starts_session) {
-            outgoing.note_recording_begun();
+        if let Some(receiver) = self.receiver.as_mut().filter(|_| starts_session) {
+            receiver.note_recording_begun();
         }
         self.after_tick();
     }
@@ -291,7 +290,7 @@ where
         if self.is_printing_another() {
             self.export.make_files_to_end();
             self.submit_finished_sculpture();
-            self.wait_for_parcel();
+            self.wait_for_receiver();
         }
         if self.autosave.is_changed() {
             self.save_session();
@@ -307,7 +306,7 @@ where
     pub fn save_all_and_wait(&mut self) -> Result<(), durable::WriteError> {
         self.export.make_files_to_end();
         self.submit_finished_sculpture();
-        self.wait_for_parcel();
+        self.wait_for_receiver();
         self.retry_failed_writes();
         self.save_session();
         if let Some(path) = self.recorder.trace_path().map(PathBuf::from) {
@@ -367,9 +366,9 @@ where
             self.export.wait_for_picture();
             self.submit_finished_sculpture();
             self.export.start_making_files(self.session.world);
-            self.send_finished();
+            self.begin_in_receiver(false);
         }
-        self.follow_outgoing_tick();
+        self.receiver.iter_mut().for_each(|receiver| receiver.follow_tick(self.session.world));
         self.notice_found_figure();
         self.autosave.mark_due_after_tick(self.session.world);
         if self.autosave.is_due() && !self.is_printing_another() {

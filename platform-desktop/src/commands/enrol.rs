@@ -4,13 +4,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use paros_headless::Error;
-use paros_outbox_link::HttpsCaller;
 use paros_protocol::{DeviceHint, DeviceName};
 use paros_shell::durable::{self, WriteTarget};
-use paros_shell::outbox::enrolment::{
+use paros_shell::studio_paths::StudioPaths;
+use paros_upload::enrolment::{
     EnrolError, Enrolment, FleetFile, NewDevice, enrol_by_fleet, enrolment_file, hint_of_device,
 };
-use paros_shell::studio_paths::StudioPaths;
+use paros_upload_https::HttpsCaller;
 
 /// The arguments of `paros enrol`.
 #[derive(Debug, clap::Args)]

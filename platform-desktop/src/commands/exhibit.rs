@@ -15,12 +15,10 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use paros_headless::Error;
-use paros_outbox_link::HttpsCaller;
 use paros_protocol::DeviceName;
 use paros_shell::durable;
-use paros_shell::outbox::enrolment::{
-    Enrolment, FleetFile, NewDevice, enrol_by_fleet, enrolment_file,
-};
+use paros_upload::enrolment::{Enrolment, FleetFile, NewDevice, enrol_by_fleet, enrolment_file};
+use paros_upload_https::HttpsCaller;
 use rustix::process::{Pid, Signal, kill_process};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 

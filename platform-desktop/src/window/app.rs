@@ -23,6 +23,7 @@ use paros_shell::statics::Resident;
 use paros_shell::studio::{Notice, Studio};
 use paros_shell::tick_runner::TickClock;
 use paros_sound::{SoundDevice, Speaker};
+use paros_upload::courier::Courier;
 use winit::application::ApplicationHandler;
 use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow};
@@ -67,6 +68,8 @@ where
     window: Option<Arc<Window>>,
     display: Option<DisplayConnection>,
     pub(super) studio: Studio<'a, N>,
+    /// Where the device is enrolled at a booth.
+    pub(super) courier: Option<Arc<Courier>>,
     hands: MouseHands<N>,
     panels: Panels,
     egui_buffers: EguiBuffers,
@@ -105,7 +108,7 @@ where
 {
     /// The application before its window is open.
     pub(super) fn new(
-        mut studio: Studio<'a, N>,
+        (mut studio, courier): (Studio<'a, N>, Option<Arc<Courier>>),
         script: Option<Script>,
         start_pictures: &Image,
         options: &WindowOptions,
@@ -145,6 +148,7 @@ where
             window: None,
             display: None,
             studio,
+            courier,
             hands: MouseHands::new(),
             panels,
             egui_buffers: EguiBuffers::new(),

@@ -1,49 +1,51 @@
 //! The window's way to a booth.
 
 use std::io::{self, Write as _};
+use std::sync::Arc;
 
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
-use paros_shell::outbox::courier::{Courier, CourierLink, read_clock_ms};
-use paros_shell::outbox::enrolment::Enrolment;
 use paros_shell::settings::BoothSettings;
 use paros_shell::statics::Resident;
 use paros_shell::studio::{Notice, Studio};
 use paros_sound::Speaker;
+use paros_upload::connect;
+use paros_upload::courier::{Courier, CourierLink, read_clock_ms};
+use paros_upload::enrolment::Enrolment;
 use paros_visit::{DeviceStatus, VisitOptions, answer_without_visits, send_plan};
 
 use super::app::App;
 #[cfg(not(feature = "booth"))]
 use crate::commands::BUILD_COMMAND;
 
-/// Has a studio's sculptures brought to the booth at which the device is enrolled, if it is at one. What stands in the way
-/// is told, and the studio goes on without.
+/// Has a studio's sculptures brought to the booth at which the device is enrolled, if it is at one. Returns the courier that
+/// brings them. What stands in the way is told, and the studio goes on without.
 pub(super) fn bring_to_booth<const N: usize>(
     studio: &mut Studio<'_, N>,
     settings: &BoothSettings,
     visits: Option<&VisitOptions>,
-) where
+) -> Option<Arc<Courier>>
+where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
     let sessions = studio.paths().sessions.clone();
-    match Courier::open_enrolled(settings, &sessions, read_clock_ms, open_link) {
-        Ok(None) => {}
-        Ok(Some(courier)) => studio.set_courier(courier, send_plan(settings, visits)),
-        Err(why) => {
-            write_line(&why);
-            if visits.is_none() {
-                studio.push_notice(Notice::Bad(why));
-            }
+    let courier = Courier::open_enrolled(settings, &sessions, read_clock_ms, open_link);
+    let courier = courier.unwrap_or_else(|why| {
+        write_line(&why);
+        if visits.is_none() {
+            studio.push_notice(Notice::Bad(why));
         }
-    }
+        None
+    });
+    courier.map(|courier| connect(studio, courier, send_plan(settings, visits)))
 }
 
 /// Connects to the booth of an enrolment by HTTPS.
 #[cfg(feature = "booth")]
 #[expect(clippy::unnecessary_wraps, reason = "a build without HTTPS has an error")]
 fn open_link(enrolment: &Enrolment) -> Result<CourierLink, String> {
-    let (address, times) = (enrolment.booth_address(), paros_outbox_link::LinkTimes::default());
-    Ok(Box::new(paros_outbox_link::open_link(&address, times)))
+    let (address, times) = (enrolment.booth_address(), paros_upload_https::LinkTimes::default());
+    Ok(Box::new(paros_upload_https::open_link(&address, times)))
 }
 
 /// Returns the error that this build has no HTTPS.
@@ -64,7 +66,7 @@ where
 {
     /// Carries out what the booth asks, tells it how the window is, and tells what has become of sculptures.
     pub(super) fn follow_booth(&mut self) {
-        let Some(courier) = self.studio.courier() else { return };
+        let Some(courier) = &self.courier else { return };
         let device = DeviceStatus::default();
         match &mut self.visits {
             Some(visits) => {

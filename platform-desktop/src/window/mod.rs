@@ -110,10 +110,9 @@ where
     let paths = StudioPaths::for_user(options.folder.as_deref());
     let mut studio = Studio::new(&mut resident, &mut stl_buffers, paths, draw_picture);
     studio.set_trace_path_at_exit(options.record.clone());
-    if let Some(settings) = &options.booth {
-        booth::bring_to_booth(&mut studio, settings, options.visits.as_ref());
-    }
-    let mut app = App::new(studio, script, &pictures, options);
+    let (booth, visits) = (options.booth.as_ref(), options.visits.as_ref());
+    let courier = booth.and_then(|booth| booth::bring_to_booth(&mut studio, booth, visits));
+    let mut app = App::new((studio, courier), script, &pictures, options);
     let run = events.run_app(&mut app);
     if let Err(EventLoopError::ExitFailure(_)) = run {
         app.on_display_lost();

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use paros_booth_process::{BoothProcess, find_booth};
 use paros_protocol::UploadFacts;
-use paros_shell::outbox::Parcel;
 use paros_shell::require::{MissingDependency, require_or_skip};
+use paros_upload::Parcel;
 
 use super::exhibition::{SETTINGS, choose_the_owl, cut_and_see_badge};
 use super::rig::{ScriptedWindow, XvfbDisplay, empty_folder, paros_command};

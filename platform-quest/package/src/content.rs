@@ -13,10 +13,10 @@ use paros_shell::headset::package::{
     FIGURES_ASSET, FLEET_ASSET, SETTINGS_ASSET, own_figure_assets,
 };
 use paros_shell::mesh::{self, Mesh, MeshFormat};
-use paros_shell::outbox::enrolment::FleetFile;
 use paros_shell::rmap;
 use paros_shell::settings::{LoadedSettings, MAX_BYTES, SettingsLayer};
 use paros_shell::statics::{Resident, ResidentBitGrid};
+use paros_upload::enrolment::FleetFile;
 
 use crate::error::PackageError;
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use paros_shell::headset::package::FLEET_ASSET;
-use paros_shell::outbox::enrolment::FleetFile;
+use paros_upload::enrolment::FleetFile;
 
 use crate::library::find_built_library;
 

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use paros_protocol::DeviceName;
-use paros_shell::outbox::LinkTimes;
-use paros_shell::outbox::courier::CourierLink;
-use paros_shell::outbox::enrolment::{Enrolment, FleetFile, enrolment_file, hint_of_device};
+use paros_upload::LinkTimes;
+use paros_upload::courier::CourierLink;
+use paros_upload::enrolment::{Enrolment, FleetFile, enrolment_file, hint_of_device};
 
 use crate::device::AndroidDevice;
 use crate::fleet::{AgainClock, Enroller, FleetSources, HeadsetNames, follow_fleet_file};

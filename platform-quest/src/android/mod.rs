@@ -21,13 +21,13 @@ use paros_shell::headset::package::{self, OPENXR_LOADER};
 use paros_shell::headset::runtime::{PARTITIONS, list_candidates};
 use paros_shell::headset::start_up::{StartUp, may_leave_destroyed};
 use paros_shell::headset::visit::BootId;
-use paros_shell::outbox::courier::CourierLink;
-use paros_shell::outbox::enrolment::Enrolment;
 use paros_shell::settings::{self, FLEET_FILE_KEY, LoadedSettings, SettingsLayer};
 use paros_shell::sizes::GRID_SIDES;
 use paros_shell::statics::Resident;
 use paros_shell::studio_paths::StudioPaths;
 use paros_shell::with_size;
+use paros_upload::courier::CourierLink;
+use paros_upload::enrolment::Enrolment;
 
 use crate::device::{self, AndroidDevice, DeviceMonitor, ManagedEntry};
 use crate::error::Error;

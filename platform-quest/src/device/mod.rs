@@ -17,7 +17,7 @@ use jni::objects::{Global, JObject};
 use jni::{Env, JValue, JavaVM};
 use paros_shell::headset::device_health::{Battery, ThermalReading, ThermalStatus};
 use paros_shell::headset::runtime::ContentRow;
-use paros_shell::outbox::{BoothAddress, LinkTimes, ThreadedLink};
+use paros_upload::{BoothAddress, LinkTimes, ThreadedLink};
 
 pub use call::JavaError;
 use call::{JavaCaller, read_bool, read_float, read_int};

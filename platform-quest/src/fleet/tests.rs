@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 
 use paros_protocol::{EnrolAnswer, SiteId};
-use paros_shell::outbox::{HttpAnswer, HttpRequest, LinkError, LinkFault};
+use paros_upload::{HttpAnswer, HttpRequest, LinkError, LinkFault};
 
 use super::*;
 

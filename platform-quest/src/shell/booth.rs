@@ -1,6 +1,7 @@
 //! The headset's way to a booth.
 
 use std::mem;
+use std::sync::Arc;
 
 use paros_core::limits::INTERVALS;
 use paros_core::session::SessionState;
@@ -8,12 +9,12 @@ use paros_core::visit::VisitPhase;
 use paros_core::volume::{Grid, Size};
 use paros_protocol::HeatLevel;
 use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
-use paros_shell::outbox::Parcel;
-use paros_shell::outbox::courier::Courier;
-use paros_shell::outbox::enrolment::Enrolment;
 use paros_shell::statics::Resident;
 use paros_shell::studio::Studio;
 use paros_sound::Speaker;
+use paros_upload::courier::Courier;
+use paros_upload::enrolment::Enrolment;
+use paros_upload::{Parcel, connect};
 use paros_visit::{DeviceStatus, answer_without_visits, send_plan};
 
 use super::HeadsetShell;
@@ -22,25 +23,22 @@ use crate::options::ShellOptions;
 use crate::platform::Platform;
 
 /// Has a studio's sculptures brought to the booth at which the device is enrolled, if it is at one, and with them parcels
-/// that the one before had no room for. What stands in the way is logged, the studio goes on without, and the parcels stay
-/// where they are.
+/// that the one before had no room for. Returns the courier that brings them. What stands in the way is logged, the studio
+/// goes on without, and the parcels stay where they are.
 pub(super) fn bring_to_booth<const N: usize>(
     studio: &mut Studio<'_, N>,
     options: &ShellOptions,
     platform: &mut dyn Platform,
     without_room: &mut Vec<Parcel>,
-) where
+) -> Option<Arc<Courier>>
+where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
     let folder = platform.booth_folder(&studio.paths().sessions);
-    match open_courier(options, &folder, platform) {
-        Ok(None) => {}
-        Ok(Some(courier)) => {
-            courier.keep_parcels(mem::take(without_room));
-            studio.set_courier(courier, send_plan(&options.booth, options.visits.as_ref()));
-        }
-        Err(why) => platform.log(format_args!("{why}")),
-    }
+    let courier = open_courier(options, &folder, platform);
+    let courier = courier.inspect_err(|why| platform.log(format_args!("{why}"))).ok().flatten()?;
+    courier.keep_parcels(mem::take(without_room));
+    Some(connect(studio, courier, send_plan(&options.booth, options.visits.as_ref())))
 }
 
 fn open_courier(
@@ -68,7 +66,7 @@ where
         // What is finished already stays here: nothing was kept for the booth of how it came about.
         let is_finished = self.studio.world().session_state() == SessionState::Finished;
         self.is_enrolled_anew |= platform.poll_enrolled();
-        let is_forgotten = self.studio.courier().is_some_and(Courier::is_forgotten);
+        let is_forgotten = self.courier.as_ref().is_some_and(|courier| courier.is_forgotten());
         if is_forgotten && !self.is_enrolled_anew {
             platform.enrol_again();
         }
@@ -76,14 +74,17 @@ where
         let phase = self.studio.world().visit().phase();
         let is_between = matches!(phase, VisitPhase::Closed | VisitPhase::Attract);
         let is_idle = !is_awake || self.host.is_some() && is_between;
-        let is_time = !is_finished && (is_idle || self.studio.courier().is_none());
+        let is_time = !is_finished && (is_idle || self.courier.is_none());
         if is_time && self.is_enrolled_anew {
             self.is_enrolled_anew = false;
             // It has the outbox's folder. What waits there goes as the new headset's.
-            self.without_room.extend(self.studio.leave_courier());
-            bring_to_booth(&mut self.studio, self.options, platform, &mut self.without_room);
+            self.studio.set_receiver(None);
+            let ended = self.courier.take().and_then(Arc::into_inner).map(Courier::close);
+            self.without_room.extend(ended.unwrap_or_default());
+            let without_room = &mut self.without_room;
+            self.courier = bring_to_booth(&mut self.studio, self.options, platform, without_room);
         }
-        let Some(courier) = self.studio.courier() else { return };
+        let Some(courier) = &self.courier else { return };
         let device = DeviceStatus { is_awake, ..device_status(self.health, self.runtime_thermal) };
         match &mut self.host {
             Some(host) => {

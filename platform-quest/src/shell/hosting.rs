@@ -80,7 +80,8 @@ where
     /// Tells the host what a tick did. A visitor who is welcome has the room placed anew.
     pub(super) fn follow_visit_tick(&mut self) {
         let Some(host) = &mut self.host else { return };
-        host.follow_headset_tick(self.studio.world(), &ExportState::of_studio(&self.studio));
+        let export = ExportState::of_studio(&self.studio, self.courier.as_deref());
+        host.follow_headset_tick(self.studio.world(), &export);
         if host.take_recentring() {
             self.placement.request(PlacementNeed::Anyhow);
         }

@@ -1,6 +1,6 @@
 //! The link to a booth by Java's HTTPS, on the host's JDK, whose VM checks every call.
 
-#[path = "../../../platform-desktop/outbox-link/tests/link_suite/mod.rs"]
+#[path = "../../../platform-desktop/exhibition/upload/https/tests/link_suite/mod.rs"]
 mod link_suite;
 mod rig;
 
@@ -16,15 +16,15 @@ use paros_protocol::UploadStatus;
 use paros_protocol::{DeviceName, DeviceToken, SculptureId};
 use paros_quest::device::HttpsCaller;
 use paros_quest::fleet::{Enroller, FleetSources, HeadsetNames, follow_fleet_file};
-use paros_shell::outbox::courier::{Courier, read_clock_ms};
-use paros_shell::outbox::enrolment::{
+use paros_shell::settings::{BoothSettings, LoadedSettings};
+use paros_upload::courier::{Courier, read_clock_ms};
+use paros_upload::enrolment::{
     EnrolError, Enrolment, FLEET_FILE_NAME, FleetFile, NewDevice, enrol_by_fleet, enrolment_file,
     hint_of_device,
 };
-use paros_shell::outbox::{
+use paros_upload::{
     BoothAddress, BoothCaller, HttpAnswer, HttpRequest, LinkFault, LinkTimes, ThreadedLink,
 };
-use paros_shell::settings::{BoothSettings, LoadedSettings};
 
 use crate::java::{run_in_checked_vm, start_checked_vm};
 use link_suite::{Answer, Server, ask, put};

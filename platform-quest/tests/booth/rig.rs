@@ -7,9 +7,9 @@ use paros_core::TickInput;
 use paros_core::limits::INTERVALS;
 use paros_core::session::SessionMode;
 use paros_protocol::{AgeGroup, FinishCause, SculptureId, UploadFacts};
-use paros_shell::outbox::courier::ParcelDraft;
 use paros_shell::rmap;
 use paros_shell::tick_runner::with_fresh_world;
+use paros_upload::courier::ParcelDraft;
 
 /// Whether a booth keeps a sculpture, and has made its mesh.
 pub(crate) fn is_kept(booth: &BoothProcess, id: SculptureId) -> bool {

@@ -14,7 +14,7 @@ use paros_protocol::{
     ContentHash, DeviceHint, DeviceName, DeviceToken, EnrolmentToken, FleetEnrolment, Heartbeat,
     SiteId, UploadFacts,
 };
-use paros_shell::outbox::{BoothRequest, DELETED, HttpAnswer, KEPT};
+use paros_upload::{BoothRequest, DELETED, HttpAnswer, KEPT};
 
 use crate::truth::is_poison;
 

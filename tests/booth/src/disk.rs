@@ -6,7 +6,7 @@ use std::io::{self, ErrorKind};
 use std::rc::Rc;
 
 use paros_models::random_visitor::RandomSource;
-use paros_shell::outbox::OutboxFolder;
+use paros_upload::OutboxFolder;
 
 /// A headset's disk.
 #[derive(Debug)]

@@ -3,8 +3,8 @@
 use paros_booth_rules::BoothTime;
 use paros_models::random_visitor::RandomSource;
 use paros_protocol::{CommandOutcome, HeartbeatAnswer};
-use paros_shell::outbox::{BoothRequest, HttpAnswer, LinkAnswer, OutboxEvent};
-use paros_shell::outbox::{DueCommand, OutboxSettings};
+use paros_upload::{BoothRequest, HttpAnswer, LinkAnswer, OutboxEvent};
+use paros_upload::{DueCommand, OutboxSettings};
 
 use crate::booth::{OPENING, SITE, SimBackup, SimBooth};
 use crate::check::{check, check_settled, is_settled, list_unsettled};

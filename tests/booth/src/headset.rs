@@ -7,8 +7,8 @@ use std::rc::Rc;
 use paros_core::visit::VisitPhase;
 use paros_models::random_visitor::RandomSource;
 use paros_protocol::{HeatLevel, SiteId};
-use paros_shell::outbox::{HeadsetStatus, OutboxOwner, OutboxSettings};
-use paros_shell::outbox::{OutboxEvent, OutboxFolder, OutboxHost, Parcel, Sender};
+use paros_upload::{HeadsetStatus, OutboxOwner, OutboxSettings};
+use paros_upload::{OutboxEvent, OutboxFolder, OutboxHost, Parcel, Sender};
 
 use crate::disk::{SimDisk, SimFolder};
 use crate::network::{SimLink, Wire};

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use paros_models::random_visitor::RandomSource;
-use paros_shell::outbox::{BoothLink, BoothRequest, LinkAnswer, LinkFault, SentRequest};
+use paros_upload::{BoothLink, BoothRequest, LinkAnswer, LinkFault, SentRequest};
 
 /// What a headset has sent, and what has come for it.
 #[derive(Debug, Default)]

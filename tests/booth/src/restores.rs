@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use paros_booth_rules::Deletion;
 use paros_protocol::{SculptureId, UploadFacts, UploadStatus};
-use paros_shell::outbox::CONFIRM_MS;
+use paros_upload::CONFIRM_MS;
 
 use crate::exhibition::Exhibition;
 use crate::network::Weather;

@@ -13,7 +13,7 @@ use paros_protocol::{
     AgeGroup, BadgeReport, BlockSerial, ContentHash, DeviceHint, DeviceName, DeviceToken,
     EnrolmentToken, FinishCause, FleetEnrolment, Heartbeat, HeatLevel, SculptureId, UploadFacts,
 };
-use paros_shell::outbox::Parcel;
+use paros_upload::Parcel;
 
 use crate::demo_shapes::{SHAPES, SIDE, make_volume};
 use crate::error::Error;

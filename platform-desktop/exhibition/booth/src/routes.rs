@@ -19,7 +19,7 @@ use paros_booth_rules::{ParcelOutcome, Query, Refusal};
 use paros_protocol::ProtocolError;
 use paros_protocol::limits::MAX_PARCEL_BYTES;
 use paros_protocol::{ContentHash, DeviceToken, FleetEnrolment, Heartbeat, SculptureId};
-use paros_shell::outbox::{DELETED, KEPT, LinkTimes};
+use paros_upload::{DELETED, KEPT, LinkTimes};
 use tokio::sync::OwnedSemaphorePermit;
 use tracing::{info, warn};
 

@@ -3,7 +3,8 @@
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 use paros_shell::statics::Resident;
-use paros_shell::studio::{BoothState, Studio};
+use paros_shell::studio::Studio;
+use paros_upload::courier::{BoothState, Courier};
 
 /// How far a finished sculpture's files are.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
@@ -21,9 +22,9 @@ pub struct ExportState {
 }
 
 impl ExportState {
-    /// Of a studio's last sculpture.
+    /// Returns the state of a studio's last sculpture, and of its upload where the device is enrolled at a booth.
     #[must_use]
-    pub fn of_studio<const N: usize>(studio: &Studio<'_, N>) -> Self
+    pub fn of_studio<const N: usize>(studio: &Studio<'_, N>, courier: Option<&Courier>) -> Self
     where
         Grid<N>: Size + Resident<N, INTERVALS>,
     {
@@ -32,7 +33,7 @@ impl ExportState {
             is_kept: studio.session_stl_path().is_some(),
             part: studio.export_part(),
             pending: studio.count_unkept_sculptures(),
-            booth: studio.booth_state(),
+            booth: courier.map(Courier::booth_state),
         }
     }
 }

@@ -6,7 +6,7 @@ use paros_shaders::panel::Language;
 use paros_shell::headset::hand_reader::HandSource;
 use paros_shell::modes::parse_mode;
 use paros_shell::settings::{BoothSettings, StaffPin, VisitSettings};
-use paros_shell::studio::SendPlan;
+use paros_upload::SendPlan;
 
 /// What visitors work with: their texts tell of it.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]

@@ -10,8 +10,8 @@ use paros_core::visit::{GuideStep, PanelAction, PlanSetting, StaffCommand, Visit
 use paros_protocol::UploadStatus;
 use paros_shaders::panel::layout::PinEntry;
 use paros_shaders::panel::{Language, Message, Panel};
-use paros_shell::outbox::OutboxLevel;
-use paros_shell::studio::BoothState;
+use paros_upload::OutboxLevel;
+use paros_upload::courier::BoothState;
 
 use crate::export_state::ExportState;
 use crate::options::{Controls, VisitOptions};

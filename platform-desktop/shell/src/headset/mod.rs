@@ -18,7 +18,7 @@ pub mod recentering;
 pub mod resolution;
 pub mod room_placement;
 pub mod runtime;
-pub(crate) mod sealed;
+pub mod sealed;
 pub mod session_phase;
 pub mod start_up;
 pub mod stick_presses;

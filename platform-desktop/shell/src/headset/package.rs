@@ -3,7 +3,6 @@
 //! file, and Khronos' OpenXR loader.
 
 use crate::figures::check_own_figure_names;
-use crate::outbox::enrolment::FLEET_FILE_NAME;
 use crate::rmap::{self, RmapFaultAt};
 use crate::settings;
 use crate::start_volume_store::{StartVolume, StartVolumeStore};
@@ -17,7 +16,7 @@ pub const OPENXR_LOADER: &str = "libopenxr_loader.so";
 pub const SETTINGS_ASSET: &str = settings::FILE_NAME;
 
 /// The name of the asset that holds the fleet's file by which headsets enrol at a booth.
-pub const FLEET_ASSET: &str = FLEET_FILE_NAME;
+pub const FLEET_ASSET: &str = "fleet.toml";
 
 /// The name of the asset that lists the operator's own figures, a name a line.
 pub const FIGURES_ASSET: &str = "figures.txt";

@@ -6,23 +6,20 @@ use paros_core::internals::{ByteWriter, checksum};
 const VERSION: u16 = 1;
 
 /// Bytes around what a file is about.
-pub(crate) const SEAL_BYTES: usize = 4 + 2 + 8;
+pub const SEAL_BYTES: usize = 4 + 2 + 8;
 
 /// What a file begins with.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SealedFormat {
+pub struct SealedFormat {
     /// Its first bytes.
-    pub(crate) magic: [u8; 4],
+    pub magic: [u8; 4],
     /// What is told where others stand there.
-    pub(crate) expected: &'static str,
+    pub expected: &'static str,
 }
 
 impl SealedFormat {
     /// Encodes a file of `N` bytes; `write_body` writes all but the [`SEAL_BYTES`].
-    pub(crate) fn seal<const N: usize>(
-        self,
-        write_body: impl FnOnce(&mut ByteWriter<'_>),
-    ) -> [u8; N] {
+    pub fn seal<const N: usize>(self, write_body: impl FnOnce(&mut ByteWriter<'_>)) -> [u8; N] {
         let mut bytes = [0; N];
         let (body, end) = bytes.split_at_mut(N - size_of::<u64>());
         let mut to = ByteWriter::new(body);
@@ -37,7 +34,7 @@ impl SealedFormat {
     ///
     /// # Errors
     /// The first place at which the bytes are not as [`Self::seal`] makes them.
-    pub(crate) fn open<T>(
+    pub fn open<T>(
         self,
         bytes: &[u8],
         read_body: impl FnOnce(&mut ByteReader<'_>) -> Result<T, BadBytes>,

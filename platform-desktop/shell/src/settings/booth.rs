@@ -1,9 +1,6 @@
 //! The settings of the way to a booth.
 
-use std::path::{Path, PathBuf};
-
-use crate::outbox::OutboxSettings;
-use crate::outbox::enrolment::enrolment_file;
+use std::path::PathBuf;
 
 /// What an exhibition sets of the way to its booth.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
@@ -22,20 +19,5 @@ impl BoothSettings {
     /// Before any setting is stored.
     pub(super) const fn unset() -> Self {
         BoothSettings { enrolment: None, sends_traces: false, grace_days: 0, space_mb: 0 }
-    }
-
-    /// Where the enrolment is kept, beside saved sessions in `sessions` unless the setting is absolute.
-    #[must_use]
-    pub fn enrolment_path(&self, sessions: &Path) -> PathBuf {
-        self.enrolment.as_ref().map_or_else(|| enrolment_file(sessions), |path| sessions.join(path))
-    }
-
-    /// As the outbox takes them.
-    #[must_use]
-    pub fn outbox(&self) -> OutboxSettings {
-        OutboxSettings {
-            grace_seconds: self.grace_days.saturating_mul(86_400),
-            max_bytes: u64::from(self.space_mb) * 1_000_000,
-        }
     }
 }

@@ -38,9 +38,9 @@ where
     }
 
     /// Whether the files of a sculpture are still being made that isn't in the world any more: until the writer has them
-    /// its save is all that there is of it on the disk, and no other takes its place. So it is until its parcel is kept.
+    /// its save is all that there is of it on the disk, and no other takes its place. So it is until its receiver has kept it.
     pub(super) fn is_printing_another(&self) -> bool {
-        (self.export.is_making_files() || self.is_parcel_under_way())
+        (self.export.is_making_files() || self.is_receiver_keeping())
             && self.world().session_state() != SessionState::Finished
     }
 }
@@ -69,4 +69,4 @@ fn numbered_volume(path: &Path) -> Option<u32> {
 }
 
 #[cfg(test)]
-pub(super) mod tests;
+mod tests;

@@ -10,7 +10,7 @@ use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 
 use super::DrawPicture;
-use super::sculpture_files::{MadeSculpture, SculptureFiles, SentSculpture};
+use super::sculpture_files::{MadeSculpture, SculptureFiles};
 use crate::file_writer::WriteJob;
 use crate::stl_export::StlExporter;
 
@@ -131,10 +131,10 @@ where
         self.files = Some(SculptureFiles::start(world, self.draw_picture));
     }
 
-    /// Has a parcel made of the sculpture whose files are being made.
-    pub(super) fn send(&mut self, sent: SentSculpture) {
+    /// Notes that the files which are being made are on the disk already.
+    pub(super) const fn note_written(&mut self) {
         if let Some(files) = &mut self.files {
-            files.send(sent);
+            files.note_written();
         }
     }
 

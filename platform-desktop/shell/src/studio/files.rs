@@ -46,8 +46,8 @@ where
     pub(super) fn submit_finished_sculpture(&mut self) {
         match self.export.take_finished_files() {
             None => {}
-            Some(Ok(MadeSculpture { files, draft })) => {
-                self.send_or_abandon(draft);
+            Some(Ok(MadeSculpture { files, badge })) => {
+                self.receiver.iter_mut().for_each(|receiver| receiver.keep(badge));
                 if files.is_empty() {
                     return;
                 }
@@ -55,7 +55,7 @@ where
                 self.submit_numbered_files(FileKind::Sculpture, SCULPTURE_STEM, extensions, bytes);
             }
             Some(Err(why)) => {
-                self.send_or_abandon(None);
+                self.receiver.iter_mut().for_each(|receiver| receiver.abandon());
                 self.push_notice(Notice::Bad(why));
             }
         }

@@ -8,34 +8,21 @@ use paros_core::badge::{BadgeNumber, Language, write_words};
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
 use paros_core::{RangeMaps, World};
-use paros_protocol::UploadFacts;
 
 use super::DrawPicture;
-use crate::outbox::courier::ParcelDraft;
 use crate::rmap;
 use crate::stl_export::{FinishedStl, StlExporter};
 
 /// Each file's extension and bytes.
 pub(super) type FilesByExtension = Vec<(&'static str, Vec<u8>)>;
 
-/// What is sent of a sculpture beside its volume.
-#[derive(Debug)]
-pub(super) struct SentSculpture {
-    /// What is known of it, but for its badge.
-    pub(super) facts: UploadFacts,
-    /// The trace, where it is sent.
-    pub(super) trace: Option<Vec<u8>>,
-    /// Whether its files are written already, and only the parcel is missing.
-    pub(super) is_written: bool,
-}
-
 /// What was made of a sculpture.
 #[derive(Debug)]
 pub(super) struct MadeSculpture {
     /// The files for the visitor; none where they are written already.
     pub(super) files: FilesByExtension,
-    /// What its parcel is packed of.
-    pub(super) draft: Option<ParcelDraft>,
+    /// The badge that the visitor was shown.
+    pub(super) badge: Option<BadgeNumber>,
 }
 
 /// The parts made so far.
@@ -47,7 +34,8 @@ pub(super) struct SculptureFiles {
     rmap: Vec<u8>,
     /// Of a visit: the badge by which the sculpture is found.
     badge: Option<BadgeNumber>,
-    sent: Option<SentSculpture>,
+    /// `true` if the files are on the disk already, and only the receiver lacks the sculpture.
+    is_written: bool,
 }
 
 #[derive(Debug)]
@@ -74,12 +62,18 @@ impl SculptureFiles {
             let _ = tell.send(draw_picture(&copy));
         });
         let picture = PictureState::Drawing(drawing);
-        SculptureFiles { stl: None, picture, rmap: rmap::encode(maps), badge: None, sent: None }
+        SculptureFiles {
+            stl: None,
+            picture,
+            rmap: rmap::encode(maps),
+            badge: None,
+            is_written: false,
+        }
     }
 
-    /// Has a parcel made too. Before the print is.
-    pub(super) fn send(&mut self, sent: SentSculpture) {
-        self.sent = Some(sent);
+    /// Notes that the files are on the disk already.
+    pub(super) const fn note_written(&mut self) {
+        self.is_written = true;
     }
 
     /// The volume's file.
@@ -132,25 +126,19 @@ impl SculptureFiles {
         if stl.triangle_count == 0 {
             return Some(Err("nothing is left to print".into()));
         }
-        let sent = self.sent.take();
-        let is_written = sent.as_ref().is_some_and(|sent| sent.is_written);
-        let draft = sent.map(|sent| ParcelDraft {
-            facts: UploadFacts { badge: self.badge, ..sent.facts },
-            volume: self.rmap.clone(),
-            trace: sent.trace,
-        });
-        if is_written {
-            return Some(Ok(MadeSculpture { files: Vec::new(), draft }));
+        let badge = self.badge;
+        if self.is_written {
+            return Some(Ok(MadeSculpture { files: Vec::new(), badge }));
         }
         let mut files = vec![("stl", stl.bytes), ("rmap", core::mem::take(&mut self.rmap))];
-        if let Some(badge) = self.badge {
+        if let Some(badge) = badge {
             files.push(("txt", describe_badge(badge).into_bytes()));
         }
         // A sculpture without its picture is better than none.
         if let Ok(png) = drawn {
             files.push(("png", core::mem::take(png)));
         }
-        Some(Ok(MadeSculpture { files, draft }))
+        Some(Ok(MadeSculpture { files, badge }))
     }
 }
 

@@ -256,7 +256,8 @@ where
     pub(super) fn follow_visit_tick(&mut self) {
         let Some(visits) = &mut self.visits else { return };
         let world = self.studio.world();
-        visits.host.follow_tick(world, &ExportState::of_studio(&self.studio));
+        let export = ExportState::of_studio(&self.studio, self.courier.as_deref());
+        visits.host.follow_tick(world, &export);
         self.hands.orbit.move_aside(visits.host.is_beside_sculpture());
         let is_new_visit = |event: &WorldEvent| {
             matches!(event, WorldEvent::Visit(VisitPhase::Welcome | VisitPhase::Attract))

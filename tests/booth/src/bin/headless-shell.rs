@@ -7,6 +7,7 @@
 
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
@@ -17,14 +18,15 @@ use paros_core::edit::Pose;
 use paros_core::session::{BenchItem, PointerCommand, SessionMode, SessionState, Tool};
 use paros_core::visit::{PanelAction, PlanSetting, Presence, VisitCommand, VisitInput, VisitPhase};
 use paros_core::volume::Grid;
-use paros_outbox_link::LinkTimes;
 use paros_protocol::UploadStatus;
-use paros_shell::outbox::courier::{Courier, CourierLink, read_clock_ms};
-use paros_shell::outbox::enrolment::Enrolment;
 use paros_shell::settings::Settings;
 use paros_shell::statics::Resident;
-use paros_shell::studio::{SendPlan, Studio};
+use paros_shell::studio::Studio;
 use paros_shell::studio_paths::StudioPaths;
+use paros_upload::courier::{Courier, CourierLink, read_clock_ms};
+use paros_upload::enrolment::Enrolment;
+use paros_upload::{SendPlan, connect};
+use paros_upload_https::LinkTimes;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -55,11 +57,11 @@ fn run(folder: &Path, visits: u32, seed: u64) -> ExitCode {
     let no_picture = |_: &_| Err("no picture".into());
     let mut studio = Studio::new(&mut resident, &mut stl_buffers, paths, no_picture);
     let settings = Settings::default().booth;
-    match Courier::open_enrolled(&settings, &sessions, read_clock_ms, open_link) {
+    let courier = match Courier::open_enrolled(&settings, &sessions, read_clock_ms, open_link) {
         Ok(Some(courier)) => {
             let languages = vec![Language::Greek];
             let plan = SendPlan { sends_traces: false, languages };
-            studio.set_courier(courier, plan);
+            connect(&mut studio, courier, plan)
         }
         Ok(None) => {
             eprintln!("{}: not enrolled", sessions.display());
@@ -69,14 +71,13 @@ fn run(folder: &Path, visits: u32, seed: u64) -> ExitCode {
             eprintln!("{why}");
             return ExitCode::FAILURE;
         }
-    }
-    let mut shell = Shell { studio, told: Vec::new() };
+    };
+    let mut shell = Shell { studio, courier, told: Vec::new() };
     shell.run_to_the_end();
     for visit in 0..visits {
         shell.hold_visit(seed.wrapping_mul(1009).wrapping_add(visit.into()));
     }
-    let owed = |shell: &Shell<'_>| shell.studio.booth_state().is_none_or(|s| s.outbox.owed > 0);
-    while owed(&shell) {
+    while shell.courier.summary().owed > 0 {
         shell.tell();
         thread::sleep(Duration::from_millis(20));
     }
@@ -88,7 +89,7 @@ fn run(folder: &Path, visits: u32, seed: u64) -> ExitCode {
 fn open_link(enrolment: &Enrolment) -> Result<CourierLink, String> {
     // Who kills a booth doesn't wait for a minute until its answer is missed.
     let times = LinkTimes { put: Duration::from_secs(3), ..LinkTimes::default() };
-    Ok(Box::new(paros_outbox_link::open_link(&enrolment.booth_address(), times)))
+    Ok(Box::new(paros_upload_https::open_link(&enrolment.booth_address(), times)))
 }
 
 /// A visit's input with a command.
@@ -99,6 +100,7 @@ fn told(command: VisitCommand) -> TickInput {
 
 struct Shell<'a> {
     studio: Studio<'a, 128>,
+    courier: Arc<Courier>,
     /// What was told last.
     told: Vec<String>,
 }
@@ -149,11 +151,10 @@ impl Shell<'_> {
     /// Until a finished sculpture's files are written and its parcel is kept.
     fn run_to_the_end(&mut self) {
         loop {
-            let state = self.studio.booth_state();
+            let state = self.courier.booth_state();
             let visit = self.studio.world().visit();
-            let badge = state.and_then(|state| state.badge);
             let shows = visit.phase() == VisitPhase::Export && visit.badge().is_none();
-            let command = match badge.filter(|_| shows) {
+            let command = match state.badge.filter(|_| shows) {
                 Some(badge) => VisitCommand::Badge { number: badge.get() },
                 None => VisitCommand::None,
             };
@@ -162,7 +163,7 @@ impl Shell<'_> {
             }
             self.studio.poll_background_work();
             self.tell();
-            let is_made = state.is_none_or(|state| state.status != Some(UploadStatus::Making));
+            let is_made = state.status != Some(UploadStatus::Making);
             if !self.studio.is_exporting() && is_made {
                 return;
             }
@@ -171,7 +172,7 @@ impl Shell<'_> {
     }
 
     fn tell(&mut self) {
-        let Some(state) = self.studio.booth_state() else { return };
+        let state = self.courier.booth_state();
         let Some(id) = state.id else { return };
         let word = match state.status {
             Some(UploadStatus::Kept) => "kept",

@@ -6,11 +6,11 @@ mod rig;
 use std::collections::BTreeSet;
 
 use paros_booth_process::find_booth;
-use paros_outbox_link::HttpsCaller;
 use paros_protocol::DeviceName;
 use paros_protocol::UploadFacts;
-use paros_shell::outbox::Parcel;
-use paros_shell::outbox::enrolment::{FleetFile, NewDevice, enrol_by_fleet};
+use paros_upload::Parcel;
+use paros_upload::enrolment::{FleetFile, NewDevice, enrol_by_fleet};
+use paros_upload_https::HttpsCaller;
 
 use rig::{Place, wait_for_log};
 

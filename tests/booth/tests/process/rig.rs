@@ -8,9 +8,9 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use paros_booth_process::BoothProcess;
-use paros_outbox_link::HttpsCaller;
 use paros_protocol::{DeviceName, UploadFacts};
-use paros_shell::outbox::enrolment::{FleetFile, NewDevice, enrol_by_fleet, enrolment_file};
+use paros_upload::enrolment::{FleetFile, NewDevice, enrol_by_fleet, enrolment_file};
+use paros_upload_https::HttpsCaller;
 
 /// How long anything may take.
 const PATIENCE: Duration = Duration::from_secs(120);

@@ -1,7 +1,7 @@
 //! Files of an enrolment, a device's own and a fleet's: refused with the file and what was expected, or written again
 //! and read as the same.
 
-use paros_shell::outbox::enrolment::{EnrolError, Enrolment, FleetFile};
+use paros_upload::enrolment::{EnrolError, Enrolment, FleetFile};
 
 use crate::engine::FuzzTarget;
 

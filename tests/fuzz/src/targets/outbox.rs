@@ -8,7 +8,7 @@ use paros_protocol::{
     EnrolAnswer, EnrolmentToken, FinishCause, FleetEnrolment, Heartbeat, HeartbeatAnswer,
     HeatLevel, HeldBlock, ProtocolError, SculptureId, SiteId, UploadFacts, UploadStatus,
 };
-use paros_shell::outbox::{Parcel, ParcelFault};
+use paros_upload::{Parcel, ParcelFault};
 use sha2::{Digest as _, Sha256};
 
 use crate::engine::FuzzTarget;

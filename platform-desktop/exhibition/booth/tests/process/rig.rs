@@ -1,7 +1,7 @@
 //! A booth process, and headsets that speak HTTPS to it.
 
 use paros_booth_rules::ParcelOutcome;
-use paros_shell::outbox::KEPT;
+use paros_upload::KEPT;
 use std::fs::{self, File};
 use std::io::{self, BufRead as _, BufReader};
 use std::net::{SocketAddr, TcpStream};

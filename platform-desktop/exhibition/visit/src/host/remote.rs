@@ -3,8 +3,8 @@
 use paros_core::session::TICK_RATE;
 use paros_core::visit::{PlanSetting, Presence, StaffCommand, Visit, VisitCommand, VisitPhase};
 use paros_protocol::{CommandKind, CommandOutcome, HeatLevel};
-use paros_shell::outbox::HeadsetStatus;
-use paros_shell::outbox::courier::{Courier, RemoteCommand};
+use paros_upload::HeadsetStatus;
+use paros_upload::courier::{Courier, RemoteCommand};
 
 use super::VisitHost;
 use crate::options::Controls;

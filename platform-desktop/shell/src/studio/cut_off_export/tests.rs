@@ -1,73 +1,21 @@
 //! A program that ends while a visit's sculpture is exported, and the next one.
 
+mod program;
+
 use std::fs;
-use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use glam::Vec3;
-use paros_core::edit::Pose;
 use paros_core::limits::INTERVALS;
-use paros_core::session::{BenchItem, PointerCommand, Tool};
-use paros_core::visit::{
-    PanelAction, PlanSetting, Presence, StaffCommand, VisitCommand, VisitInput, VisitPhase,
-};
-use paros_core::volume::Grid;
+use paros_core::visit::{Presence, StaffCommand, VisitCommand, VisitInput, VisitPhase};
 use paros_core::{RangeMaps, TickInput};
 
 use super::Studio;
 use crate::statics::Resident;
+use crate::studio::DrawPicture;
 use crate::studio_paths::StudioPaths;
-
-/// A visit's input with a command.
-pub(in crate::studio) fn told(command: VisitCommand) -> TickInput {
-    let visit = VisitInput { presence: Presence::Worn, is_used: true, command };
-    TickInput { visit, ..TickInput::default() }
-}
-
-/// From the opening of visits to the first ticks of an export, with something cut.
-pub(in crate::studio) fn sculpt_in_a_visit(studio: &mut Studio<'_, 128>) {
-    let press = |action| told(VisitCommand::Press(action));
-    for input in [
-        told(VisitCommand::Open),
-        told(VisitCommand::Set { setting: PlanSetting::HandsOff, value: 0 }),
-        told(VisitCommand::None),
-        press(PanelAction::Confirm),
-        press(PanelAction::Confirm),
-        press(PanelAction::Skip { all: true }),
-    ] {
-        studio.run_tick(&input);
-    }
-    let item = BenchItem::Tool(Tool::Rotary).number() as u8;
-    let pointer = PointerCommand::Take { hand: 1, item };
-    studio.run_tick(&TickInput { pointer, ..told(VisitCommand::None) });
-    for tick in 0..60u16 {
-        let position = Vec3::new(64.0, 64.0, 150.0 - f32::from(tick));
-        let mut input = told(VisitCommand::None);
-        input.hands[1] = studio.world().hand_with_bit_at(1, &Pose { position, ..Pose::ZERO });
-        input.hands[1].trigger = 255;
-        studio.run_tick(&input);
-    }
-    studio.run_tick(&press(PanelAction::Finish));
-    while studio.world().visit().phase() != VisitPhase::Export {
-        studio.run_tick(&told(VisitCommand::None));
-    }
-}
-
-/// Runs a program's studio in a folder, from an empty world on, to the end that `test` leaves it at.
-pub(in crate::studio) fn run_program(folder: &Path, test: impl FnOnce(&mut Studio<'_, 128>)) {
-    let (mut resident, mut stl_buffers) =
-        (Grid::<128>::lock_world(), Grid::<128>::lock_stl_buffers());
-    resident.generate_starts();
-    resident.world.clear();
-    let paths = StudioPaths::inside_folder(folder);
-    let mut studio = Studio::new(&mut resident, &mut stl_buffers, paths, draw_no_picture);
-    test(&mut studio);
-    drop(studio);
-    // Other tests have the same one.
-    resident.world.clear();
-}
+use program::{run_program, sculpt_in_a_visit, told};
 
 /// Whether pictures are done: one test at a time has the world, and one of them has them take long.
 static MAY_DRAW: AtomicBool = AtomicBool::new(true);
@@ -100,7 +48,7 @@ impl Drop for DrawingPause {
 fn a_sculpture_is_saved_until_its_files_are_made_whoever_comes_next() {
     let folder = std::env::temp_dir().join(format!("paros-next-{}", std::process::id()));
     let _ = fs::remove_dir_all(&folder);
-    run_program(&folder, |studio| {
+    run_program(&folder, draw_no_picture, |studio| {
         let pause = DrawingPause::begin();
         sculpt_in_a_visit(studio);
         assert_eq!(studio.count_unkept_sculptures(), 1, "it is being made");
@@ -119,7 +67,7 @@ fn a_sculpture_is_saved_until_its_files_are_made_whoever_comes_next() {
         assert!(studio.is_exporting(), "its picture is still being drawn");
         drop(pause);
     });
-    run_program(&folder, |studio| {
+    run_program(&folder, draw_no_picture, |studio| {
         assert!(studio.is_exporting(), "it is lost: {:?}", studio.world().visit().phase());
         // The next visitor's session may be saved once the writer has what was made.
         studio.run_tick(&told(VisitCommand::Open));
@@ -134,7 +82,7 @@ fn a_sculpture_is_saved_until_its_files_are_made_whoever_comes_next() {
 fn a_visits_sculpture_that_could_not_be_written_is_written_for_the_next_visitor() {
     let folder = std::env::temp_dir().join(format!("paros-retried-{}", std::process::id()));
     let _ = fs::remove_dir_all(&folder);
-    run_program(&folder, |studio| {
+    run_program(&folder, draw_no_picture, |studio| {
         sculpt_in_a_visit(studio);
         // Files are where folders should be.
         let folders = ["sculptures", "sessions"].map(|name| folder.join(name));
@@ -180,13 +128,13 @@ fn a_visits_sculpture_outlives_a_program_that_ends_before_its_files_are_written(
         entries
             .map_or(0, |all| all.filter(|e| is_print(e.as_ref().expect("a file").path())).count())
     };
-    run_program(&folder, |studio| {
+    run_program(&folder, draw_no_picture, |studio| {
         sculpt_in_a_visit(studio);
         assert!(studio.is_exporting());
         studio.save_session_and_wait();
     });
     assert_eq!(prints(), 0, "the end came first");
-    run_program(&folder, |studio| {
+    run_program(&folder, draw_no_picture, |studio| {
         assert_eq!(studio.world().visit().phase(), VisitPhase::Export);
         assert!(studio.is_exporting(), "it is made again");
         // Ticks are faster here than the disk, and the visit goes on with them.
@@ -198,7 +146,7 @@ fn a_visits_sculpture_outlives_a_program_that_ends_before_its_files_are_written(
         studio.save_session_and_wait();
     });
     assert_eq!(prints(), 1);
-    run_program(&folder, |studio| {
+    run_program(&folder, draw_no_picture, |studio| {
         assert!(!studio.is_exporting(), "it is there");
         assert!(studio.session_stl_path().is_some());
     });

@@ -5,9 +5,8 @@ use paros_core::session::TICK_RATE;
 use paros_core::visit::VisitPhase;
 use paros_protocol::UploadStatus;
 use paros_protocol::{CommandKind, CommandOutcome};
-use paros_shell::outbox::OutboxLevel;
-use paros_shell::outbox::courier::{CourierSummary, RemoteCommand};
-use paros_shell::studio::BoothState;
+use paros_upload::OutboxLevel;
+use paros_upload::courier::{BoothState, CourierSummary, RemoteCommand};
 
 use super::super::keeping::BADGE_TICKS;
 use super::{ButtonAction, ExportState, HostRig, Press, begin_sculpting, cut, with_rig};

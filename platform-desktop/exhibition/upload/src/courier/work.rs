@@ -1,0 +1,233 @@
+//! The thread's work.
+
+use std::mem;
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::{Duration, Instant};
+
+use paros_protocol::{ContentHash, SculptureId, UploadFacts, UploadStatus};
+use sha2::{Digest as _, Sha256};
+
+use super::board::{Board, DeviceRefusal, RemoteCommand};
+use super::mark;
+use super::orders::{CourierOrder, FinishedSculpture, ParcelDraft};
+use super::{CourierLink, CourierPlan};
+use crate::events::{HeadsetStatus, OutboxEvent, OutboxHost};
+use crate::folder::DiskFolder;
+use crate::parcel::Parcel;
+use crate::sender::Sender;
+use crate::spool::SpoolError;
+
+/// How often the outbox is stepped.
+const STEP: Duration = Duration::from_millis(100);
+
+/// How long a parcel that couldn't be kept waits: a disk that is full stays so for a while.
+const KEEP_RETRY: Duration = Duration::from_secs(5);
+
+/// Parcels that wait for room at most; the oldest is given up beyond. A parcel's mesh takes some megabytes of memory.
+const MAX_WAITING: usize = 8;
+
+/// The outbox with all that its thread has.
+pub(super) struct Work {
+    sender: Sender<DiskFolder, CourierLink>,
+    host: CourierHost,
+    mark_path: PathBuf,
+    last_finished: Option<FinishedSculpture>,
+    /// Parcels that couldn't be kept.
+    waiting: Vec<Parcel>,
+    tried: Instant,
+}
+
+/// What the driver asks and tells.
+struct CourierHost {
+    board: Arc<Mutex<Board>>,
+    clock: fn() -> u64,
+}
+
+impl CourierHost {
+    fn board(&self) -> MutexGuard<'_, Board> {
+        super::lock(&self.board)
+    }
+}
+
+impl OutboxHost for CourierHost {
+    fn now_ms(&mut self) -> u64 {
+        (self.clock)()
+    }
+
+    fn random(&mut self) -> u32 {
+        // Without random bits nothing is spread.
+        getrandom::u32().unwrap_or_default()
+    }
+
+    fn status(&mut self) -> HeadsetStatus {
+        self.board().status
+    }
+
+    fn on_event(&mut self, event: OutboxEvent) {
+        let note = match event {
+            OutboxEvent::Command { command, session_id, ends_ms } => {
+                let command = RemoteCommand { id: command.id, kind: command.kind, session_id };
+                return self.board().commands.push_back((command, ends_ms));
+            }
+            OutboxEvent::UnknownToken => {
+                return self.board().note_refused(DeviceRefusal::Forgotten);
+            }
+            OutboxEvent::ShutOut => return self.board().note_refused(DeviceRefusal::ShutOut),
+            OutboxEvent::KeptAtBooth(id) => return self.board().note_sent(id),
+            OutboxEvent::DeletedAtBooth(id) => format!("sculpture {id} was deleted at the booth"),
+            OutboxEvent::RefusedByBooth(id) => {
+                format!("the booth can't take sculpture {id}: it stays here")
+            }
+            OutboxEvent::Lost(id) => format!("sculpture {id} can't be sent: its parcel is lost"),
+        };
+        self.board().add_note(note);
+    }
+}
+
+impl Work {
+    pub(super) fn open(
+        plan: &CourierPlan,
+        folder: DiskFolder,
+        link: CourierLink,
+    ) -> Result<Self, SpoolError> {
+        let owner = plan.enrolment.owner;
+        let boot_id = getrandom::u64().unwrap_or_default() | 1;
+        let sender = Sender::open(folder, link, owner, plan.settings, boot_id)?;
+        let host = CourierHost { board: Arc::new(Mutex::new(Board::new())), clock: plan.clock };
+        let mark_path = mark::path_in(&plan.folder);
+        let last_finished = mark::read(&mark_path);
+        let waiting = Vec::new();
+        let work = Work { sender, host, mark_path, last_finished, waiting, tried: Instant::now() };
+        work.show();
+        Ok(work)
+    }
+
+    pub(super) fn board(&self) -> Arc<Mutex<Board>> {
+        self.host.board.clone()
+    }
+
+    pub(super) fn list_found(&self) -> Vec<(SculptureId, UploadStatus)> {
+        self.sender.spool().entries().iter().map(|entry| (entry.id, entry.status)).collect()
+    }
+
+    pub(super) const fn last_finished(&self) -> Option<FinishedSculpture> {
+        self.last_finished
+    }
+
+    /// Steps the outbox and carries orders out, until nobody is left to give any.
+    /// Returns parcels that wait for room.
+    pub(super) fn run(mut self, orders: &Receiver<CourierOrder>) -> Vec<Parcel> {
+        let mut next_step = Instant::now();
+        loop {
+            let wait = next_step.saturating_duration_since(Instant::now());
+            match orders.recv_timeout(wait) {
+                Ok(order) => self.carry_out(order),
+                Err(RecvTimeoutError::Timeout) => {
+                    self.retry_waiting();
+                    self.sender.step(&mut self.host);
+                    next_step = Instant::now() + STEP;
+                }
+                Err(RecvTimeoutError::Disconnected) => {
+                    self.tried = Instant::now().checked_sub(KEEP_RETRY).unwrap_or(self.tried);
+                    self.retry_waiting();
+                    return self.waiting;
+                }
+            }
+            self.show();
+        }
+    }
+
+    fn carry_out(&mut self, order: CourierOrder) {
+        match order {
+            CourierOrder::Announce { id, volume } => self.announce(id, &volume),
+            CourierOrder::TakeBadge { id } => {
+                let random = self.host.random();
+                let badge = self.sender.take_badge(random);
+                self.host.board().add_badge(id, badge);
+            }
+            CourierOrder::NoteBadge { id, badge } => {
+                // Its parcel says so too.
+                let _ = self.sender.note_badge(id, badge);
+            }
+            CourierOrder::Keep(draft) => self.pack_and_keep(*draft),
+            CourierOrder::KeepParcel(parcel) => self.keep(*parcel),
+            // It was made.
+            CourierOrder::Abandon { id } if self.is_waiting(id) => {}
+            CourierOrder::Abandon { id } => {
+                // Where it is kept, or isn't known, there is nothing to give up.
+                let _ = self.sender.abandon(id);
+                self.host.board().note_under_way(id, None);
+            }
+            CourierOrder::CommandDone { id, outcome } => self.sender.note_command_done(id, outcome),
+        }
+    }
+
+    fn announce(&mut self, id: SculptureId, volume: &[u8]) {
+        match self.sender.announce(id, None) {
+            // Its parcel was kept by the start before.
+            Ok(()) | Err(SpoolError::KnownId) => {}
+            Err(error) => self.host.board().add_note(format!("not announced: {error}")),
+        }
+        let volume_hash = ContentHash(Sha256::digest(volume).into());
+        self.mark_finished(FinishedSculpture { id, volume_hash, is_kept: false });
+    }
+
+    fn mark_finished(&mut self, finished: FinishedSculpture) {
+        self.last_finished = Some(finished);
+        if let Err(error) = mark::write(&self.mark_path, &finished) {
+            self.host.board().add_note(error.to_string());
+        }
+    }
+
+    fn pack_and_keep(&mut self, draft: ParcelDraft) {
+        let ParcelDraft { facts, volume, trace } = draft;
+        let badge_serial = facts.badge.and_then(|badge| self.sender.badge_serial(badge));
+        let facts = UploadFacts { badge_serial, ..facts };
+        match Parcel::pack(&facts, &volume, trace.as_deref()) {
+            Ok(parcel) => self.keep(parcel),
+            Err(fault) => {
+                self.host.board().add_note(format!("sculpture {}: {fault}", facts.id));
+                self.carry_out(CourierOrder::Abandon { id: facts.id });
+            }
+        }
+    }
+
+    fn keep(&mut self, parcel: Parcel) {
+        let id = parcel.facts().id;
+        let kept = self.sender.keep(&parcel);
+        let is_last = |finished: &FinishedSculpture| finished.id == id;
+        if let Some(finished) = self.last_finished.filter(is_last)
+            && kept.is_ok()
+        {
+            self.mark_finished(FinishedSculpture { is_kept: true, ..finished });
+        }
+        if let Err(error) = &kept {
+            self.host.board().add_note(format!("sculpture {id} isn't kept yet: {error}"));
+            self.waiting.push(parcel);
+        }
+        let status = kept.is_err().then_some(UploadStatus::Waiting);
+        self.host.board().note_under_way(id, status);
+        if self.waiting.len() > MAX_WAITING {
+            let id = self.waiting.remove(0).facts().id;
+            self.carry_out(CourierOrder::Abandon { id });
+        }
+    }
+
+    fn retry_waiting(&mut self) {
+        if self.waiting.is_empty() || self.tried.elapsed() < KEEP_RETRY {
+            return;
+        }
+        self.tried = Instant::now();
+        mem::take(&mut self.waiting).into_iter().for_each(|parcel| self.keep(parcel));
+    }
+
+    fn is_waiting(&self, id: SculptureId) -> bool {
+        self.waiting.iter().any(|parcel| parcel.facts().id == id)
+    }
+
+    fn show(&self) {
+        self.host.board().show(&self.sender);
+    }
+}

@@ -1,0 +1,34 @@
+//! Enrolment by a fleet's file: one question, as site and authority are known beforehand.
+
+use paros_protocol::{EnrolAnswer, FleetEnrolment};
+
+use super::{EnrolError, Enrolment, FleetFile, NewDevice, ask};
+use crate::{BoothCaller, OutboxOwner};
+
+/// Enrols a device. `link` trusts the file's authority alone.
+///
+/// # Errors
+/// What the booth or the way there refuses; [`EnrolError::AnotherSite`] where the booth isn't the file's.
+pub fn enrol_by_fleet(
+    link: &mut impl BoothCaller,
+    fleet: &FleetFile,
+    device: &NewDevice,
+) -> Result<Enrolment, EnrolError> {
+    let asked = FleetEnrolment {
+        enrolment_token: fleet.enrolment_token,
+        token_hash: device.token.hash(),
+        hint: device.hint,
+        name: device.name,
+    };
+    let body = ask(link, "/v1/enrol/fleet", &asked.to_json())?;
+    let EnrolAnswer { headset, site } = EnrolAnswer::from_json(&body)?;
+    if site != fleet.site {
+        return Err(EnrolError::AnotherSite);
+    }
+    Ok(Enrolment {
+        address: fleet.address.clone(),
+        ca: fleet.ca.clone(),
+        token: device.token,
+        owner: OutboxOwner { site, headset },
+    })
+}
