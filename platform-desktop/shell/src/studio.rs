@@ -230,9 +230,6 @@ where
         let hidden = volumes.hidden_figures();
         let runner = TickRunner::new(world, volumes.start_volumes(&hidden));
         self.recorder.run_tick(runner, starts_session, input, wrap_step);
-        if let Some(receiver) = self.receiver.as_mut().filter(|_| starts_session) {
-            receiver.note_recording_begun();
-        }
         self.after_tick();
     }
 

@@ -40,8 +40,6 @@ struct Outgoing {
     told_badge: Option<u32>,
     /// Ticks in which the session could be sculpted in.
     sculpting_ticks: u32,
-    /// Visitors that the recording under way is of.
-    recorded_visitors: u32,
 }
 
 /// Gives the sculptures that a studio finishes from now on to a courier, and the sculpture of an earlier run whose parcel was
@@ -68,8 +66,6 @@ where
         making: None,
         told_badge: None,
         sculpting_ticks: 0,
-        // What is recorded of a session that goes on isn't whole.
-        recorded_visitors: 0,
     })));
     match earlier {
         Some((id, true)) => courier.set_last_sculpture(id),
@@ -112,8 +108,7 @@ where
         if visit.phase() != VisitPhase::Closed && visit.plan().value(PlanSetting::Badges) != 0 {
             self.courier.ask_badge(id);
         }
-        let is_trace_sent = self.plan.sends_traces && self.recorded_visitors <= 1;
-        let trace = is_trace_sent.then(encode_trace).flatten();
+        let trace = self.plan.sends_traces.then(encode_trace).flatten();
         let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         let languages = &self.plan.languages;
         let language = languages.get(usize::from(visit.language())).or(languages.first());
@@ -163,15 +158,9 @@ where
         self.courier.booth_state().status == Some(UploadStatus::Making)
     }
 
-    fn note_recording_begun(&mut self) {
-        self.recorded_visitors = 0;
-    }
-
     /// Counts a tick, and tells the courier the badge that the visitor is shown.
     fn follow_tick(&mut self, world: &World<N, INTERVALS>) {
         let (visit, events) = (world.visit(), world.events());
-        let comes = |event: &WorldEvent| *event == WorldEvent::Visit(VisitPhase::Welcome);
-        self.recorded_visitors += u32::from(events.iter().any(comes));
         if events.iter().any(|event| matches!(event, WorldEvent::Started(_))) {
             self.sculpting_ticks = 0;
         }

@@ -23,7 +23,7 @@ where
 {
     /// Begins a finished sculpture, whose files are being made: its volume's `.rmap`, and its print's height in millimetres.
     /// `is_cut_off` is `true` if the receiver did not see it finished: an earlier run finished it, or the receiver was set
-    /// later. `encode_trace` returns the session's trace, or `None` if the session was not recorded as a whole.
+    /// later. `encode_trace` returns the session's trace, or `None` if it is not whole or has several visitors.
     fn begin(
         &mut self,
         world: &World<N, INTERVALS>,
@@ -41,9 +41,6 @@ where
 
     /// Returns `true` from the beginning of a sculpture until it is kept or abandoned, which takes a disk's time.
     fn is_keeping(&self) -> bool;
-
-    /// Notes that the recording of a session begins.
-    fn note_recording_begun(&mut self);
 
     /// Follows a tick that led to `world`. A sculpture that the tick finished was begun before.
     fn follow_tick(&mut self, world: &World<N, INTERVALS>);
@@ -84,10 +81,7 @@ where
             return;
         };
         let (height_mm, recorder) = (self.export.model_height_mm(), &self.recorder);
-        let encode_trace = || match recorder.has_reached_limit() {
-            true => None,
-            false => recorder.trace_bytes(),
-        };
+        let encode_trace = || recorder.visitors_own_trace();
         receiver.begin(self.session.world, volume, height_mm, is_cut_off, &encode_trace);
     }
 

@@ -3,10 +3,11 @@
 
 use std::path::{Path, PathBuf};
 
-use paros_core::TickInput;
 use paros_core::limits::INTERVALS;
 use paros_core::session::TICK_RATE;
+use paros_core::visit::VisitPhase;
 use paros_core::volume::{Grid, Size};
+use paros_core::{TickInput, WorldEvent};
 
 use crate::tick_runner::{TickRunner, TraceRecording};
 
@@ -30,12 +31,14 @@ enum RecordingExtent {
 pub(super) struct Recorder {
     extent: RecordingExtent,
     recording: Option<TraceRecording>,
+    /// Visitors who came since the session's start.
+    visitors: u32,
 }
 
 impl Recorder {
     /// Records the first hours of each session.
     pub(super) const fn new() -> Self {
-        Recorder { extent: RecordingExtent::Limited, recording: None }
+        Recorder { extent: RecordingExtent::Limited, recording: None, visitors: 0 }
     }
 
     /// Records nothing from now on.
@@ -62,7 +65,13 @@ impl Recorder {
         self.recording.as_ref().map(TraceRecording::to_trace_bytes)
     }
 
-    /// Whether the recording has reached its limit.
+    /// The bytes of a trace that is whole and has one visitor at most.
+    pub(super) fn visitors_own_trace(&self) -> Option<Vec<u8>> {
+        let is_own = self.visitors <= 1 && !self.has_reached_limit();
+        is_own.then(|| self.trace_bytes()).flatten()
+    }
+
+    /// Returns `true` if the recording has reached its limit.
     pub(super) fn has_reached_limit(&self) -> bool {
         self.recording.as_ref().is_some_and(|recording| !self.has_room_in(recording))
     }
@@ -83,6 +92,9 @@ impl Recorder {
     ) where
         Grid<N>: Size,
     {
+        if starts_session {
+            self.visitors = 0;
+        }
         if self.has_reached_limit() {
             runner.run_tick_wrapped(input, wrap_step);
             return;
@@ -95,6 +107,8 @@ impl Recorder {
             None => {}
         }
         runner.run_tick_wrapped(input, wrap_step);
+        let comes = |event: &WorldEvent| *event == WorldEvent::Visit(VisitPhase::Welcome);
+        self.visitors += u32::from(runner.world().events().iter().any(comes));
         self.recording = runner.detach_recording();
     }
 

@@ -7,18 +7,19 @@ use std::fs;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
-use paros_core::visit::VisitCommand;
+use paros_core::TickInput;
+use paros_core::visit::{Presence, VisitCommand};
 use paros_shell::studio::DrawPicture;
 use paros_shell::studio_paths::StudioPaths;
 
 use super::*;
 use crate::Parcel;
 use crate::courier::test_booth::{Rig, wait};
-use program::{run_program, sculpt_in_a_visit, told};
+use program::{run_program, sculpt_as_next_visitor, sculpt_in_a_visit, told};
 
 fn plan() -> SendPlan {
     let languages = vec![Language::Greek, Language::English];
-    SendPlan { sends_traces: false, languages }
+    SendPlan { sends_traces: true, languages }
 }
 
 fn run_to_the_end(studio: &mut Studio<'_, 128>) {
@@ -95,10 +96,38 @@ fn a_visits_sculpture_is_announced_kept_and_sent() {
         let facts = parcel.facts();
         assert_eq!(prints(&place.folder).len(), 1);
         assert_eq!((facts.badge, facts.language), (Some(badge), *b"el"));
+        assert!(facts.trace_bytes > 0, "the recording has no other visitor");
         assert_eq!((facts.cause, facts.height_mm_tenths), (FinishCause::Finished, 1200));
         place.rig.is_down.store(false, Ordering::Relaxed);
         wait("kept at the booth", || (status() == Some(UploadStatus::Sent)).then_some(()));
     });
+}
+
+/// A recording goes on from visitor to visitor, also while no receiver follows it.
+#[test]
+fn no_parcel_has_the_trace_of_another_visitor() {
+    let place = Place::new("visitors");
+    place.rig.is_down.store(true, Ordering::Relaxed);
+    run_program(
+        &place.folder,
+        |_| Err("no picture".into()),
+        |studio| {
+            sculpt_in_a_visit(studio);
+            run_to_the_end(studio);
+            while studio.world().visit().phase() != VisitPhase::Attract {
+                let mut nobody = TickInput::default();
+                nobody.visit.presence = Presence::Off;
+                studio.run_tick(&nobody);
+            }
+            let courier = connect(studio, place.rig.start(None), plan());
+            sculpt_as_next_visitor(studio);
+            show_badge(studio, &courier);
+            run_to_the_end(studio);
+            studio.save_session_and_wait();
+        },
+    );
+    let [parcel] = &parcels(&place.rig)[..] else { panic!("one parcel") };
+    assert_eq!(parcel.facts().trace_bytes, 0);
 }
 
 #[test]

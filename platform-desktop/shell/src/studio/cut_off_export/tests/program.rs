@@ -19,10 +19,15 @@ pub(crate) fn told(command: VisitCommand) -> TickInput {
 
 /// From the opening of visits to the first ticks of an export, with something cut.
 pub(crate) fn sculpt_in_a_visit(studio: &mut Studio<'_, 128>) {
+    studio.run_tick(&told(VisitCommand::Open));
+    studio.run_tick(&told(VisitCommand::Set { setting: PlanSetting::HandsOff, value: 0 }));
+    sculpt_as_next_visitor(studio);
+}
+
+/// From the arrival of a visitor to the first ticks of an export, with something cut.
+pub(crate) fn sculpt_as_next_visitor(studio: &mut Studio<'_, 128>) {
     let press = |action| told(VisitCommand::Press(action));
     for input in [
-        told(VisitCommand::Open),
-        told(VisitCommand::Set { setting: PlanSetting::HandsOff, value: 0 }),
         told(VisitCommand::None),
         press(PanelAction::Confirm),
         press(PanelAction::Confirm),
