@@ -16,6 +16,7 @@ pub mod error;
 pub mod fleet;
 pub mod foveation;
 pub mod log;
+pub mod notice_picture;
 mod notice_session;
 pub mod options;
 pub mod platform;

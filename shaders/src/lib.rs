@@ -22,7 +22,7 @@ pub use twin::camera::{self, Camera};
 pub use twin::fragment::{self, ShadedHit, TwinScene, TwinSettings, shade_ray};
 pub use twin::image::{self, Image, contact_sheet};
 pub use twin::march::{self, Ray};
-pub use twin::panels::{render_panels, render_panels_with_pictures};
+pub use twin::panels::{render_panel_flat, render_panels, render_panels_with_pictures};
 pub use twin::render::{
     self, PORTRAIT_SIZE, RenderOptions, lit_studio, portrait_camera, render_image,
     render_image_in_room, render_image_with_panels, render_portrait_png,

@@ -21,3 +21,4 @@ pub use pictures::PanelPictures;
 pub(crate) use pictures::is_cell_picture;
 pub use pose::{PanelPoint, PanelPose, PanelRect};
 pub use quad::PanelQuad;
+pub(crate) use quad::linear_color;

@@ -133,7 +133,7 @@ fn sample_atlas([u, v]: [f32; 2]) -> f32 {
 }
 
 /// Of sRGB bytes.
-pub(super) fn linear_color(color: [u8; 4]) -> QuadColor {
+pub(crate) fn linear_color(color: [u8; 4]) -> QuadColor {
     let [r, g, b, alpha] = color.map(|c| f32::from(c) / 255.0);
     let linear = |c: f32| match c <= 0.04045 {
         true => c / SRGB_LINEAR_SLOPE,

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::image::Image;
 use super::render::encode_srgb;
 use crate::gpu::Eye;
-use crate::panel::{Panel, PanelPictures, PanelRect};
+use crate::panel::{Panel, PanelPictures, PanelRect, linear_color};
 
 /// How far a panel's shadow reaches beyond it, in millimetres, at the most.
 const BEYOND: f32 = 100.0;
@@ -69,6 +69,34 @@ pub fn render_panels_with_pictures(
         }
     });
     image
+}
+
+/// Draws a panel straight on, as wide as the picture, over a colour in sRGB: quad by quad, as fast as a headset's processor
+/// shows a panel before there are programs. Its cells have no pictures.
+#[must_use]
+pub fn render_panel_flat(panel: &Panel, ground: [u8; 3], [width, height]: [usize; 2]) -> Image {
+    let pixel_mm = panel.size_mm()[0] / width.max(1) as f32;
+    let [red, green, blue] = ground;
+    let ground_color = linear_color([red, green, blue, 255]).rgb;
+    let mut colors = vec![ground_color; width * height];
+    let pixels = |low: f32, high: f32, count: usize| {
+        ((low / pixel_mm).max(0.0) as usize)
+            ..((high / pixel_mm).ceil().max(0.0) as usize).min(count)
+    };
+    for quad in panel.quads() {
+        let (middle, half) = (Vec2::from_array(quad.middle), quad.drawn_half());
+        let (low, high) = (middle - half, middle + half);
+        for y in pixels(low.y, high.y, height) {
+            for x in pixels(low.x, high.x, width) {
+                let at = (Vec2::new(x as f32, y as f32) + 0.5) * pixel_mm - middle;
+                let color = quad.color_at(at, pixel_mm, &PanelPictures::EMPTY);
+                let under = &mut colors[y * width + x];
+                *under = under.lerp(color.rgb, color.alpha);
+            }
+        }
+    }
+    let encode = |color: Vec3| if color == ground_color { ground } else { encode_srgb(color) };
+    Image { width, height, pixels: colors.into_iter().flat_map(encode).collect() }
 }
 
 /// The linear colour along a ray whose picture without panels is `under`, so many metres away.

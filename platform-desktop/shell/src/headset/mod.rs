@@ -11,7 +11,6 @@ pub mod hand_reader;
 pub mod hand_sample;
 pub mod haptics;
 pub mod height_step;
-pub mod notice_picture;
 pub mod notice_placement;
 pub mod package;
 pub mod recentering;
