@@ -5,11 +5,11 @@
 use std::path::PathBuf;
 
 use openxr as xr;
+use paros_headset::start_up::StartUp;
 use paros_quest::error::Error;
 use paros_quest::options::ShellOptions;
 use paros_quest::platform::{PlainPlatform, Platform, PlatformStatus};
 use paros_quest::shell::run_shell;
-use paros_shell::headset::start_up::StartUp;
 
 /// Polls of a run whose studio is there, after which it quits: some frames.
 const POLLS: u32 = 20;

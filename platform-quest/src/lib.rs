@@ -16,7 +16,6 @@ pub mod error;
 pub mod fleet;
 pub mod foveation;
 pub mod log;
-pub mod notice_picture;
 mod notice_session;
 pub mod options;
 pub mod platform;

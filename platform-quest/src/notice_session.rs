@@ -8,8 +8,8 @@ use std::thread;
 use std::time::Duration;
 
 use openxr as xr;
+use paros_headset::start_up::StartNotice;
 use paros_shaders::gpu::{self, Gpu};
-use paros_shell::headset::start_up::StartNotice;
 
 use crate::error::{CallContext, Error};
 use crate::options::ShellOptions;
@@ -17,7 +17,7 @@ use crate::platform::Platform;
 use crate::shell::{IDLE_POLL_INTERVAL, session_event};
 use crate::test_commands::{CommandQueue, TestCommand};
 use crate::xr::{FrameCalls, NoticeLayer, Runtime, VIEW_CONFIGURATION, create_raw_session};
-use paros_shell::headset::session_phase::{SessionDuty, SessionPhase};
+use paros_headset::session_phase::{SessionDuty, SessionPhase};
 
 /// The session. Fields are dropped in this order.
 pub(crate) struct NoticeSession {

@@ -6,10 +6,10 @@ use std::sync::Arc;
 use paros_core::World;
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
+use paros_headset::start_up::StartNotice;
 use paros_shaders::gpu::{self, Gpu, TargetFormat, WorldRenderer};
 use paros_shaders::upload::VolumeFormat;
 use paros_shell::file_writer::{FileKind, FileWriter};
-use paros_shell::headset::start_up::StartNotice;
 use paros_shell::studio_paths::StudioPaths;
 
 use crate::compilation::{Compilation, Compiled};

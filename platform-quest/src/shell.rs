@@ -17,16 +17,16 @@ use std::time::{Duration, Instant};
 
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
+use paros_headset::frame_pacer::FramePacer;
+use paros_headset::recentering::PendingRecentering;
+use paros_headset::room_placement::{RoomPlacement, RoomTransform};
+use paros_headset::start_up::StartUp;
+use paros_headset::stick_presses::StickPresses;
 use paros_shaders::{gpu, render_portrait_png};
 use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
-use paros_shell::headset::frame_pacer::FramePacer;
 use paros_shell::headset::hand_reader::HandReader;
 use paros_shell::headset::haptics::FrameHaptics;
-use paros_shell::headset::recentering::PendingRecentering;
 use paros_shell::headset::resolution::ResolutionPolicy;
-use paros_shell::headset::room_placement::{RoomPlacement, RoomTransform};
-use paros_shell::headset::start_up::StartUp;
-use paros_shell::headset::stick_presses::StickPresses;
 use paros_shell::headset::visit::{BootId, VisitPolicy};
 use paros_shell::statics::{Resident, WorldWithStarts};
 use paros_shell::studio::{Notice, Studio};
@@ -44,7 +44,7 @@ use crate::session_resources::{OpenedSession, SessionResources};
 use crate::start_keeper::StartKeeper;
 use crate::test_commands::CommandQueue;
 use crate::xr::NO_PROFILE;
-use paros_shell::headset::session_phase::SessionPhase;
+use paros_headset::session_phase::SessionPhase;
 
 pub(crate) use events::session_event;
 

@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::thread;
 
+use paros_headset::start_up::{FailedStarts, StartUp};
 use paros_shell::durable;
-use paros_shell::headset::start_up::{FailedStarts, StartUp};
 use paros_shell::headset::visit::BootId;
 use paros_shell::studio_paths::StudioPaths;
 

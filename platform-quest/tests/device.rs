@@ -6,14 +6,14 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use paros_core::badge::Language;
+use paros_headset::runtime::{
+    BROKERS, ContentRow, FUNCTION_COLUMNS, INITIALIZE_FUNCTION, NEGOTIATE_FUNCTION,
+    RUNTIME_COLUMNS, RuntimeLibrary, query_broker,
+};
 use paros_quest::device::table::{ALL_MEMBERS, MemberKind};
 use paros_quest::device::{DeviceMonitor, MAX_ROWS, ManagedEntry};
 use paros_shell::headset::device_health::{
     Battery, DeviceHealth, ThermalReading, ThermalState, ThermalStatus,
-};
-use paros_shell::headset::runtime::{
-    BROKERS, ContentRow, FUNCTION_COLUMNS, INITIALIZE_FUNCTION, NEGOTIATE_FUNCTION,
-    RUNTIME_COLUMNS, RuntimeLibrary, query_broker,
 };
 use paros_shell::settings::{LoadedSettings, SettingsLayer};
 

@@ -6,8 +6,8 @@ use paros_core::internals::{RoomPose, STOOL_TOP};
 use paros_core::limits::INTERVALS;
 use paros_core::session::{PointerCommand, RawPose, SessionMode};
 use paros_core::{HandInput, TickInput};
+use paros_headset::frame_pacer::FramePacer;
 use paros_shaders::scene::{LatestInput, MeshId, SceneAssembler};
-use paros_shell::headset::frame_pacer::FramePacer;
 use paros_shell::tick_runner::{TickRunner, with_fresh_world};
 
 /// Display times of three seconds of frames: `rate_hz` a second, each off by at most `jitter_ns`.

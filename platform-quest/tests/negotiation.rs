@@ -6,8 +6,8 @@ use std::process::Command;
 use std::{env, fs};
 
 use openxr as xr;
+use paros_headset::runtime::{BROKERS, NEGOTIATE_FUNCTION, RuntimeSearch, query_broker};
 use paros_quest::runtime::LinkedCalls;
-use paros_shell::headset::runtime::{BROKERS, NEGOTIATE_FUNCTION, RuntimeSearch, query_broker};
 use paros_shell::require::require_or_skip;
 
 /// Set to the library in the process that runs on the tree's libraries.

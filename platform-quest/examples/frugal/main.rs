@@ -15,11 +15,11 @@ use std::cell::Cell;
 use std::path::PathBuf;
 
 use openxr as xr;
+use paros_headset::start_up::StartUp;
 use paros_quest::error::Error;
 use paros_quest::options::ShellOptions;
 use paros_quest::platform::{PlainPlatform, Platform, PlatformStatus};
 use paros_quest::shell::run_shell;
-use paros_shell::headset::start_up::StartUp;
 
 /// Frames before the measured ones; these may allocate.
 const WARM_UP_FRAMES: usize = 100;

@@ -15,8 +15,8 @@ use std::path::PathBuf;
 
 use jni::objects::{Global, JObject};
 use jni::{Env, JValue, JavaVM};
+use paros_headset::runtime::ContentRow;
 use paros_shell::headset::device_health::{Battery, ThermalReading, ThermalStatus};
-use paros_shell::headset::runtime::ContentRow;
 use paros_upload::{BoothAddress, LinkTimes, ThreadedLink};
 
 pub use call::JavaError;

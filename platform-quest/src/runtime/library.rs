@@ -8,7 +8,7 @@ use openxr::sys::pfn::{
     GetInstanceProcAddr, InitializeLoaderKHR, NegotiateLoaderRuntimeInterface, VoidFunction,
 };
 use openxr::sys::{Handle as _, Result as XrResult, StructureType};
-use paros_shell::headset::runtime::{INITIALIZE_FUNCTION, RuntimeCalls, RuntimeLibrary};
+use paros_headset::runtime::{INITIALIZE_FUNCTION, RuntimeCalls, RuntimeLibrary};
 
 use super::functions::make_runtime_entry;
 use super::negotiation::{NegotiationError, negotiate_interface};

@@ -1,5 +1,5 @@
 //! Android's OpenXR runtime where the system has no loader: the calls into the libraries among which
-//! [`paros_shell::headset::runtime`] searches, and the process's one search.
+//! [`paros_headset::runtime`] searches, and the process's one search.
 
 mod functions;
 mod library;
@@ -8,7 +8,7 @@ mod negotiation;
 use std::sync::{Mutex, PoisonError};
 
 use openxr as xr;
-use paros_shell::headset::runtime::{Candidate, FoundRuntime, NoRuntime, RuntimeSearch};
+use paros_headset::runtime::{Candidate, FoundRuntime, NoRuntime, RuntimeSearch};
 
 pub use library::{AndroidContext, LibraryError, LibraryFunctions, LinkedCalls, OpenedLibrary};
 pub use negotiation::{NegotiationError, negotiate_interface};

@@ -14,7 +14,7 @@ use super::HeadsetShell;
 use crate::error::{CallContext, Error};
 use crate::platform::Platform;
 use crate::xr::{HeadsetSession, Runtime, VIEW_CONFIGURATION};
-use paros_shell::headset::session_phase::{PhaseChange, SessionDuty, SessionEvent};
+use paros_headset::session_phase::{PhaseChange, SessionDuty, SessionEvent};
 
 impl<const N: usize> HeadsetShell<'_, N>
 where

@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
+use paros_headset::start_up::StartUp;
 use paros_shaders::upload::VolumeFormat;
-use paros_shell::headset::start_up::StartUp;
 use paros_shell::statics::Resident;
 
 use super::{HeadsetShell, SessionEnd};
@@ -15,7 +15,7 @@ use crate::error::Error;
 use crate::platform::Platform;
 use crate::session_resources::OpenedSession;
 use crate::test_commands::{CommandQueue, TestCommand};
-use paros_shell::headset::session_phase::SessionPhase;
+use paros_headset::session_phase::SessionPhase;
 
 impl<const N: usize> HeadsetShell<'_, N>
 where

@@ -15,7 +15,7 @@ use crate::platform::Platform;
 use crate::session_resources::SessionResources;
 use crate::test_commands::{CommandQueue, TestCommand};
 use crate::xr::HeadsetSession;
-use paros_shell::headset::session_phase::SessionPhase;
+use paros_headset::session_phase::SessionPhase;
 
 impl<const N: usize> HeadsetShell<'_, N>
 where

@@ -7,7 +7,7 @@ use paros_core::internals::RoomPose;
 use paros_core::limits::INTERVALS;
 use paros_core::session::SessionState;
 use paros_core::volume::{Grid, Size};
-use paros_shell::headset::room_placement::{PlacementNeed, RoomTransform};
+use paros_headset::room_placement::{PlacementNeed, RoomTransform};
 use paros_shell::headset::visit::{LastUse, VisitorChange};
 use paros_shell::statics::Resident;
 

@@ -5,15 +5,15 @@ use std::sync::Arc;
 
 use ash::vk::{self, Handle as _};
 use openxr as xr;
+use paros_headset::notice_placement::NoticePlacement;
+use paros_headset::start_up::StartNotice;
 use paros_shaders::gpu::{Gpu, ImageLayer, read_layer, write_layer};
-use paros_shell::headset::notice_placement::NoticePlacement;
-use paros_shell::headset::start_up::StartNotice;
 
 use super::eyes::choose_color_format;
 use super::{convert_location, pose_of};
 use crate::error::{CallContext, Error};
-use crate::notice_picture::{EXTENT, PIXELS_PER_METRE, draw_notice};
 use crate::test_commands::write_picture;
+use paros_headset::notice_picture::{EXTENT, PIXELS_PER_METRE, draw_notice};
 
 /// A swapchain with a notice, and where it hangs.
 pub(crate) struct NoticeLayer {

@@ -4,10 +4,10 @@ use ash::vk::Handle;
 use glam::{Quat, Vec3};
 use openxr as xr;
 use paros_core::internals::RoomPose;
+use paros_headset::room_placement::RoomTransform;
 use paros_shaders::gpu::{Eye, Fov, Gpu};
 use paros_shell::headset::hand_reader::{HandProfile, HandReport, HandSource};
 use paros_shell::headset::hand_sample::HandSample;
-use paros_shell::headset::room_placement::RoomTransform;
 
 use super::{
     ControllerActions, HandTrackers, NO_PROFILE, Runtime, VIEW_CONFIGURATION, convert_location,

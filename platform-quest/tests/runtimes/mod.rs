@@ -9,14 +9,14 @@ use std::{fs, ptr};
 
 use openxr as xr;
 
+use paros_headset::runtime::{
+    BROKERS, Candidate, ContentRow, FoundRuntime, NoRuntime, RuntimeSearch, list_candidates,
+};
 use paros_quest::error::Error;
 use paros_quest::options::ShellOptions;
 use paros_quest::platform::Platform;
 use paros_quest::runtime::{AndroidContext, LinkedCalls, find_runtime_once};
 use paros_quest::shell::run_shell;
-use paros_shell::headset::runtime::{
-    BROKERS, Candidate, ContentRow, FoundRuntime, NoRuntime, RuntimeSearch, list_candidates,
-};
 
 /// A package without a loader.
 const NO_LOADER: &str = "libopenxr_loader.so";

@@ -6,8 +6,8 @@ use std::fs;
 use glam::{Quat, Vec3};
 use paros_core::internals::RoomPose;
 use paros_core::session::{BenchItem, RawPose, Tool};
+use paros_headset::room_placement::RoomTransform;
 use paros_shell::headset::height_step::HeightStep;
-use paros_shell::headset::room_placement::RoomTransform;
 use paros_shell::require::require_or_skip;
 use paros_shell::trace::Trace;
 

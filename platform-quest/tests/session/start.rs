@@ -4,9 +4,9 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-use paros_quest::notice_picture::draw_notice;
+use paros_headset::notice_picture::draw_notice;
+use paros_headset::start_up::{FAILURE_SHOWN, FailedStarts, RING_STEPS, StartNotice};
 use paros_quest::platform::{PlainPlatform, Platform};
-use paros_shell::headset::start_up::{FAILURE_SHOWN, FailedStarts, RING_STEPS, StartNotice};
 use paros_shell::require::require_or_skip;
 
 use super::layered::{assert_no_violations, find_example, inject_event, read_log};

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use paros_shell::headset::runtime::{NEGOTIATE_FUNCTION, parse_manifest};
+use paros_headset::runtime::{NEGOTIATE_FUNCTION, parse_manifest};
 
 use crate::engine::FuzzTarget;
 

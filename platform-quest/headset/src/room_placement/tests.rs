@@ -6,7 +6,7 @@ use glam::{Quat, Vec3};
 use paros_core::internals::{RoomPose, STOOL_TOP};
 
 use super::{PATIENCE_TICKS, PlacementNeed, RoomPlacement, RoomTransform, STEADY_TICKS};
-use crate::headset::height_step::HeightStep;
+use paros_shell::headset::height_step::HeightStep;
 
 /// Numbers by a linear congruence: the same ones each time.
 struct Dice(u32);

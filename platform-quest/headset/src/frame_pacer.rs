@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use paros_core::session::TICK_RATE;
 
-use crate::tick_runner::{ClockTicks, TickClock};
+use paros_shell::tick_runner::{ClockTicks, TickClock};
 
 /// Turns the predicted display times of frames into ticks. Times are the runtime's, in nanoseconds.
 #[derive(Clone, Copy, Default, Debug)]
@@ -61,7 +61,7 @@ mod tests {
     use paros_core::session::TICK_RATE;
 
     use super::FramePacer;
-    use crate::tick_runner::TickClock;
+    use paros_shell::tick_runner::TickClock;
 
     const TICK: i64 = 1_000_000_000 / TICK_RATE as i64;
 

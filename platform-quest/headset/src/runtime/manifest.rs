@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::{Candidate, RuntimeLibrary};
-use crate::durable;
+use paros_shell::durable;
 
 /// Android's partitions, in the order in which a loader looks for manifest files on them.
 pub const PARTITIONS: [&str; 5] = ["/product", "/odm", "/oem", "/vendor", "/system"];

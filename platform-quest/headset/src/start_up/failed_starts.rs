@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use paros_core::codec::BadBytes;
 
-use crate::headset::sealed::{SEAL_BYTES, SealedFormat};
-use crate::headset::visit::{BootId, LastUse};
+use paros_shell::headset::sealed::{SEAL_BYTES, SealedFormat};
+use paros_shell::headset::visit::{BootId, LastUse};
 
 /// Failed starts in a row.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

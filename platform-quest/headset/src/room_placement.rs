@@ -15,7 +15,7 @@ use glam::{Quat, Vec2, Vec3};
 use paros_core::internals::RoomPose;
 use paros_core::session::TICK_RATE;
 
-use super::height_step::HeightStep;
+use paros_shell::headset::height_step::HeightStep;
 
 /// Where the room lies in the runtime's space: turned about the vertical, moved along the floor, and raised by a step.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]

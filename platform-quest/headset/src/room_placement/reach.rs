@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use paros_core::internals::{BENCH_ITEMS, BOX_SIDE, STOOL_RADIUS, STOOL_TOP};
 use paros_core::session::BenchItem;
 
-use crate::headset::height_step::HeightStep;
+use paros_shell::headset::height_step::HeightStep;
 
 /// A body, in metres: Pheasant and Haslegrave, "Bodyspace", British adults of 19 to 65 years; seats are 0.42 high.
 struct Body {

@@ -1,9 +1,9 @@
 //! The picture of a [`StartNotice`]: a panel that the processor draws, as there are no programs yet.
 
+use crate::start_up::{RING_STEPS, StartNotice};
 use glam::Vec2;
 use paros_shaders::panel::{FontWeight, LINE_HEIGHT, Panel, PanelColor, TextAlign, TextStyle};
 use paros_shaders::render_panel_flat;
-use paros_shell::headset::start_up::{RING_STEPS, StartNotice};
 
 /// Pixels across and down.
 pub const EXTENT: [u32; 2] = [1024, 512];
