@@ -207,7 +207,7 @@ fn the_device_holds_the_sculpture_by_copies_at_128() {
 #[test]
 fn the_device_holds_two_intervals_at_128() {
     static STUDIO: Mutex<WorldHarness<128, 2>> = Mutex::new(WorldHarness::new());
-    check_device(&STUDIO, false, 200);
+    check_device(&STUDIO, false, 300);
 }
 
 fn count_gaps<const N: usize, const K: usize>(world: &World<N, K>) -> usize
