@@ -16,7 +16,7 @@ const SIZE_MM: [f32; 2] =
     [EXTENT[0] as f32 / PIXELS_PER_METRE * 1e3, EXTENT[1] as f32 / PIXELS_PER_METRE * 1e3];
 const MARGIN_MM: f32 = 62.0;
 
-/// The studio's floor at night: a bright picture on black blinds.
+/// The background, dark as the studio's floor at night: a bright picture in a dark headset blinds.
 const GROUND: [u8; 3] = [34, 38, 44];
 const INK: PanelColor = [226, 222, 214, 255];
 /// The ring's part that has been gone through, and all of it.
@@ -82,12 +82,7 @@ fn add_text(panel: &mut Panel, style: &TextStyle, text: &str, y: f32) -> usize {
 
 /// Breaks words that are longer than a line, and leaves out what has no room: the log has it.
 fn fit_cause(cause: &str) -> String {
-    let mut fitting = String::new();
-    for (i, letter) in cause.split_whitespace().flat_map(break_word).take(400).enumerate() {
-        if i > 0 || letter != ' ' {
-            fitting.push(letter);
-        }
-    }
+    let mut fitting: String = cause.split_whitespace().flat_map(break_word).take(400).collect();
     while add_text(&mut Panel::default(), &TEXT, &fitting, 0.0) > CAUSE_LINES {
         fitting.truncate(fitting.rfind(' ').unwrap_or(0));
     }

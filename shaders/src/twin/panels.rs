@@ -79,9 +79,10 @@ pub fn render_panel_flat(panel: &Panel, ground: [u8; 3], [width, height]: [usize
     let [red, green, blue] = ground;
     let ground_color = linear_color([red, green, blue, 255]).rgb;
     let mut colors = vec![ground_color; width * height];
+    // Those whose middles lie between.
     let pixels = |low: f32, high: f32, count: usize| {
-        ((low / pixel_mm).max(0.0) as usize)
-            ..((high / pixel_mm).ceil().max(0.0) as usize).min(count)
+        let first = (low / pixel_mm - 0.5).ceil().max(0.0) as usize;
+        first..((high / pixel_mm + 0.5).floor().max(0.0) as usize).min(count)
     };
     for quad in panel.quads() {
         let (middle, half) = (Vec2::from_array(quad.middle), quad.drawn_half());

@@ -19,7 +19,8 @@ use paros_shaders::panel::{
 };
 use paros_shaders::{Camera, Image, RenderOptions, contact_sheet, lit_studio};
 use paros_shaders::{
-    render_image_in_room, render_image_with_panels, render_panels, render_panels_with_pictures,
+    render_image_in_room, render_image_with_panels, render_panel_flat, render_panels,
+    render_panels_with_pictures,
 };
 use paros_tests_render::screens::{all_screens, pictures_of_cells};
 
@@ -35,6 +36,33 @@ fn picture_of(panel: &Panel, pixels_per_mm: f32) -> Image {
     let size = [width, height].map(|mm| (mm * pixels_per_mm) as usize);
     let (panels, pictures) = (std::slice::from_ref(panel), pictures_of_cells());
     render_panels_with_pictures(panels, &pictures, &eye, size, 2, Vec3::splat(0.3))
+}
+
+/// Drawn quad by quad, or by the rays of an eye that sees the panel and nothing else: the same picture.
+#[test]
+fn a_panel_drawn_flat_is_what_an_eye_before_it_sees() {
+    let mut panel = Panel::new([400.0, 240.0]);
+    let outline = BoxStyle { outline: palette::LINE, outline_mm: 3.0, ..BoxStyle::default() };
+    let shadow = BoxStyle { softness_mm: 20.0, fill: palette::SHADOW, ..BoxStyle::default() };
+    panel.add_box(PanelRect::new(30.0, 40.0, 330.0, 170.0), &shadow);
+    let rect = PanelRect::new(20.3, 30.7, 330.0, 170.0);
+    panel.add_box(rect, &BoxStyle { radius_mm: 20.0, fill: palette::GROUND, ..outline });
+    let (weight, align) = (FontWeight::Bold, TextAlign::Left);
+    let style = TextStyle { weight, capital_mm: 13.3, color: palette::INK, align };
+    panel.add_paragraph("The studio is being made ready", Vec2::new(40.0, 70.0), 200.0, &style);
+    panel.add_icon(Icon::Stone, PanelRect::new(250.0, 50.0, 61.0, 61.0), palette::CLAY);
+    panel.add_ring(Vec2::new(380.0, 120.0), [41.0, 7.0], 0.7, palette::OLIVE);
+    let half = |mm: f32| (0.5e-3 * mm / READING_DISTANCE).atan();
+    let [width, height] = panel.size_mm();
+    let fov = Fov { left: -half(width), right: half(width), up: half(height), down: -half(height) };
+    let eye = Eye { position: Vec3::Z * READING_DISTANCE, rotation: Quat::IDENTITY, fov };
+    let size = [width, height].map(|mm| mm as usize);
+    let flat = render_panel_flat(&panel, [0; 3], size);
+    let seen = render_panels(&[panel], &eye, size, 1, Vec3::ZERO);
+    let differs = |(a, b): &(&u8, &u8)| a.abs_diff(**b) > 2;
+    let differing = seen.pixels.iter().zip(&flat.pixels).filter(differs).count();
+    assert!(differing < 30, "{differing} values differ");
+    assert!(flat.pixels.iter().filter(|value| **value > 0).count() > flat.pixels.len() / 3);
 }
 
 #[test]
