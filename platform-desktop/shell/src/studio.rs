@@ -365,7 +365,9 @@ where
             self.export.start_making_files(self.session.world);
             self.begin_in_receiver(false);
         }
-        self.receiver.iter_mut().for_each(|receiver| receiver.follow_tick(self.session.world));
+        if let Some(receiver) = &mut self.receiver {
+            receiver.follow_tick(self.session.world);
+        }
         self.notice_found_figure();
         self.autosave.mark_due_after_tick(self.session.world);
         if self.autosave.is_due() && !self.is_printing_another() {

@@ -36,9 +36,9 @@ struct Outgoing {
     found: Option<SculptureId>,
     /// The parcel of the sculpture whose files are being made, without its badge.
     making: Option<ParcelDraft>,
-    /// The badge that the courier was told for this sculpture.
+    /// The badge of this sculpture that was passed to the courier.
     told_badge: Option<u32>,
-    /// Ticks in which the session could be sculpted in.
+    /// The session's ticks in which its visitor could sculpt.
     sculpting_ticks: u32,
 }
 
@@ -158,7 +158,7 @@ where
         self.courier.booth_state().status == Some(UploadStatus::Making)
     }
 
-    /// Counts a tick, and tells the courier the badge that the visitor is shown.
+    /// Counts a tick in which the visitor could sculpt, and passes the badge that is shown to the courier.
     fn follow_tick(&mut self, world: &World<N, INTERVALS>) {
         let (visit, events) = (world.visit(), world.events());
         if events.iter().any(|event| matches!(event, WorldEvent::Started(_))) {

@@ -116,9 +116,10 @@ impl Drop for Folder {
     }
 }
 
-fn parcel(number: u8) -> Parcel {
-    let facts = UploadFacts {
-        id: SculptureId([number; 16]),
+/// The facts of a sculpture without a badge.
+pub(crate) fn facts_of(id: SculptureId) -> UploadFacts {
+    UploadFacts {
+        id,
         badge: None,
         badge_serial: None,
         core_version: 1,
@@ -127,14 +128,19 @@ fn parcel(number: u8) -> Parcel {
         language: *b"en",
         mode: SessionMode::FreeForm,
         age_group: AgeGroup::Unknown,
-        sculpting_seconds: 1,
-        finished_at: number.into(),
+        sculpting_seconds: 60,
+        finished_at: 1,
         height_mm_tenths: 1200,
         volume_bytes: 0,
         volume_raw_bytes: 0,
         trace_bytes: 0,
         trace_raw_bytes: 0,
-    };
+    }
+}
+
+fn parcel(number: u8) -> Parcel {
+    let finished_at = number.into();
+    let facts = UploadFacts { sculpting_seconds: 1, finished_at, ..facts_of(id_of(number)) };
     Parcel::pack(&facts, &[number; 5000], Some(&[1, 2, 3])).expect("a parcel")
 }
 

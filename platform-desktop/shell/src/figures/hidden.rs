@@ -28,10 +28,10 @@ pub struct HiddenStart {
     pub thickness: StoneThickness,
 }
 
-/// Of the lump's fracture, how much the thinner stones have.
+/// The thinner stones' fracture, as a share of the lump's.
 const ROUGHNESS_OF_LUMP: f32 = 0.5;
 
-/// The most by which that moves their surface.
+/// The most by which that fracture moves their surface.
 const ROUGHNESS: f32 = ROUGHNESS_OF_LUMP * lump::MAX_FRACTURE;
 
 /// Names on the command line, by figure and thickness. The bare name is for newcomers.

@@ -47,7 +47,9 @@ where
         match self.export.take_finished_files() {
             None => {}
             Some(Ok(MadeSculpture { files, badge })) => {
-                self.receiver.iter_mut().for_each(|receiver| receiver.keep(badge));
+                if let Some(receiver) = &mut self.receiver {
+                    receiver.keep(badge);
+                }
                 if files.is_empty() {
                     return;
                 }
@@ -55,7 +57,9 @@ where
                 self.submit_numbered_files(FileKind::Sculpture, SCULPTURE_STEM, extensions, bytes);
             }
             Some(Err(why)) => {
-                self.receiver.iter_mut().for_each(|receiver| receiver.abandon());
+                if let Some(receiver) = &mut self.receiver {
+                    receiver.abandon();
+                }
                 self.push_notice(Notice::Bad(why));
             }
         }

@@ -5,7 +5,6 @@ use std::thread;
 use std::time::Duration;
 
 use paros_core::badge::BadgeNumber;
-use paros_core::session::SessionMode;
 use paros_protocol::*;
 use paros_shell::settings::BoothSettings;
 
@@ -13,26 +12,10 @@ use super::test_booth::{OWNER, Rig, clock, wait};
 use super::{Courier, FinishedSculpture, ParcelDraft};
 use crate::OutboxOwner;
 use crate::enrolment::{Enrolment, NewDevice, enrolment_file};
+use crate::tests::facts_of;
 
 fn draft(id: SculptureId, badge: Option<BadgeNumber>) -> ParcelDraft {
-    let facts = UploadFacts {
-        id,
-        badge,
-        badge_serial: None,
-        core_version: 1,
-        side: 128,
-        cause: FinishCause::Finished,
-        language: *b"en",
-        mode: SessionMode::FreeForm,
-        age_group: AgeGroup::Unknown,
-        sculpting_seconds: 60,
-        finished_at: 1,
-        height_mm_tenths: 1200,
-        volume_bytes: 0,
-        volume_raw_bytes: 0,
-        trace_bytes: 0,
-        trace_raw_bytes: 0,
-    };
+    let facts = UploadFacts { badge, ..facts_of(id) };
     ParcelDraft { facts, volume: b"a volume".to_vec(), trace: None }
 }
 

@@ -103,7 +103,7 @@ fn a_visits_sculpture_is_announced_kept_and_sent() {
     });
 }
 
-/// A recording goes on from visitor to visitor, also while no receiver follows it.
+/// A recording goes on from one visitor to the next, and counts them also while the studio has no receiver.
 #[test]
 fn no_parcel_has_the_trace_of_another_visitor() {
     let place = Place::new("visitors");
