@@ -85,7 +85,7 @@ struct Year {
 ///
 /// # Panics
 /// A badge lapses of a sculpture that waited for [`LATE_DAYS`] at most, or a headset that reaches the booth isn't leased
-/// two blocks at once.
+/// two blocks at once or shows a provisional badge.
 #[must_use]
 pub fn run_year(seed: u64, plan: YearPlan) -> YearSums {
     let booth = SimBooth::new(seed);
@@ -148,7 +148,7 @@ impl Year {
             self.exchange(at);
             assert_eq!(self.headsets[at].badges.blocks.len(), 2, "day {}: no lease", self.today);
         }
-        (0..self.plan.visits).for_each(|_| self.visit(at));
+        (0..self.plan.visits).for_each(|_| self.visit(at, is_reached));
         if is_reached {
             self.send(at);
             self.exchange(at);
@@ -164,12 +164,13 @@ impl Year {
     }
 
     /// A visitor finishes a sculpture, and is shown a badge.
-    fn visit(&mut self, at: usize) {
+    fn visit(&mut self, at: usize, is_reached: bool) {
         let blocks = &mut self.headsets[at].badges.blocks;
         let shown = blocks.iter_mut().find(|held| !held.is_used_up()).map(|held| {
             held.next += 1;
             (BadgeNumber::of_block(held.block, held.next - 1).expect("a number"), held.serial)
         });
+        assert!(shown.is_some() || !is_reached, "day {}: a provisional badge", self.today);
         self.sums.visits += 1;
         self.sums.provisional += u64::from(shown.is_none());
         if let Some((number, _)) = shown {

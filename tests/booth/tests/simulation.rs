@@ -114,7 +114,6 @@ fn months_of_badges_lapse_none_that_came_in_time() {
     let share = 100.0 * provisional as f32 / visits as f32;
     println!("{plan:?}: {sums:?}, {share:.2} % provisional badges");
     assert!(sums.restores > 0 && sums.returned > 0 && sums.shown_again > 0);
-    assert!(share < 3.0, "headsets have leased badges");
 }
 
 #[test]
