@@ -150,19 +150,9 @@ where
         axis: Axis,
         line: usize,
         places: <Grid<N> as Size>::Row,
-        old_columns: &[Column<K>; N],
-    ) {
-        self.journal.record_columns(axis, line, places, old_columns);
-    }
-
-    #[inline]
-    fn record_replacements(
-        &mut self,
-        axis: Axis,
-        line: usize,
-        places: <Grid<N> as Size>::Row,
         (old, new): (&[Column<K>; N], &[Column<K>; N]),
     ) {
+        self.journal.record_columns(axis, line, places, (old, new));
         if (axis as u8) < self.counted_axes {
             let figure = self.figure.line(axis, line);
             for run in places.iter_runs_within_words() {

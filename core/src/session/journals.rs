@@ -43,9 +43,9 @@ where
         axis: Axis,
         line: usize,
         places: <Grid<N> as Size>::Row,
-        old_columns: &[Column<K>; N],
+        (old, _): (&[Column<K>; N], &[Column<K>; N]),
     ) {
-        self.undo.record_into_newest_entry(axis, line, places, old_columns);
+        self.undo.record_into_newest_entry(axis, line, places, old);
         self.dirty.mark_columns(axis, line, places);
     }
 
@@ -61,9 +61,9 @@ where
         axis: Axis,
         line: usize,
         places: <Grid<N> as Size>::Row,
-        old_columns: &[Column<K>; N],
+        (old, _): (&[Column<K>; N], &[Column<K>; N]),
     ) {
-        self.undo.record_columns(axis, line, places, old_columns);
+        self.undo.record_columns(axis, line, places, old);
         self.dirty.mark_columns(axis, line, places);
     }
 

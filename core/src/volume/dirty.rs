@@ -139,7 +139,7 @@ where
         axis: Axis,
         line: usize,
         places: <Grid<N> as Size>::Row,
-        _: &[Column<K>; N],
+        _: (&[Column<K>; N], &[Column<K>; N]),
     ) {
         self.mark_columns(axis, line, places);
     }

@@ -121,14 +121,13 @@ where
         line: usize,
         places: <Grid<N> as Size>::Row,
         new: &[Column<K>; N],
-        journal: &mut impl Journal<N, K>,
+        journal: &mut dyn Journal<N, K>,
     ) {
         if places.is_empty() {
             return;
         }
         let old = self.maps.line_mut(axis, line);
-        journal.record_columns(axis, line, places, old);
-        journal.record_replacements(axis, line, places, (old, new));
+        journal.record_columns(axis, line, places, (old, new));
         let mut sum = 0u64;
         for run in places.iter_runs_within_words() {
             let run = run.first()..=run.last();

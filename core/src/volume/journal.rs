@@ -8,24 +8,14 @@ pub trait Journal<const N: usize, const K: usize = 1>
 where
     Grid<N>: Size,
 {
-    /// The columns at `places` of a line are about to be replaced; `old_columns` is the line before.
+    /// The columns at `places` of a line are about to be replaced: the line as it is, and as it becomes.
     fn record_columns(
         &mut self,
         axis: Axis,
         line: usize,
         places: <Grid<N> as Size>::Row,
-        old_columns: &[Column<K>; N],
+        old_and_new: (&[Column<K>; N], &[Column<K>; N]),
     );
-    /// The same columns, as they were and as they become.
-    #[inline]
-    fn record_replacements(
-        &mut self,
-        _axis: Axis,
-        _line: usize,
-        _places: <Grid<N> as Size>::Row,
-        _old_and_new: (&[Column<K>; N], &[Column<K>; N]),
-    ) {
-    }
     /// `voxels` of row (y, z) are about to be occupied that were empty when the edit began.
     fn record_added(&mut self, row: RowAddress, voxels: <Grid<N> as Size>::Row);
 }
@@ -35,7 +25,13 @@ impl<const N: usize, const K: usize> Journal<N, K> for ()
 where
     Grid<N>: Size,
 {
-    fn record_columns(&mut self, _: Axis, _: usize, _: <Grid<N> as Size>::Row, _: &[Column<K>; N]) {
+    fn record_columns(
+        &mut self,
+        _: Axis,
+        _: usize,
+        _: <Grid<N> as Size>::Row,
+        _: (&[Column<K>; N], &[Column<K>; N]),
+    ) {
     }
     fn record_added(&mut self, _: RowAddress, _: <Grid<N> as Size>::Row) {}
 }

@@ -206,7 +206,7 @@ where
         axis: Axis,
         line: usize,
         places: <Grid<N> as Size>::Row,
-        old: &[Column; N],
+        (old, _): (&[Column; N], &[Column; N]),
     ) {
         self.columns.extend(places.iter_ones().map(|place| (axis, (line, place), old[place])));
     }
@@ -228,7 +228,15 @@ impl<const N: usize> Journal<N> for AdditionJournal<'_, N>
 where
     Grid<N>: Size,
 {
-    fn record_columns(&mut self, _: Axis, _: usize, _: <Grid<N> as Size>::Row, _: &[Column; N]) {}
+    fn record_columns(
+        &mut self,
+        _: Axis,
+        _: usize,
+        _: <Grid<N> as Size>::Row,
+        _: (&[Column; N], &[Column; N]),
+    ) {
+    }
+
     fn record_added(&mut self, row: RowAddress, voxels: <Grid<N> as Size>::Row) {
         self.islands.mark_added_as_reached(row, voxels);
         self.added.push(AddedVoxels { row, voxels });

@@ -229,7 +229,7 @@ where
         axis: Axis,
         line: usize,
         places: <Grid<N> as Size>::Row,
-        old: &[Column; N],
+        (old, _): (&[Column; N], &[Column; N]),
     ) {
         match self.late {
             true => self.undo.record_into_newest_entry(axis, line, places, old),

@@ -159,7 +159,7 @@ where
         volume: &mut Volume<N, K>,
         mask: &RangeMaps<N, K>,
         max_row_visits: u32,
-        journal: &mut impl Journal<N, K>,
+        journal: &mut dyn Journal<N, K>,
     ) -> Option<IslandReport> {
         let mut visits_left = max_row_visits;
         let has_waited = self.is_removal_due();

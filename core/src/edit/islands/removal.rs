@@ -44,7 +44,7 @@ where
     pub(super) fn remove_islands<const K: usize>(
         &mut self,
         volume: &mut Volume<N, K>,
-        journal: &mut impl Journal<N, K>,
+        journal: &mut dyn Journal<N, K>,
     ) -> IslandReport {
         let mut along_y = [IslandLine::NOWHERE; N];
         let (mut missed, mut doubtful) = (0, 0);
@@ -87,7 +87,7 @@ where
         y: usize,
         along_z: &mut IslandLine<<Grid<N> as Size>::Row>,
         along_y: &mut [IslandLine<<Grid<N> as Size>::Row>; N],
-        journal: &mut impl Journal<N, K>,
+        journal: &mut dyn Journal<N, K>,
     ) -> u32 {
         let mut new = [Column::EMPTY; N];
         let mut changed = <Grid<N> as Size>::Row::EMPTY;
@@ -129,7 +129,7 @@ where
         axis: Axis,
         line: usize,
         &IslandLine { columns, first, last }: &IslandLine<<Grid<N> as Size>::Row>,
-        journal: &mut impl Journal<N, K>,
+        journal: &mut dyn Journal<N, K>,
     ) -> <Grid<N> as Size>::Row {
         if columns.is_empty() {
             return columns;

@@ -3,13 +3,12 @@
 use super::pass::{EditPass, iter_voxels};
 use super::{EditOperation, EditReport, LineFlips};
 use crate::edit::brush::BrushBounds;
-use crate::volume::journal::Journal;
 use crate::volume::range_maps::{Axis, RowAddress};
 use crate::volume::row::{BitRow, BitSet};
 use crate::volume::size::{Grid, Size};
 use crate::volume::voxel_box::VoxelBox;
 
-impl<const N: usize, const K: usize, const W: usize, J: Journal<N, K>> EditPass<'_, N, K, W, J>
+impl<const N: usize, const K: usize, const W: usize> EditPass<'_, N, K, W>
 where
     Grid<N>: Size,
 {

@@ -4,13 +4,12 @@ use super::EditOperation;
 use super::pass::EditPass;
 use crate::edit::half_space::HalfSpace;
 use crate::limits::SHELL_DEPTH;
-use crate::volume::journal::Journal;
 use crate::volume::range::Range;
 use crate::volume::range_maps::RowAddress;
 use crate::volume::row::{BitRow, BitSet};
 use crate::volume::size::{Grid, Size};
 
-impl<const N: usize, const K: usize, const W: usize, J: Journal<N, K>> EditPass<'_, N, K, W, J>
+impl<const N: usize, const K: usize, const W: usize> EditPass<'_, N, K, W>
 where
     Grid<N>: Size,
 {

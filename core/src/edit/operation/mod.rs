@@ -314,12 +314,12 @@ where
 ///
 /// # Errors
 /// [`BrushTooLarge`] for a brush that smooths or flattens, of more rows than there is room to remember.
-pub fn apply_edit<const N: usize, const K: usize, J: Journal<N, K>>(
+pub fn apply_edit<const N: usize, const K: usize>(
     volume: &mut Volume<N, K>,
     mask: &RangeMaps<N, K>,
     edit: &Edit<'_>,
     scratch: &mut EditScratch<N>,
-    journal: &mut J,
+    journal: &mut dyn Journal<N, K>,
 ) -> Result<EditReport, BrushTooLarge>
 where
     Grid<N>: Size,
@@ -333,40 +333,26 @@ where
     }
     let WordWindow { first_word, word_count } = find_word_window::<N>(edit, bounds);
     let report = EditReport::default();
+    macro_rules! run_pass {
+        ($words:literal, $first_word:expr) => {
+            EditPass::<N, K, $words> {
+                volume,
+                mask,
+                edit,
+                scratch,
+                journal,
+                bounds,
+                first_word: $first_word,
+                report,
+            }
+            .run()
+        };
+    }
+    // A grid's rows have a word for each 64 voxels: no pass is compiled that reads more.
     Ok(match word_count {
-        1 => EditPass::<N, K, 1, J> {
-            volume,
-            mask,
-            edit,
-            scratch,
-            journal,
-            bounds,
-            first_word,
-            report,
-        }
-        .run(),
-        2 => EditPass::<N, K, 2, J> {
-            volume,
-            mask,
-            edit,
-            scratch,
-            journal,
-            bounds,
-            first_word,
-            report,
-        }
-        .run(),
-        _ => EditPass::<N, K, 4, J> {
-            volume,
-            mask,
-            edit,
-            scratch,
-            journal,
-            bounds,
-            first_word: 0,
-            report,
-        }
-        .run(),
+        2 if const { N > 64 } => run_pass!(2, first_word),
+        3.. if const { N > 128 } => run_pass!(4, 0),
+        _ => run_pass!(1, first_word),
     })
 }
 

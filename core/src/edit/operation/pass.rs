@@ -13,7 +13,7 @@ use crate::volume::size::{Grid, Size};
 
 /// An edit that reads and flips `W` words of each row, from word `first_word` on. Bit i of a `BitRow<W>`
 /// is voxel `64 * first_word + i`.
-pub(super) struct EditPass<'a, const N: usize, const K: usize, const W: usize, J>
+pub(super) struct EditPass<'a, const N: usize, const K: usize, const W: usize>
 where
     Grid<N>: Size,
 {
@@ -21,13 +21,13 @@ where
     pub(super) mask: &'a RangeMaps<N, K>,
     pub(super) edit: &'a Edit<'a>,
     pub(super) scratch: &'a mut EditScratch<N>,
-    pub(super) journal: &'a mut J,
+    pub(super) journal: &'a mut dyn Journal<N, K>,
     pub(super) bounds: BrushBounds,
     pub(super) first_word: usize,
     pub(super) report: EditReport,
 }
 
-impl<const N: usize, const K: usize, const W: usize, J: Journal<N, K>> EditPass<'_, N, K, W, J>
+impl<const N: usize, const K: usize, const W: usize> EditPass<'_, N, K, W>
 where
     Grid<N>: Size,
 {

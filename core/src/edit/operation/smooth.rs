@@ -11,7 +11,6 @@ use crate::volume::box_sum::{
     BoxFilter, LINE_PLANES, Planes, RowSums, SUM_PLANES, add_counts, count_at, counts_above,
     equal_counts, subtract_counts,
 };
-use crate::volume::journal::Journal;
 use crate::volume::range::Range;
 use crate::volume::range_maps::RowAddress;
 use crate::volume::row::{BitRow, BitSet};
@@ -33,7 +32,7 @@ struct Smoothing {
     dither: Option<Dither>,
 }
 
-impl<const N: usize, const K: usize, const W: usize, J: Journal<N, K>> EditPass<'_, N, K, W, J>
+impl<const N: usize, const K: usize, const W: usize> EditPass<'_, N, K, W>
 where
     Grid<N>: Size,
 {

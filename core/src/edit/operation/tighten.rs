@@ -3,13 +3,12 @@
 use super::pass::EditPass;
 use super::{EditOperation, LineFlips};
 use crate::volume::closing_line::ClosingLine;
-use crate::volume::journal::Journal;
 use crate::volume::range::Range;
 use crate::volume::range_maps::{Axis, Column};
 use crate::volume::row::{BitRow, BitSet};
 use crate::volume::size::{Grid, Size};
 
-impl<const N: usize, const K: usize, const W: usize, J: Journal<N, K>> EditPass<'_, N, K, W, J>
+impl<const N: usize, const K: usize, const W: usize> EditPass<'_, N, K, W>
 where
     Grid<N>: Size,
 {

@@ -26,7 +26,7 @@ where
         axis: Axis,
         line: usize,
         places: <Grid<N> as Size>::Row,
-        old: &[Column; N],
+        (old, _): (&[Column; N], &[Column; N]),
     ) {
         self.columns.extend(places.iter_ones().map(|place| (axis, (line, place), old[place])));
     }

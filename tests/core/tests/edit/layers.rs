@@ -218,9 +218,9 @@ where
         axis: Axis,
         line: usize,
         places: <Grid<N> as Size>::Row,
-        old: &[Column<K>; N],
+        (old, new): (&[Column<K>; N], &[Column<K>; N]),
     ) {
-        self.journal.record_columns(axis, line, places, old);
+        self.journal.record_columns(axis, line, places, (old, new));
         self.columns.extend(places.iter_ones().map(|place| (axis, (line, place), old[place])));
     }
 
