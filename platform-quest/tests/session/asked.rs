@@ -6,7 +6,7 @@ use std::fs;
 use paros_core::session::Tool;
 use paros_shell::require::require_or_skip;
 
-use super::layered::{assert_no_violations, find_example, read_log};
+use super::layered::{assert_no_violations, find_rig, read_log};
 use super::monado::{MonadoService, MonadoTree, ShellEnd, ShellProcess};
 use super::{hands_at_rest, take_tool};
 
@@ -104,7 +104,7 @@ fn log_entries(log: &str, kind: &str) -> BTreeSet<String> {
 #[test]
 fn controllers_are_bound_as_openxr_names_them() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "bound");
     let errors = seen(monado.start_layered_shell(&layer, &[]));
     assert!(!errors.contains("no profile") && !errors.contains("refuses"), "{errors}");
@@ -132,7 +132,7 @@ fn controllers_are_bound_as_openxr_names_them() {
 #[test]
 fn a_refused_profile_costs_no_other() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "refused-profile");
     let mut hands = hands_at_rest(&monado);
     let refused = "/interaction_profiles/facebook/touch_controller_pro";
@@ -158,7 +158,7 @@ fn a_refused_profile_costs_no_other() {
 #[test]
 fn a_rate_is_asked_for_where_it_is_offered() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "rates");
     let mut asked = 0;
     let mut asks = |rate: &str, line: &str| {
@@ -191,7 +191,7 @@ fn a_rate_is_asked_for_where_it_is_offered() {
 #[test]
 fn without_a_floor_under_the_visitor_the_stage_is_taken() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "floor");
     let mut noted = 0;
     let mut room = || {

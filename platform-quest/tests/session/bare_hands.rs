@@ -10,7 +10,7 @@ use paros_core::session::Tool;
 use paros_shell::require::require_or_skip;
 use paros_shell::trace::Trace;
 
-use super::layered::{assert_no_violations, find_example, read_log};
+use super::layered::{assert_no_violations, find_rig, read_log};
 use super::monado::{
     MonadoService, MonadoTree, RemoteHand, RemoteHands, ShellEnd, ShellProcess, wait_for,
 };
@@ -68,7 +68,7 @@ fn hands_without_a_profile_are_read_by_their_joints() {
 /// runtime refuses these profiles.
 fn hand_over_and_back(name: &str, refused: &[&str], sources: &str) {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
     let controllers = "[Controller, Controller]";
     let monado = MonadoService::start(&tree, name);
     let mut hands = hands_at_rest(&monado);
@@ -167,7 +167,7 @@ fn assert_grip_unturned(path: &Path) {
 #[test]
 fn a_controller_on_a_table_is_no_hand() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "table");
     let _hands = hands_at_rest(&monado);
     let mut shell = start_with_hands(&monado, &layer, &[], "around", &[]);

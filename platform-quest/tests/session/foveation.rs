@@ -8,7 +8,7 @@ use paros_core::internals::STOOL_TOP;
 use paros_core::session::Tool;
 use paros_shell::require::require_or_skip;
 
-use super::layered::{assert_no_violations, find_example, inject_event, read_log};
+use super::layered::{assert_no_violations, find_rig, inject_event, read_log};
 use super::monado::{MonadoService, MonadoTree, RemoteHand, ShellEnd, ShellProcess, wait_for};
 use super::{RIGHT, hands_at_rest, take_tool};
 
@@ -21,7 +21,7 @@ fn logged_levels(monado: &MonadoService) -> Vec<String> {
 #[test]
 fn heat_raises_foveation_between_strokes() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "foveated");
     let mut hands = hands_at_rest(&monado);
     let mut shell = monado.start_mapped_shell(&layer, &["--foveation", "low"]);
@@ -60,7 +60,7 @@ fn heat_raises_foveation_between_strokes() {
 #[test]
 fn depth_goes_together_with_density_maps() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "foveated-depth");
     let mut shell = monado.start_mapped_shell(&layer, &["--foveation", "high", "--depth"]);
     shell.wait_until("focus", |said| said.field("life") == "focused");
@@ -75,7 +75,7 @@ fn depth_goes_together_with_density_maps() {
 #[test]
 fn what_is_asked_for_and_missing_is_told_in_a_line() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "unfoveated");
     let told = |mut shell: ShellProcess| {
         shell.wait_until("a session", |said| said.field("session") == "Sculpting");
@@ -112,7 +112,7 @@ fn what_is_asked_for_and_missing_is_told_in_a_line() {
 #[test]
 fn images_are_whole_where_the_runtime_refuses_subsampled_ones() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "not-subsampled");
     fs::create_dir_all(monado.folder.join("layer")).expect("a folder");
     fs::write(monado.folder.join("layer/no-subsampling"), "").expect("a wish");

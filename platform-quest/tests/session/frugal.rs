@@ -9,7 +9,7 @@ use paros_core::internals::STOOL_TOP;
 use paros_core::session::Tool;
 use paros_shell::require::require_or_skip;
 
-use super::layered::find_example;
+use super::layered::find_rig;
 use super::monado::{MonadoService, MonadoTree, RemoteHand, RemoteHands, ShellEnd, ShellProcess};
 use super::{REST, RIGHT, hands_at_rest, take_tool};
 
@@ -29,7 +29,7 @@ const MOST_REFERENCES: u64 = 2;
 #[test]
 fn a_frame_takes_little_time_and_no_memory() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(frugal) = require_or_skip(find_example("frugal")).unwrap() else { return };
+    let Some(frugal) = require_or_skip(find_rig("frugal")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "frugal");
     let mut hands = hands_at_rest(&monado);
     let mut shell = monado.start_program(&frugal, &["files", &FRAMES.to_string()]);

@@ -10,7 +10,7 @@ use paros_core::{RangeMaps, Volume};
 use paros_shell::require::require_or_skip;
 use paros_shell::rmap;
 
-use super::layered::{assert_no_violations, find_example, inject_event, read_log};
+use super::layered::{assert_no_violations, find_rig, inject_event, read_log};
 use super::monado::{MonadoService, MonadoTree, ShellEnd, wait_for};
 use super::{carve_voxels, hands_at_rest, take_tool};
 
@@ -21,7 +21,7 @@ const HANDOVER: Duration = Duration::from_secs(30);
 #[test]
 fn another_visitor_finds_a_new_stone_and_the_last_ones_sculpture_is_kept() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "handover");
     let mut hands = hands_at_rest(&monado);
     let seconds = HANDOVER.as_secs().to_string();

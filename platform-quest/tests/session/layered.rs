@@ -10,8 +10,8 @@ use paros_shell::require::require_or_skip;
 use super::monado::{MonadoService, MonadoTree, ShellEnd, ShellProcess, wait_for};
 use super::{REST, RIGHT, carve_voxels, hands_at_rest, take_tool};
 
-/// Finds the layer's library or the profiler, which `cargo test` builds as examples.
-pub(crate) fn find_example(name: &str) -> Result<PathBuf, String> {
+/// Finds a program of `tests/rigs` or the layer's library, which `cargo test` builds as examples.
+pub(crate) fn find_rig(name: &str) -> Result<PathBuf, String> {
     let quest = Path::new(env!("CARGO_BIN_EXE_paros-quest"));
     let path = quest.with_file_name("examples").join(name);
     let found = path.exists().then_some(path);
@@ -49,7 +49,7 @@ fn assert_session_resumes(
 #[test]
 fn hands_feel_the_stone_and_losses_lose_nothing() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "layered");
     let mut hands = hands_at_rest(&monado);
     let mut shell = monado.start_layered_shell(&layer, &["--depth"]);

@@ -11,7 +11,7 @@ use paros_shell::headset::height_step::HeightStep;
 use paros_shell::require::require_or_skip;
 use paros_shell::trace::Trace;
 
-use super::layered::find_example;
+use super::layered::find_rig;
 use super::monado::{MonadoService, MonadoTree, RemoteHand, RemoteHands, ShellEnd};
 use super::{LEFT_REST, REST, RIGHT, compare_frames, eyes_at};
 
@@ -37,7 +37,7 @@ fn metres(pose: RawPose) -> RoomPose {
 #[test]
 fn the_stool_is_before_the_next_visitor() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(sleeper) = require_or_skip(find_example("sleeper")).unwrap() else { return };
+    let Some(sleeper) = require_or_skip(find_rig("sleeper")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "placement");
     let mut hands = monado.connect_hands();
     place_visitor(&mut hands, RoomTransform::default());

@@ -10,7 +10,7 @@ use paros_core::volume::Grid;
 use paros_shell::require::require_or_skip;
 use paros_shell::statics::Resident;
 
-use super::layered::{find_example, read_log};
+use super::layered::{find_rig, read_log};
 use super::monado::{MonadoService, MonadoTree, ShellEnd, ShellProcess};
 use super::{carve_voxels, hands_at_rest, take_tool};
 
@@ -30,7 +30,7 @@ const REFUSALS: [(&str, [&str; 2]); 3] = [
 #[test]
 fn what_is_refused_is_said_and_loses_nothing() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "refusals");
     let saved = save_after_refused_frames(&monado, &layer);
     let fails = |shell: ShellProcess, words: [&str; 2]| {

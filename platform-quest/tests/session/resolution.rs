@@ -5,7 +5,7 @@ use std::fs;
 
 use paros_shell::require::require_or_skip;
 
-use super::layered::{assert_no_violations, find_example, read_log};
+use super::layered::{assert_no_violations, find_rig, read_log};
 use super::monado::{MonadoService, MonadoTree, ShellEnd, wait_for};
 use super::{hands_at_rest, read_frame, visitor_eyes};
 
@@ -29,7 +29,7 @@ fn submitted_in_frames(monado: &MonadoService) -> Vec<[u32; 3]> {
 #[test]
 fn pictures_shrink_under_load_and_follow_the_runtime() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "resolution");
     let mut hands = hands_at_rest(&monado);
     hands.place_eyes(&visitor_eyes());

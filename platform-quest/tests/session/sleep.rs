@@ -9,7 +9,7 @@ use paros_core::session::Tool;
 use paros_shell::require::require_or_skip;
 
 use super::handover::finished_sculptures;
-use super::layered::find_example;
+use super::layered::find_rig;
 use super::monado::{MonadoService, MonadoTree, RemoteHands, ShellEnd, ShellProcess, wait_for};
 use super::{carve_voxels, eyes_at, hands_at_rest, looking_over_stone, take_tool};
 
@@ -47,7 +47,7 @@ fn stand_before_stool(hands: &mut RemoteHands, height: f32) {
 #[test]
 fn a_short_break_goes_on_and_a_long_one_hands_over() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(sleeper) = require_or_skip(find_example("sleeper")).unwrap() else { return };
+    let Some(sleeper) = require_or_skip(find_rig("sleeper")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "sleep");
     let mut hands = hands_at_rest(&monado);
     stand_before_stool(&mut hands, 1.45);

@@ -9,7 +9,7 @@ use paros_headset::start_up::{FAILURE_SHOWN, FailedStarts, RING_STEPS, StartNoti
 use paros_quest::platform::{PlainPlatform, Platform};
 use paros_shell::require::require_or_skip;
 
-use super::layered::{assert_no_violations, find_example, inject_event, read_log};
+use super::layered::{assert_no_violations, find_rig, inject_event, read_log};
 use super::monado::{MonadoService, MonadoTree, ShellEnd, ShellProcess, wait_for};
 use super::{hands_at_rest, read_frame};
 
@@ -50,7 +50,7 @@ fn numbers_of(log: &str, beginning: &str) -> Vec<u32> {
 #[test]
 fn while_programs_are_compiled_events_are_drained_and_a_picture_is_seen() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "loading");
     let _hands = hands_at_rest(&monado);
     wish(&monado, "slow-pipelines", &COMPILING.as_millis().to_string());
@@ -83,7 +83,7 @@ fn while_programs_are_compiled_events_are_drained_and_a_picture_is_seen() {
 #[test]
 fn a_visitor_who_leaves_while_programs_are_compiled_has_left() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "left-loading");
     wish(&monado, "slow-pipelines", "3000");
     let mut shell = monado.start_mapped_shell(&layer, &[]);
@@ -103,7 +103,7 @@ fn read_failed_starts(monado: &MonadoService) -> Option<FailedStarts> {
 #[test]
 fn a_failed_start_is_shown_and_logged_and_the_next_one_waits() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "failed-start");
     wish(&monado, "no-pipelines", "");
     let mut shell = monado.start_mapped_shell(&layer, &[]);
@@ -156,7 +156,7 @@ fn a_failed_start_is_shown_and_logged_and_the_next_one_waits() {
 #[test]
 fn a_second_start_in_the_process_works() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(again) = require_or_skip(find_example("again")).unwrap() else { return };
+    let Some(again) = require_or_skip(find_rig("again")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "again");
     let _hands = hands_at_rest(&monado);
     let mut shell = monado.start_program(&again, &["files"]);

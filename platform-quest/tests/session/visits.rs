@@ -11,7 +11,7 @@ use paros_shell::headset::visit::LastUse;
 use paros_shell::require::require_or_skip;
 
 use super::handover::finished_sculptures;
-use super::layered::{assert_no_violations, find_example, inject_event, read_log};
+use super::layered::{assert_no_violations, find_rig, inject_event, read_log};
 use super::monado::{
     MonadoService, MonadoTree, RemoteHand, RemoteHands, ShellEnd, ShellProcess, StatusLine,
     wait_for,
@@ -125,7 +125,7 @@ fn see_living_previews(monado: &MonadoService, shell: &mut ShellProcess) {
 #[test]
 fn a_visitor_goes_from_attract_to_the_badge_and_hands_over() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "visits");
     let mut hands = monado.connect_hands();
     look(&mut hands, 0.0);
@@ -194,7 +194,7 @@ fn a_visitor_goes_from_attract_to_the_badge_and_hands_over() {
 #[test]
 fn who_takes_the_headset_off_while_sculpting_is_gone_and_leaves_a_sculpture() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "visits-left");
     let mut hands = monado.connect_hands();
     look(&mut hands, 0.0);
@@ -220,7 +220,7 @@ fn who_takes_the_headset_off_while_sculpting_is_gone_and_leaves_a_sculpture() {
 #[test]
 fn a_killed_shell_goes_on_with_its_visit_unless_the_visitor_has_gone() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "visits-killed");
     let mut hands = monado.connect_hands();
     look(&mut hands, 0.0);
@@ -259,7 +259,7 @@ const FINGERTIP: Vec3 = Vec3::new(0.015, -0.115, -0.03);
 #[test]
 fn a_bare_hand_presses_by_touch_and_by_a_pinch() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
-    let Some(layer) = require_or_skip(find_example("liblayer.so")).unwrap() else { return };
+    let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
     let monado = MonadoService::start(&tree, "visits-bare");
     let mut hands = monado.connect_hands();
     look(&mut hands, 0.0);
