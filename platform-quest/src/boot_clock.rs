@@ -32,7 +32,7 @@ mod tests {
     use std::fs;
     use std::process::Command;
 
-    use paros_shell::headset::visit::BootId;
+    use paros_shell::last_use::BootId;
     use paros_shell::require::require_or_skip;
 
     use super::read_since_boot;

@@ -8,7 +8,7 @@ use std::time::Duration;
 use openxr as xr;
 use paros_headset::start_up::StartUp;
 use paros_shell::headset::device_health::DeviceHealth;
-use paros_shell::headset::visit::BootId;
+use paros_shell::last_use::BootId;
 use paros_upload::courier::CourierLink;
 use paros_upload::enrolment::Enrolment;
 

@@ -16,6 +16,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use paros_core::limits::INTERVALS;
+use paros_core::session::SessionMode;
 use paros_core::volume::{Grid, Size};
 use paros_headset::frame_pacer::FramePacer;
 use paros_headset::recentering::PendingRecentering;
@@ -27,7 +28,8 @@ use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
 use paros_shell::headset::hand_reader::HandReader;
 use paros_shell::headset::haptics::FrameHaptics;
 use paros_shell::headset::resolution::ResolutionPolicy;
-use paros_shell::headset::visit::{BootId, VisitPolicy};
+use paros_shell::headset::visit::VisitPolicy;
+use paros_shell::last_use::BootId;
 use paros_shell::statics::{Resident, WorldWithStarts};
 use paros_shell::studio::{Notice, Studio};
 use paros_shell::studio_paths::StudioPaths;
@@ -230,16 +232,14 @@ where
     ) -> Self {
         let start_anew = options.record.is_some();
         let host = hosting::open_host(options, start_anew, studio.world().visit());
+        let mode = if host.is_some() { SessionMode::None } else { options.mode };
         HeadsetShell {
             studio,
             courier,
             options,
             test_commands,
             start,
-            visit: match &host {
-                Some(_) => VisitPolicy::for_visits(options.handover_after),
-                None => VisitPolicy::new(options.mode, options.handover_after),
-            },
+            visit: VisitPolicy::new(mode, options.handover_after),
             host,
             phase: SessionPhase::default(),
             exit_requested_at: None,

@@ -7,7 +7,7 @@ use std::thread;
 
 use paros_headset::start_up::{FailedStarts, StartUp};
 use paros_shell::durable;
-use paros_shell::headset::visit::BootId;
+use paros_shell::last_use::BootId;
 use paros_shell::studio_paths::StudioPaths;
 
 use crate::error::Error;

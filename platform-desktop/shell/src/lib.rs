@@ -11,6 +11,7 @@ pub mod file_writer;
 pub mod headset;
 #[cfg(not(test))]
 pub mod instances;
+pub mod last_use;
 pub mod log_file;
 #[cfg(feature = "meshes")]
 pub mod mesh;

@@ -1,6 +1,7 @@
 //! The window's events, frame by frame.
 
 mod actions;
+mod idle;
 mod input;
 mod kiosk;
 mod layout;
@@ -40,7 +41,8 @@ use super::script::Script;
 use super::slowness::SlownessWatch;
 use super::view::{FrameParams, WindowRenderer};
 use super::{WindowError, WindowOptions};
-use kiosk::KioskWatch;
+use idle::IdleWatch;
+use kiosk::Kiosk;
 use touch::Fingers;
 use visits::WindowVisits;
 
@@ -79,7 +81,8 @@ where
     path: RenderPath,
     modifiers: ModifiersState,
     fingers: Fingers,
-    kiosk: KioskWatch,
+    idle: IdleWatch,
+    kiosk: Kiosk,
     /// Where sessions are visits of an exhibition.
     pub(super) visits: Option<WindowVisits>,
     scale: f32,
@@ -157,7 +160,8 @@ where
             path: RenderPath::Fast,
             modifiers: ModifiersState::empty(),
             fingers: Fingers::default(),
-            kiosk: KioskWatch::new(options.kiosk),
+            idle: IdleWatch::default(),
+            kiosk: Kiosk::new(options.kiosk, visits.is_some()),
             visits,
             scale: 1.0,
             pace: TickClock::default(),
@@ -232,13 +236,14 @@ where
         let now = Instant::now();
         let elapsed = now - core::mem::replace(&mut self.last, now);
         self.panels.add_frame_time(elapsed.as_secs_f32());
-        self.hand_over_if_gone(elapsed);
+        self.hand_over_if_gone();
         let due = self.pace.take_due_ticks(elapsed);
         // A script runs as fast as it can, and drops none.
         let ticks = if let Some(script) = &self.script {
             script.ticks_of_frame()
         } else {
             self.slowness.note_frame(elapsed, due);
+            self.idle.pass(due.dropped);
             due.due
         };
         for _ in 0..ticks {
@@ -264,6 +269,7 @@ where
         self.studio.run_tick(&input);
         self.follow_visit_tick();
         self.follow_booth();
+        self.idle.pass(1);
         let world = self.studio.world();
         if let Some(view) = &mut self.view {
             view.note_tick(world);

@@ -7,7 +7,7 @@ use glam::{Quat, Vec2, Vec3};
 use paros_shaders::panel::PanelRect;
 use paros_shaders::panel::layout;
 use paros_shaders::panel::{Icon, Message};
-use paros_shell::headset::visit::LastUse;
+use paros_shell::last_use::LastUse;
 use paros_shell::require::{MissingDependency, require_or_skip};
 use paros_visit::{PanelSpot, WindowView};
 

@@ -11,7 +11,10 @@ use paros_shell::require::{MissingDependency, require_or_skip};
 use paros_visit::PanelSpot;
 
 use super::exhibition::{SETTINGS, choose_the_owl, click, cut_and_finish};
-use super::rig::{ScriptedWindow, XvfbDisplay, check_program, empty_folder, paros_command};
+use super::rig::{
+    HEIGHT, STROKE, ScriptedWindow, WIDTH, XvfbDisplay, check_program, count_differing,
+    empty_folder, paros_command,
+};
 
 /// A window with visits on a display, its stone there.
 fn open_visits(display: &XvfbDisplay) -> ScriptedWindow {
@@ -77,6 +80,34 @@ fn the_guides_steps_end_by_what_they_ask_for() -> Result<(), MissingDependency> 
         assert_eq!(visit.close().0, Some(0));
         fs::remove_dir_all(folder.join("data")).expect("it is there");
     }
+    Ok(())
+}
+
+#[test]
+fn a_kiosk_keeps_what_its_visitor_left_and_then_shows_the_start() -> Result<(), MissingDependency> {
+    let folder = empty_folder("kiosk");
+    let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
+    let settings = folder.join("paros.toml");
+    fs::write(&settings, "kiosk_seconds = 30\n").expect("settings");
+    let settings = settings.display().to_string();
+    let mut command = paros_command(&folder);
+    let command = command.env("DISPLAY", &display.name);
+    let mut visit = ScriptedWindow::spawn_with(command, &["--kiosk", "--settings", &settings]);
+    visit.do_all(&["start free", "wait 4", "wheel 6"]);
+    visit.do_all(&STROKE);
+    visit.do_all(&["move 3 97", "wait 2000"]);
+    visit.screenshot(&display, "1-countdown");
+    assert_eq!(visit.ask_state("session"), "Sculpting", "28 seconds");
+    visit.do_step("wait 160");
+    assert_eq!(visit.ask_state("session"), "Finished", "30 seconds");
+    let finished = visit.screenshot(&display, "2-finished");
+    visit.do_all(&["settle", "wait 1440"]);
+    let start = visit.screenshot(&display, "3-start");
+    let pixels = count_differing(&finished, &start, [0, WIDTH], [0, HEIGHT]);
+    assert!(pixels > 20_000, "the start is seen in {pixels} pixels");
+    assert!(folder.join("Paros/sculpture-001.stl").exists(), "no print");
+    let (code, complaints) = visit.close();
+    assert_eq!((code, complaints.lines().count()), (Some(0), 1), "the setting alone: {complaints}");
     Ok(())
 }
 

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 pub use failed_starts::FailedStarts;
 
-use paros_shell::headset::visit::BootId;
+use paros_shell::last_use::BootId;
 
 /// For how long the cause of a failed start is shown.
 pub const FAILURE_SHOWN: Duration = Duration::from_secs(15);

@@ -20,7 +20,7 @@ use paros_core::volume::{Grid, Size};
 use paros_headset::runtime::{PARTITIONS, list_candidates};
 use paros_headset::start_up::{StartUp, may_leave_destroyed};
 use paros_shell::headset::package::{self, OPENXR_LOADER};
-use paros_shell::headset::visit::BootId;
+use paros_shell::last_use::BootId;
 use paros_shell::settings::{self, FLEET_FILE_KEY, LoadedSettings, SettingsLayer};
 use paros_shell::sizes::GRID_SIDES;
 use paros_shell::statics::Resident;

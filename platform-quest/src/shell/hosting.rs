@@ -13,7 +13,7 @@ use paros_shaders::gpu::Renderer;
 use paros_shaders::panel::Panel;
 use paros_shell::headset::hand_sample::HandSample;
 use paros_shell::headset::haptics::TickHaptics;
-use paros_shell::headset::visit::LastUse;
+use paros_shell::last_use::LastUse;
 use paros_shell::statics::Resident;
 use paros_visit::{ExportState, HeadsetTick, VisitHost, close_visits};
 

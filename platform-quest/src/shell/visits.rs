@@ -6,9 +6,11 @@ use paros_core::TickInput;
 use paros_core::internals::RoomPose;
 use paros_core::limits::INTERVALS;
 use paros_core::session::SessionState;
+use paros_core::visit::Presence;
 use paros_core::volume::{Grid, Size};
 use paros_headset::room_placement::{PlacementNeed, RoomTransform};
-use paros_shell::headset::visit::{LastUse, VisitorChange};
+use paros_shell::headset::visit::VisitorChange;
+use paros_shell::last_use::LastUse;
 use paros_shell::statics::Resident;
 
 use super::HeadsetShell;
@@ -92,7 +94,7 @@ where
 
     /// Tells the room's placement where the head is in the room. Returns where the room is to lie, if that changes.
     pub(super) fn observe_head(&mut self, head: Option<RoomPose>) -> Option<RoomTransform> {
-        let worn_head = head.filter(|_| self.visit.is_maybe_worn());
+        let worn_head = head.filter(|_| self.visit.presence() != Presence::Off);
         self.placement.observe_head(worn_head)
     }
 

@@ -11,7 +11,7 @@ use paros_quest::error::Error;
 use paros_quest::options::ShellOptions;
 use paros_quest::platform::{PlainPlatform, Platform};
 use paros_quest::shell::run_shell;
-use paros_shell::headset::visit::BootId;
+use paros_shell::last_use::BootId;
 
 /// By how much the boot clock is slower than the host's while the device is awake: on a busy host a start may take as
 /// long as a break that ends a visit.

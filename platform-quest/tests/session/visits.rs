@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use glam::{Quat, Vec3};
 use paros_core::session::Tool;
-use paros_shell::headset::visit::LastUse;
+use paros_shell::last_use::LastUse;
 use paros_shell::require::require_or_skip;
 
 use super::handover::finished_sculptures;

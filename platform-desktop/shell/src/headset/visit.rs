@@ -9,7 +9,6 @@
 //! Where the core holds visits ([`paros_core::visit`]) they decide all that; then it only tells whether the headset is
 //! worn and used.
 
-mod last_use;
 #[cfg(test)]
 mod tests;
 mod use_watch;
@@ -20,8 +19,9 @@ use paros_core::TickInput;
 use paros_core::session::{SessionMode, SessionState, TICK_RATE, commands};
 use paros_core::visit::Presence;
 
-pub use last_use::{BootId, LastUse};
 use use_watch::UseWatch;
+
+use crate::last_use::{BootId, LastUse, UseClock};
 
 /// The default of how long the headset must be unused for whoever uses it next to be another visitor.
 pub const DEFAULT_HANDOVER: Duration = Duration::from_secs(45);
@@ -35,9 +35,6 @@ const LEAST_IDLENESS: Duration = Duration::from_secs(5);
 
 /// Idleness after which a headset that wasn't seen to be taken off was put down and taken up again.
 const PUT_DOWN: Duration = Duration::from_secs(10);
-
-/// How old the time of the last use on the disk may become while the headset is used.
-const STAMP_INTERVAL: Duration = Duration::from_secs(5);
 
 /// Who uses the headset.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -64,7 +61,7 @@ enum WearState {
 /// Decides when sessions start and finish: from the headset's use and the menu button.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct VisitPolicy {
-    /// How sessions start.
+    /// How sessions start; [`SessionMode::None`] where visits start and hand over.
     start_mode: SessionMode,
     /// How long the headset must be unused for whoever uses it next to be another visitor.
     absence_before_handover: Duration,
@@ -72,11 +69,7 @@ pub struct VisitPolicy {
     watch: UseWatch,
     /// The last tick's input showed a use.
     is_used: bool,
-    /// It hands sessions over; else visits do.
-    hands_over: bool,
-    last_use: Option<Duration>,
-    /// The last use that was given out to be kept on the disk.
-    stamped: Option<Duration>,
+    uses: UseClock,
     /// The session is to be finished and another started: another visitor has come.
     handing_over: bool,
     /// Ticks for which the menu button has been down.
@@ -85,7 +78,8 @@ pub struct VisitPolicy {
 
 impl VisitPolicy {
     /// A policy by which sessions start in a mode, and are handed over once the headset was unused for
-    /// `absence_before_handover`.
+    /// `absence_before_handover`. With [`SessionMode::None`] it starts and hands over nothing, as visits do that: it
+    /// tells of wearing and use.
     #[must_use]
     pub fn new(start_mode: SessionMode, absence_before_handover: Duration) -> Self {
         VisitPolicy {
@@ -94,19 +88,10 @@ impl VisitPolicy {
             presence: WearState::Unknown,
             watch: UseWatch::default(),
             is_used: false,
-            hands_over: true,
-            last_use: None,
-            stamped: None,
+            uses: UseClock::default(),
             handing_over: false,
             menu_held_ticks: 0,
         }
-    }
-
-    /// A policy that starts and hands over nothing, as visits do that: it tells of wearing and use.
-    #[must_use]
-    pub fn for_visits(absence_before_handover: Duration) -> Self {
-        let policy = VisitPolicy::new(SessionMode::None, absence_before_handover);
-        VisitPolicy { hands_over: false, ..policy }
     }
 
     /// Takes in that a session was found on the disk, and when the headset was last used, if that can be told. After
@@ -122,8 +107,8 @@ impl VisitPolicy {
             let away = used.time_until(boot, now);
             away.is_some_and(|away| away < self.absence_before_handover)
         };
-        self.last_use = last_use.filter(is_recent).map(|used| used.since_boot);
-        if self.last_use.is_some() {
+        self.uses.last_use = last_use.filter(is_recent).map(|used| used.since_boot);
+        if self.uses.last_use.is_some() {
             return VisitorChange::None;
         }
         self.handing_over = true;
@@ -137,7 +122,7 @@ impl VisitPolicy {
                 self.presence = WearState::OffSince(now);
             }
             // Taking it off is no use of it, but where none was seen it was worn until now at the latest.
-            self.last_use = self.last_use.or(Some(now));
+            self.uses.last_use.get_or_insert(now);
             return VisitorChange::None;
         }
         let before = core::mem::replace(&mut self.presence, WearState::Worn);
@@ -176,12 +161,6 @@ impl VisitPolicy {
         self.watch.forget_poses();
     }
 
-    /// Whether the headset may be worn: it is not told to be off, or is used all the same.
-    #[must_use]
-    pub const fn is_maybe_worn(&self) -> bool {
-        !matches!(self.presence, WearState::OffSince(_))
-    }
-
     /// Whether the headset is worn, as a visit is told. A sensor that has it off though it is used tells nothing.
     #[must_use]
     pub const fn presence(&self) -> Presence {
@@ -198,18 +177,15 @@ impl VisitPolicy {
         self.is_used
     }
 
-    /// The time of the last use, each time that the one on the disk has become old; none while a session is still to
-    /// be handed over, which would become that of the next visitor.
+    /// As [`UseClock::take_due_stamp`]. Returns `None` while a session is still to be handed over: the time would make
+    /// it the next visitor's.
     pub fn take_due_stamp(&mut self) -> Option<Duration> {
-        let last = self.last_use.filter(|_| !self.handing_over)?;
-        let is_due = self.stamped.is_none_or(|stamped| last >= stamped + STAMP_INTERVAL);
-        is_due.then(|| *self.stamped.insert(last))
+        if self.handing_over { None } else { self.uses.take_due_stamp() }
     }
 
-    /// As [`Self::take_due_stamp`], where the process may end or sleep next: whenever it is another one.
+    /// As [`UseClock::take_last_stamp`], but for a session that is still to be handed over.
     pub fn take_last_stamp(&mut self) -> Option<Duration> {
-        let last = self.last_use.filter(|_| !self.handing_over)?;
-        (self.stamped != Some(last)).then(|| *self.stamped.insert(last))
+        if self.handing_over { None } else { self.uses.take_last_stamp() }
     }
 
     /// Adds to a tick's input: a start where there is no session; the finish where the menu button was
@@ -217,36 +193,31 @@ impl VisitPolicy {
     /// kept: the next visitor's starts in its place.
     pub fn add_session_start_or_finish(
         &mut self,
-        world_session: SessionState,
+        session: SessionState,
         is_sculpted: bool,
         is_menu_down: bool,
         input: &mut TickInput,
     ) {
-        let pressed = is_menu_down && self.menu_held_ticks == 0;
+        let is_pressed = is_menu_down && self.menu_held_ticks == 0;
         self.menu_held_ticks =
             if is_menu_down { self.menu_held_ticks.saturating_add(1) } else { 0 };
-        let is_left = self.handing_over && !is_sculpted;
-        match world_session {
-            SessionState::Waiting => input.start = self.start_mode,
-            SessionState::Sculpting if is_left => input.start = self.start_mode,
-            SessionState::Sculpting
-                if self.handing_over || self.menu_held_ticks == FINISH_HOLD_TICKS =>
-            {
-                input.commands |= commands::FINISH;
-            }
-            SessionState::Finished if self.handing_over || pressed => {
-                input.start = self.start_mode;
-            }
-            SessionState::Sculpting | SessionState::Finished => {}
+        let is_held = self.menu_held_ticks == FINISH_HOLD_TICKS;
+        let is_start_due = match session {
+            SessionState::Waiting => true,
+            SessionState::Sculpting => self.handing_over && !is_sculpted,
+            SessionState::Finished => self.handing_over || is_pressed,
+        };
+        if is_start_due {
+            (input.start, self.handing_over) = (self.start_mode, false);
+        } else if session == SessionState::Sculpting && (self.handing_over || is_held) {
+            input.commands |= commands::FINISH;
         }
-        self.handing_over &= input.start == SessionMode::None;
     }
 
     /// Notes that the headset is used, and by whom, where another visitor has it from a time of `limit` on.
     fn note_use(&mut self, limit: Duration, now: Duration) -> VisitorChange {
-        let Some(last) = self.last_use.replace(now) else { return VisitorChange::None };
-        let away = now.saturating_sub(last);
-        if away >= limit && self.hands_over {
+        let Some(away) = self.uses.note_use(now) else { return VisitorChange::None };
+        if away >= limit && self.start_mode != SessionMode::None {
             self.handing_over = true;
             VisitorChange::NextVisitor
         } else if away >= PUT_DOWN {

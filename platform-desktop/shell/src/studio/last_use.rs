@@ -9,7 +9,7 @@ use paros_core::volume::{Grid, Size};
 use super::Studio;
 use crate::durable::{self, WriteError};
 use crate::file_writer::{Destination, FileKind, FileWriter, WriteJob};
-use crate::headset::visit::LastUse;
+use crate::last_use::LastUse;
 use crate::statics::Resident;
 
 /// The file, with one buffer that goes to the file writer and comes back.

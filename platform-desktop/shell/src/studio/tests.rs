@@ -12,7 +12,7 @@ use paros_core::volume::Grid;
 use paros_core::{HandInput, TickInput};
 
 use super::{CarvingOn, Notice, SessionToStart, Studio};
-use crate::headset::visit::{BootId, LastUse};
+use crate::last_use::{BootId, LastUse};
 use crate::statics::Resident;
 use crate::studio_paths::StudioPaths;
 

@@ -34,15 +34,7 @@ where
 {
     /// Handles an event of an input device, or of the window itself.
     pub(super) fn handle_event(&mut self, event: WindowEvent) {
-        let is_use = self.kiosk.note_event(&event);
-        if let Some(visits) = self.visits.as_mut().filter(|_| is_use) {
-            match event {
-                WindowEvent::CursorMoved { position, .. } => {
-                    visits.note_cursor([position.x as f32, position.y as f32]);
-                }
-                _ => visits.note_use(),
-            }
-        }
+        self.idle.note_event(&event);
         match event {
             WindowEvent::Touch(touch) => self.handle_touch(&touch),
             WindowEvent::Resized(size) => {

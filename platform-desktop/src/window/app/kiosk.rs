@@ -6,13 +6,12 @@ use paros_core::limits::INTERVALS;
 use paros_core::session::{SessionState, commands};
 use paros_core::volume::{Grid, Size};
 use paros_shell::statics::Resident;
-use winit::event::WindowEvent;
 use winit::window::Fullscreen;
 
 use super::App;
 use crate::window::keys::KeyCommand;
 
-/// For how long before that a visitor is told.
+/// For how long a visitor is told before a sculpture is finished.
 const TOLD_FOR: Duration = Duration::from_secs(20);
 
 /// The same, of the start that takes a finished sculpture's place.
@@ -21,32 +20,19 @@ const START_TOLD_FOR: Duration = Duration::from_secs(10);
 /// Time after a visitor has gone in which the finished sculpture is shown.
 const SHOWN_FOR: Duration = Duration::from_secs(20);
 
-/// For how long there was no input. Without a kiosk it isn't looked at.
+/// A kiosk's rules: which keys it refuses, and when it hands over. At home nothing is refused or handed over.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(super) struct KioskWatch {
+pub(super) struct Kiosk {
     /// Whether the window is one of a kiosk.
     pub(super) is_on: bool,
-    /// Time without input after which a visitor has gone.
-    gone_after: Duration,
-    idle: Duration,
+    /// Time without use after which a visitor has gone; `None` where nobody hands over, or visits do.
+    gone_after: Option<Duration>,
 }
 
-/// What becomes of a sculpture whose visitor has gone.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Handover {
-    /// Nothing yet, or nothing more.
-    Nothing,
-    /// It is finished, and so printed and kept.
-    Finish,
-    /// The next visitor's start is shown.
-    ShowStart,
-}
-
-impl KioskWatch {
-    /// A watch; without a kiosk `gone_after` is none.
-    pub(super) fn new(gone_after: Option<Duration>) -> Self {
-        let is_on = gone_after.is_some();
-        KioskWatch { is_on, gone_after: gone_after.unwrap_or_default(), idle: Duration::ZERO }
+impl Kiosk {
+    /// Returns the rules of a window; without a kiosk `gone_after` is none.
+    pub(super) fn new(gone_after: Option<Duration>, has_visits: bool) -> Self {
+        Kiosk { is_on: gone_after.is_some(), gone_after: gone_after.filter(|_| !has_visits) }
     }
 
     /// The whole of the monitor that the window is on, in a kiosk.
@@ -54,52 +40,27 @@ impl KioskWatch {
         self.is_on.then_some(Fullscreen::Borderless(None))
     }
 
-    /// Notes an event of the window. Whether somebody uses it.
-    pub(super) const fn note_event(&mut self, event: &WindowEvent) -> bool {
-        let is_use = matches!(
-            event,
-            WindowEvent::CursorMoved { .. }
-                | WindowEvent::MouseInput { .. }
-                | WindowEvent::MouseWheel { .. }
-                | WindowEvent::KeyboardInput { .. }
-                | WindowEvent::Touch(_)
-        );
-        if is_use {
-            self.idle = Duration::ZERO;
-        }
-        is_use
-    }
-
-    /// Whether a key's command is for visitors: no developer's tools in a kiosk.
+    /// Returns `true` if a key's command is for visitors: no developer's tools in a kiosk.
     pub(super) const fn allows(&self, command: KeyCommand) -> bool {
         !self.is_on || !matches!(command, KeyCommand::Graph | KeyCommand::Path | KeyCommand::Record)
     }
 
-    /// Seconds until a sculpture is finished for whoever left it, or a finished one makes room for the start, once the
-    /// visitor is to be told.
-    pub(super) fn seconds_to_handover(&self, session: SessionState) -> Option<u32> {
-        let (due_after, told_for) = match session {
+    /// Returns the seconds until a sculpture is finished for whoever left it, or a finished one makes room for the
+    /// start, once the visitor is to be told.
+    pub(super) fn seconds_to_handover(&self, session: SessionState, idle: Duration) -> Option<u32> {
+        let told_for = match session {
             SessionState::Waiting => return None,
-            SessionState::Sculpting => (self.gone_after, TOLD_FOR),
-            SessionState::Finished => (self.gone_after + SHOWN_FOR, START_TOLD_FOR),
+            SessionState::Sculpting => TOLD_FOR,
+            SessionState::Finished => START_TOLD_FOR,
         };
-        let left = due_after.checked_sub(self.idle)?;
-        let is_told = self.is_on && left <= told_for;
-        is_told.then_some(left.as_secs_f32().ceil() as u32)
+        let left = self.handover_after(session)?.checked_sub(idle)?;
+        (left <= told_for).then(|| left.as_secs_f32().ceil() as u32)
     }
 
-    /// Takes the time since the last frame in, and says what is due in a session of this phase, in which something
-    /// was sculpted or nothing.
-    fn advance(&mut self, elapsed: Duration, session: SessionState, is_sculpted: bool) -> Handover {
-        self.idle = self.idle.saturating_add(elapsed);
-        if !self.is_on || self.idle < self.gone_after {
-            return Handover::Nothing;
-        }
-        match session {
-            SessionState::Sculpting if is_sculpted => Handover::Finish,
-            SessionState::Finished if self.idle < self.gone_after + SHOWN_FOR => Handover::Nothing,
-            _ => Handover::ShowStart,
-        }
+    /// Returns the time without use after which a sculpture is finished for whoever left it, or the start shown.
+    fn handover_after(&self, session: SessionState) -> Option<Duration> {
+        let shown_for = if session == SessionState::Finished { SHOWN_FOR } else { Duration::ZERO };
+        self.gone_after.map(|gone_after| gone_after + shown_for)
     }
 }
 
@@ -108,17 +69,18 @@ where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
     /// Hands the window over to the next visitor once this one has gone.
-    pub(super) fn hand_over_if_gone(&mut self, elapsed: Duration) {
-        if self.visits.is_some() {
-            // Visits have a clock of their own.
+    pub(super) fn hand_over_if_gone(&mut self) {
+        let world = self.studio.world();
+        let session = world.session_state();
+        let after = self.kiosk.handover_after(session);
+        if after.is_none_or(|after| self.idle.time() < after) {
             return;
         }
-        let world = self.studio.world();
         let is_sculpted = world.undo_counts().undoable > 0;
-        match self.kiosk.advance(elapsed, world.session_state(), is_sculpted) {
-            Handover::Nothing => {}
-            Handover::Finish => self.hands.queue_commands(commands::FINISH),
-            Handover::ShowStart => self.panels.show_start_alone(),
+        if session == SessionState::Sculpting && is_sculpted {
+            self.hands.queue_commands(commands::FINISH);
+        } else {
+            self.panels.show_start_alone();
         }
     }
 }
@@ -129,69 +91,54 @@ mod tests {
 
     use paros_core::session::SessionState::{Finished, Sculpting, Waiting};
 
-    use super::{Handover, KioskWatch};
+    use super::Kiosk;
     use crate::window::keys::KeyCommand;
 
-    const KIOSK: Option<Duration> = Some(Duration::from_secs(90));
+    const GONE_AFTER: Option<Duration> = Some(Duration::from_secs(90));
+
+    const fn seconds(seconds: u64) -> Duration {
+        Duration::from_secs(seconds)
+    }
 
     #[test]
-    fn what_a_visitor_left_is_finished_and_shown_before_the_next_start() {
-        let second = Duration::from_secs(1);
-        let mut watch = KioskWatch::new(KIOSK);
-        for _ in 0..89 {
-            assert_eq!(watch.advance(second, Sculpting, true), Handover::Nothing);
+    fn a_sculpture_is_left_after_the_settings_time_and_shown_for_20_seconds_more() {
+        for gone_after in [30, 90] {
+            let kiosk = Kiosk::new(Some(seconds(gone_after)), false);
+            let after = [Waiting, Sculpting, Finished].map(|session| kiosk.handover_after(session));
+            let expected = [gone_after, gone_after, gone_after + 20];
+            assert_eq!(after, expected.map(|after| Some(seconds(after))));
         }
-        assert_eq!(watch.advance(second, Sculpting, true), Handover::Finish);
-        assert_eq!(watch.advance(19 * second, Finished, true), Handover::Nothing);
-        assert_eq!(watch.advance(second, Finished, true), Handover::ShowStart);
-        let mut watch = KioskWatch::new(KIOSK);
-        assert_eq!(watch.advance(90 * second, Sculpting, false), Handover::ShowStart);
-        assert_eq!(watch.advance(second, Waiting, false), Handover::ShowStart);
-        let mut watch = KioskWatch::new(None);
-        assert_eq!(watch.advance(900 * second, Sculpting, true), Handover::Nothing);
     }
 
     #[test]
     fn a_visitor_is_told_before_the_sculpture_is_finished_and_before_the_next_start() {
-        let second = Duration::from_secs(1);
-        let mut watch = KioskWatch::new(KIOSK);
-        watch.advance(69 * second, Sculpting, true);
-        assert_eq!(watch.seconds_to_handover(Sculpting), None);
-        watch.advance(second, Sculpting, true);
-        assert_eq!(watch.seconds_to_handover(Sculpting), Some(20));
-        assert_eq!(watch.seconds_to_handover(Finished), None, "it is shown for a while");
-        watch.advance(Duration::from_millis(19_500), Sculpting, true);
-        assert_eq!(watch.seconds_to_handover(Sculpting), Some(1));
-        assert_eq!(watch.seconds_to_handover(Waiting), None, "there is nothing to lose");
-        watch.advance(Duration::from_millis(10_500), Finished, true);
-        assert_eq!(watch.seconds_to_handover(Finished), Some(10), "before the start");
-        watch.advance(10 * second, Finished, true);
-        assert_eq!(watch.seconds_to_handover(Finished), Some(0));
-        watch.advance(second, Finished, true);
-        assert_eq!(watch.seconds_to_handover(Finished), None, "it is the next one's turn");
-        let mut window = KioskWatch::new(None);
-        window.advance(80 * second, Sculpting, true);
+        let kiosk = Kiosk::new(GONE_AFTER, false);
+        let told =
+            |session, millis| kiosk.seconds_to_handover(session, Duration::from_millis(millis));
         assert_eq!(
-            window.seconds_to_handover(Sculpting),
-            None,
-            "nobody waits for a window at home"
+            [69_000, 70_000, 89_500].map(|at| told(Sculpting, at)),
+            [None, Some(20), Some(1)]
         );
+        let finished = [99_000, 100_000, 110_000, 111_000].map(|at| told(Finished, at));
+        assert_eq!(finished, [None, Some(10), Some(0), None], "shown, told, the next one's turn");
+        assert_eq!(told(Waiting, 89_500), None, "there is nothing to lose");
     }
 
     #[test]
-    fn a_kiosk_waits_as_long_as_its_settings_say() {
-        let second = Duration::from_secs(1);
-        let mut watch = KioskWatch::new(Some(30 * second));
-        assert_eq!(watch.advance(29 * second, Sculpting, true), Handover::Nothing);
-        assert_eq!(watch.seconds_to_handover(Sculpting), Some(1));
-        assert_eq!(watch.advance(second, Sculpting, true), Handover::Finish);
-        assert_eq!(watch.advance(20 * second, Finished, true), Handover::ShowStart);
+    fn a_window_at_home_and_one_with_visits_count_nothing_down() {
+        for kiosk in [Kiosk::new(None, false), Kiosk::new(GONE_AFTER, true)] {
+            assert_eq!(kiosk.seconds_to_handover(Sculpting, seconds(80)), None);
+            assert_eq!(kiosk.handover_after(Sculpting), None);
+        }
     }
 
     #[test]
     fn developers_keys_are_for_developers() {
         let keys = [KeyCommand::Record, KeyCommand::Graph, KeyCommand::Path, KeyCommand::Help];
-        assert_eq!(keys.map(|key| KioskWatch::new(KIOSK).allows(key)), [false, false, false, true]);
-        assert!(keys.into_iter().all(|key| KioskWatch::new(None).allows(key)));
+        for has_visits in [false, true] {
+            let kiosk = Kiosk::new(GONE_AFTER, has_visits);
+            assert_eq!(keys.map(|key| kiosk.allows(key)), [false, false, false, true]);
+        }
+        assert!(keys.into_iter().all(|key| Kiosk::new(None, false).allows(key)));
     }
 }

@@ -24,6 +24,7 @@ where
         self.panels.input.time = Some(self.begun.elapsed().as_secs_f64());
         self.panels.set_window(size, self.scale);
         let world = self.studio.world();
+        let session = world.session_state();
         let held = world.held_tool(RIGHT);
         let outline = BitOutline::project_bit(world, &self.hands.orbit, size);
         let mirror = MirrorGuide::project_mirror(world, &self.hands.orbit, size);
@@ -35,7 +36,7 @@ where
             None => ("", gpu::FrameTimes::default()),
         };
         let status = StudioStatus {
-            session: world.session_state(),
+            session,
             mode: world.mode(),
             held,
             size: held.map_or(BitSize::NATURAL, |(_, bit)| world.workbench().size_of(bit)),
@@ -63,7 +64,7 @@ where
             has_guide: self.has_visit_guide(),
             is_asking: self.is_visit_asking(),
             kiosk: self.kiosk.is_on,
-            seconds_to_handover: self.kiosk.seconds_to_handover(world.session_state()),
+            seconds_to_handover: self.kiosk.seconds_to_handover(session, self.idle.time()),
             drops: self.window.as_deref().is_some_and(supports_file_drops),
             fast: self.path == RenderPath::Fast,
             device,

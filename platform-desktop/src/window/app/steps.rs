@@ -41,10 +41,8 @@ where
         step: ScriptStep,
         events: &ActiveEventLoop,
     ) -> Result<(), WindowError> {
-        if let (Some(visits), ScriptStep::Device(_) | ScriptStep::Key(..) | ScriptStep::Tap(_)) =
-            (&mut self.visits, &step)
-        {
-            visits.note_use();
+        if matches!(step, ScriptStep::Device(_) | ScriptStep::Key(..) | ScriptStep::Tap(_)) {
+            self.idle.note_use();
         }
         match step {
             ScriptStep::Device(InputEvent::Pressed(HandButton::Left)) if self.visits.is_some() => {

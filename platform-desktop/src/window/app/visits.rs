@@ -2,12 +2,11 @@
 
 use glam::Quat;
 use paros_core::limits::INTERVALS;
-use paros_core::session::TICK_RATE;
 use paros_core::visit::{GuideStep, Presence, VisitPhase};
 use paros_core::volume::{Grid, Size};
 use paros_core::{TickInput, WorldEvent};
 use paros_shaders::panel::{Language, Panel};
-use paros_shell::headset::visit::LastUse;
+use paros_shell::last_use::{LastUse, UseClock};
 use paros_shell::statics::Resident;
 use paros_shell::studio::Studio;
 use paros_visit::{
@@ -15,12 +14,6 @@ use paros_visit::{
 };
 
 use super::App;
-
-/// Ticks without an event for which a window counts as used: a mouse rests while its visitor looks or reads.
-const QUIET_TICKS: u32 = 15 * TICK_RATE;
-
-/// How old the time of the last use on the disk may become while the window is used.
-const STAMP_TICKS: u32 = 5 * TICK_RATE;
 
 /// How far the eye goes round the stone until it has been looked at from another side, in radians: a sixth of the window's
 /// height as a drag.
@@ -33,33 +26,11 @@ const CURSOR: usize = 2;
 #[derive(Debug)]
 pub(in crate::window) struct WindowVisits {
     pub(in crate::window) host: VisitHost,
-    /// Ticks since the last event of mouse, keys or fingers.
-    quiet_ticks: u32,
-    stamp: UseStamp,
-    /// Where the cursor was told to be last.
-    cursor: Option<[f32; 2]>,
+    uses: UseClock,
     is_pressed: bool,
     /// It was pressed since the last tick, and may be up again.
     was_pressed: bool,
     look_around: LookAround,
-}
-
-/// When the time of the last use was last kept.
-#[derive(Clone, Copy, Default, Debug)]
-struct UseStamp {
-    /// Ticks of use since then; None while the window isn't used.
-    ticks: Option<u32>,
-}
-
-impl UseStamp {
-    /// Notes whether a tick counts as a use. Whether its time is to be kept: each time that the one on the disk has become
-    /// old.
-    fn is_due(&mut self, is_used: bool) -> bool {
-        let ticks = self.ticks.map_or(STAMP_TICKS, |ticks| ticks + 1);
-        let is_due = is_used && ticks >= STAMP_TICKS;
-        self.ticks = is_used.then_some(if is_due { 0 } else { ticks });
-        is_due
-    }
 }
 
 /// How the eye was turned when the guide asked to look around.
@@ -79,11 +50,9 @@ impl LookAround {
     }
 }
 
-/// Whether a window counts as used so many ticks after the last event. With hands off, as they are told to be, and while
-/// a badge is looked at, nothing is to be moved: those phases have times of their own.
-const fn is_window_used(phase: VisitPhase, quiet_ticks: u32) -> bool {
-    let is_at_rest = matches!(phase, VisitPhase::HandsOff | VisitPhase::Export | VisitPhase::Badge);
-    is_at_rest || quiet_ticks < QUIET_TICKS
+/// Returns `true` in a phase that asks for no motion and has a time of its own: hands are off, or a badge is looked at.
+const fn is_at_rest(phase: VisitPhase) -> bool {
+    matches!(phase, VisitPhase::HandsOff | VisitPhase::Export | VisitPhase::Badge)
 }
 
 impl WindowVisits {
@@ -105,26 +74,11 @@ impl WindowVisits {
         }
         WindowVisits {
             host,
-            quiet_ticks: QUIET_TICKS,
-            stamp: UseStamp::default(),
-            cursor: None,
+            uses: UseClock::default(),
             is_pressed: false,
             was_pressed: false,
             look_around: LookAround::default(),
         }
-    }
-
-    /// Notes that the cursor is somewhere: a window that opens under it has not been used yet.
-    pub(super) fn note_cursor(&mut self, at: [f32; 2]) {
-        let before = self.cursor.replace(at);
-        if before.is_some_and(|before| before != at) {
-            self.note_use();
-        }
-    }
-
-    /// Notes an event of mouse, keys or fingers.
-    pub(super) const fn note_use(&mut self) {
-        self.quiet_ticks = 0;
     }
 
     /// Notes the left button, or a finger.
@@ -200,10 +154,12 @@ where
         });
         let world = self.studio.world();
         visits.host.follow_pointers(world.visit(), &pointers);
-        let is_used = is_window_used(world.visit().phase(), visits.quiet_ticks);
-        visits.quiet_ticks = visits.quiet_ticks.saturating_add(1);
+        let is_used = is_at_rest(world.visit().phase()) || self.idle.is_in_use();
         visits.host.fill_input(world, (Presence::Unknown, is_used), input);
-        if visits.stamp.is_due(is_used)
+        if is_used {
+            visits.uses.note_use(self.begun.elapsed());
+        }
+        if visits.uses.take_due_stamp().is_some()
             && let Some(now) = LastUse::read_now()
         {
             self.studio.keep_last_use(now);
@@ -212,9 +168,11 @@ where
 
     /// Has the time of the last use kept on the disk, as the program may end next.
     pub(super) fn keep_last_use_before_end(&mut self) {
-        let is_used = self.visits.as_ref().is_some_and(|visits| visits.stamp.ticks.is_some());
-        if let Some(now) = LastUse::read_now().filter(|_| is_used) {
-            self.studio.keep_last_use(now);
+        let last_use = self.visits.as_mut().and_then(|visits| visits.uses.take_last_stamp());
+        if let (Some(last_use), Some(now)) = (last_use, LastUse::read_now()) {
+            let unused = self.begun.elapsed().saturating_sub(last_use);
+            let since_boot = now.since_boot.saturating_sub(unused);
+            self.studio.keep_last_use(LastUse { since_boot, ..now });
         }
     }
 
@@ -304,10 +262,7 @@ mod tests {
     use glam::Quat;
     use paros_core::visit::GuideStep::{Cut, TurnStool};
 
-    use super::{
-        LookAround, QUIET_TICKS, STAMP_TICKS, UseStamp, VisitPhase, WorldEvent, ends_work,
-        is_window_used,
-    };
+    use super::{LookAround, VisitPhase, WorldEvent, ends_work, is_at_rest};
 
     #[test]
     fn an_eye_has_looked_around_once_it_went_far_enough_since_it_was_asked_to() {
@@ -323,17 +278,6 @@ mod tests {
     }
 
     #[test]
-    fn the_time_of_the_last_use_is_kept_every_five_seconds_of_use() {
-        let mut stamp = UseStamp::default();
-        let mut stamped =
-            |is_used, ticks: u32| (0..ticks).filter(|_| stamp.is_due(is_used)).count();
-        assert_eq!(stamped(false, 1000), 0);
-        assert_eq!([stamped(true, 1), stamped(true, STAMP_TICKS - 1)], [1, 0]);
-        assert_eq!(stamped(true, 10 * STAMP_TICKS), 10);
-        assert_eq!([stamped(false, 3), stamped(true, 1)], [0, 1], "it is taken up again");
-    }
-
-    #[test]
     fn help_is_closed_once_the_tool_bar_with_its_button_goes() {
         use VisitPhase::{Badge, Choice, Guided, HandsOff, Sculpting, Welcome};
         let closes = [Welcome, Choice, Guided, Sculpting, HandsOff, Badge]
@@ -345,11 +289,7 @@ mod tests {
     #[test]
     fn a_mouse_may_rest_while_hands_are_off_and_a_badge_is_looked_at() {
         use VisitPhase::{Badge, Choice, Export, HandsOff, Sculpting, Thanks, Welcome};
-        let used = |quiet| {
-            let phases = [Welcome, Choice, Sculpting, HandsOff, Export, Badge, Thanks];
-            phases.map(|phase| is_window_used(phase, quiet))
-        };
-        assert_eq!(used(QUIET_TICKS - 1), [true; 7]);
-        assert_eq!(used(QUIET_TICKS), [false, false, false, true, true, true, false]);
+        let phases = [Welcome, Choice, Sculpting, HandsOff, Export, Badge, Thanks];
+        assert_eq!(phases.map(is_at_rest), [false, false, false, true, true, true, false]);
     }
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use paros_core::codec::BadBytes;
 
 use paros_shell::headset::sealed::{SEAL_BYTES, SealedFormat};
-use paros_shell::headset::visit::{BootId, LastUse};
+use paros_shell::last_use::{BootId, LastUse};
 
 /// Failed starts in a row.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

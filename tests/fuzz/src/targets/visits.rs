@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use paros_core::internals::checksum;
-use paros_shell::headset::visit::{BootId, LastUse};
+use paros_shell::last_use::{BootId, LastUse};
 
 use crate::engine::FuzzTarget;
 

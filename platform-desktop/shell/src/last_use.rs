@@ -1,5 +1,5 @@
-//! When a headset was last used, as it is kept beside the save of a session: the time since boot, and which boot
-//! that was. A wall clock would not do, as a headset's may be set at any time.
+//! When a device that visitors share was last used, as it is kept beside the save of a session: the time since boot,
+//! and which boot that was. A wall clock would not do, as a headset's may be set at any time.
 
 use std::fs;
 use std::time::Duration;
@@ -7,6 +7,9 @@ use std::time::Duration;
 use paros_core::codec::BadBytes;
 
 use crate::headset::sealed::{SEAL_BYTES, SealedFormat};
+
+/// How old the time of the last use on the disk may become while the device is used.
+const STAMP_INTERVAL: Duration = Duration::from_secs(5);
 
 /// One boot of a device among all boots of all devices.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -19,6 +22,14 @@ pub struct LastUse {
     pub boot: BootId,
     /// The time since that boot, sleep included; kept in whole milliseconds.
     pub since_boot: Duration,
+}
+
+/// The time of the last use, and the one that was last given out to be kept on the disk. Both are times of one clock.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct UseClock {
+    /// `None` until the device is used.
+    pub last_use: Option<Duration>,
+    stamped: Option<Duration>,
 }
 
 const FORMAT: SealedFormat =
@@ -91,11 +102,31 @@ impl LastUse {
     }
 }
 
+impl UseClock {
+    /// Notes a use. Returns the time since the one before.
+    pub fn note_use(&mut self, now: Duration) -> Option<Duration> {
+        self.last_use.replace(now).map(|last| now.saturating_sub(last))
+    }
+
+    /// Returns the time of the last use, each time that the one on the disk has become old.
+    pub fn take_due_stamp(&mut self) -> Option<Duration> {
+        let last = self.last_use?;
+        let is_due = self.stamped.is_none_or(|stamped| last >= stamped + STAMP_INTERVAL);
+        is_due.then(|| *self.stamped.insert(last))
+    }
+
+    /// Returns the time of the last use unless it is the one on the disk, where the process may end or sleep next.
+    pub fn take_last_stamp(&mut self) -> Option<Duration> {
+        let last = self.last_use?;
+        (self.stamped != Some(last)).then(|| *self.stamped.insert(last))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use std::time::Duration;
 
-    use super::{BootId, LastUse};
+    use super::{BootId, LastUse, STAMP_INTERVAL, UseClock};
 
     const UUID: &str = "6af84ad0-079a-4d3a-a5d5-bbed09b02c54\n";
 
@@ -148,5 +179,21 @@ mod tests {
             assert!(LastUse::decode(&bytes[..len]).is_err(), "{len} bytes");
         }
         assert!(LastUse::decode(&[&bytes[..], &[0]].concat()).is_err(), "a byte more");
+    }
+
+    #[test]
+    fn a_stamp_is_due_after_five_seconds_of_use_and_the_last_one_whenever_it_is_new() {
+        let mut clock = UseClock::default();
+        assert_eq!((clock.take_due_stamp(), clock.take_last_stamp()), (None, None), "no use yet");
+        let [first, soon, later] = [7, 8, 12].map(Duration::from_secs);
+        assert_eq!(clock.note_use(first), None);
+        assert_eq!([clock.take_due_stamp(), clock.take_due_stamp()], [Some(first), None]);
+        assert_eq!(clock.note_use(soon), Some(soon - first));
+        assert_eq!(clock.take_due_stamp(), None, "the one on the disk is hardly older");
+        assert_eq!([clock.take_last_stamp(), clock.take_last_stamp()], [Some(soon), None]);
+        clock.note_use(later);
+        assert_eq!(clock.take_due_stamp(), None);
+        clock.note_use(soon + STAMP_INTERVAL);
+        assert_eq!(clock.take_due_stamp(), Some(soon + STAMP_INTERVAL));
     }
 }
