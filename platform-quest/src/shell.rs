@@ -23,6 +23,7 @@ use paros_headset::recentering::PendingRecentering;
 use paros_headset::room_placement::{RoomPlacement, RoomTransform};
 use paros_headset::start_up::StartUp;
 use paros_headset::stick_presses::StickPresses;
+use paros_protocol::Parcel;
 use paros_shaders::{gpu, render_portrait_png};
 use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
 use paros_shell::headset::hand_reader::HandReader;
@@ -34,7 +35,6 @@ use paros_shell::statics::{Resident, WorldWithStarts};
 use paros_shell::studio::{Notice, Studio};
 use paros_shell::studio_paths::StudioPaths;
 use paros_sound::{SoundDevice, Speaker};
-use paros_upload::Parcel;
 use paros_upload::courier::Courier;
 use paros_visit::{ChargerPanel, VisitHost};
 

@@ -6,9 +6,8 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use paros_booth_process::{BoothProcess, find_booth};
-use paros_protocol::UploadFacts;
+use paros_protocol::{Parcel, UploadFacts};
 use paros_shell::require::{MissingDependency, require_or_skip};
-use paros_upload::Parcel;
 
 use super::exhibition::{SETTINGS, choose_the_owl, cut_and_see_badge};
 use super::rig::{ScriptedWindow, XvfbDisplay, empty_folder, paros_command};

@@ -7,14 +7,14 @@ use paros_core::limits::INTERVALS;
 use paros_core::session::SessionState;
 use paros_core::visit::VisitPhase;
 use paros_core::volume::{Grid, Size};
-use paros_protocol::HeatLevel;
+use paros_protocol::{HeatLevel, Parcel};
 use paros_shell::headset::device_health::{DeviceHealth, ThermalState};
 use paros_shell::statics::Resident;
 use paros_shell::studio::Studio;
 use paros_sound::Speaker;
+use paros_upload::connect;
 use paros_upload::courier::Courier;
 use paros_upload::enrolment::Enrolment;
-use paros_upload::{Parcel, connect};
 use paros_visit::{DeviceStatus, answer_without_visits, send_plan};
 
 use super::HeadsetShell;

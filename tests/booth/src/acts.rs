@@ -1,7 +1,7 @@
 //! What visitors, staff, thieves and misfortune do.
 
-use paros_protocol::{CommandKind, SculptureId, UploadFacts};
-use paros_upload::{BoothRequest, OutboxHost as _, Parcel};
+use paros_protocol::{CommandKind, Parcel, SculptureId, UploadFacts};
+use paros_upload::{BoothRequest, OutboxHost as _};
 
 use crate::exhibition::{Exhibition, THIEF};
 use crate::network::Weather;

@@ -6,9 +6,9 @@ use std::rc::Rc;
 
 use paros_core::visit::VisitPhase;
 use paros_models::random_visitor::RandomSource;
-use paros_protocol::{HeatLevel, SiteId};
+use paros_protocol::{HeatLevel, Parcel, SiteId};
 use paros_upload::{HeadsetStatus, OutboxOwner, OutboxSettings};
-use paros_upload::{OutboxEvent, OutboxFolder, OutboxHost, Parcel, Sender};
+use paros_upload::{OutboxEvent, OutboxFolder, OutboxHost, Sender};
 
 use crate::disk::{SimDisk, SimFolder};
 use crate::network::{SimLink, Wire};
@@ -141,7 +141,7 @@ impl SimHeadset {
         let disk = self.disk.borrow();
         let is_parcel = [".parcel", ".refused", ".sent"].iter().any(|end| name.ends_with(end));
         let bytes = disk.peek(name).filter(|_| is_parcel)?;
-        let parcel = Parcel::from_file(bytes.to_vec()).ok()?;
+        let parcel = Parcel::read(bytes).ok()?;
         Some(number_of_facts(parcel.facts()))
     }
 

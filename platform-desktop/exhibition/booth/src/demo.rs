@@ -11,9 +11,9 @@ use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
 use paros_protocol::{
     AgeGroup, BadgeReport, BlockSerial, ContentHash, DeviceHint, DeviceName, DeviceToken,
-    EnrolmentToken, FinishCause, FleetEnrolment, Heartbeat, HeatLevel, SculptureId, UploadFacts,
+    EnrolmentToken, FinishCause, FleetEnrolment, Heartbeat, HeatLevel, Parcel, SculptureId,
+    UploadFacts,
 };
-use paros_upload::Parcel;
 
 use crate::demo_shapes::{SHAPES, SIDE, make_volume};
 use crate::error::Error;
@@ -178,9 +178,7 @@ mod tests {
             let parcel =
                 make_parcel(k, &volume, (Some(badge), None), BoothTime(1)).expect("a parcel");
             let facts = parcel.facts();
-            let packed =
-                &parcel.file_bytes()[facts.to_head().len()..][..facts.volume_bytes as usize];
-            check_parcel(facts, packed, &[]).expect("it decodes");
+            check_parcel(facts, parcel.volume(), &[]).expect("it decodes");
             let mut check = crate::mesh_check::MeshCheck::new();
             check.look_at(&export_volume(facts, &volume).expect("a mesh"));
             let mesh = check.finish().expect("a mesh");

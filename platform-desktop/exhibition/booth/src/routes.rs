@@ -17,8 +17,8 @@ use futures_util::StreamExt as _;
 use paros_booth_rules::records::{Device, ExportState, Sculpture};
 use paros_booth_rules::{ParcelOutcome, Query, Refusal};
 use paros_protocol::ProtocolError;
-use paros_protocol::limits::MAX_PARCEL_BYTES;
-use paros_protocol::{ContentHash, DeviceToken, FleetEnrolment, Heartbeat, SculptureId};
+use paros_protocol::limits::MAX_PARCEL_FILE_BYTES;
+use paros_protocol::{DeviceToken, FleetEnrolment, Heartbeat, SculptureId};
 use paros_upload::{DELETED, KEPT, LinkTimes};
 use tokio::sync::OwnedSemaphorePermit;
 use tracing::{info, warn};
@@ -39,9 +39,6 @@ const LONGEST_IDLE: Duration = Duration::from_secs(60);
 
 /// The path of parcels, before the id.
 const PARCEL_PATH: &str = "/v1/sculptures/";
-
-/// Bytes of a parcel's body at most: the parcel and its hash.
-const MAX_BODY_BYTES: u64 = MAX_PARCEL_BYTES + ContentHash::BYTES as u64;
 
 /// Who asks.
 #[derive(Clone, Copy)]
@@ -82,7 +79,7 @@ pub(crate) async fn bound_and_count(
     let length = read_length(request.headers());
     let is_parcel = request.uri().path().starts_with(PARCEL_PATH);
     let (most, times) = match is_parcel {
-        true => (MAX_BODY_BYTES, parcel_times(length.unwrap_or(0))),
+        true => (MAX_PARCEL_FILE_BYTES, parcel_times(length.unwrap_or(0))),
         false => (MAX_REQUEST_BYTES as u64, BODY_TIMES),
     };
     let answer = if length.is_some_and(|length| length > most) {

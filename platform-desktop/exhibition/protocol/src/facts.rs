@@ -34,10 +34,7 @@ pub enum AgeGroup {
     OfAge,
 }
 
-/// The head of a parcel. A parcel is the length of the head's JSON (u32, little-endian), the JSON,
-/// [`volume_bytes`](UploadFacts::volume_bytes) of the volume (an `.rmap`) and [`trace_bytes`](UploadFacts::trace_bytes) of
-/// the trace, each packed by deflate (RFC 1951, no header), and the SHA-256 of all of it. The same bytes are the file on the
-/// headset's disk and the body of a `PUT`.
+/// The head of a [`Parcel`](crate::Parcel).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct UploadFacts {
     /// The sculpture's.
@@ -78,37 +75,12 @@ pub struct UploadFacts {
 }
 
 impl UploadFacts {
-    /// The head of a parcel: the length of the JSON, and the JSON.
-    #[must_use]
-    pub fn to_head(&self) -> Vec<u8> {
-        let json = self.to_json();
-        [&(json.len() as u32).to_le_bytes()[..], &json].concat()
-    }
-
-    /// Reads the head of a parcel. Returns it, and the bytes after it.
-    ///
-    /// # Errors
-    /// [`ProtocolError`] if the bytes don't begin with a head.
-    pub fn split_head(parcel: &[u8]) -> Result<(Self, &[u8]), ProtocolError> {
-        let bad = || ProtocolError::Value {
-            field: "head",
-            expected: "its length of at most 4,096 bytes, and so many",
-        };
-        let (length, rest) = parcel.split_first_chunk().ok_or_else(bad)?;
-        let length = u32::from_le_bytes(*length) as usize;
-        let is_short = length <= MAX_HEAD_BYTES;
-        let (json, rest) = rest.split_at_checked(length).filter(|_| is_short).ok_or_else(bad)?;
-        Ok((UploadFacts::from_json(json)?, rest))
-    }
-
     /// Bytes of the packed files.
     #[must_use]
     pub const fn packed_bytes(&self) -> u64 {
         self.volume_bytes as u64 + self.trace_bytes as u64
     }
-}
 
-impl UploadFacts {
     pub(crate) fn check(&self) -> Result<(), ProtocolError> {
         let UploadFacts { volume_bytes, volume_raw_bytes, trace_bytes, trace_raw_bytes, .. } =
             *self;

@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use sha2::{Digest as _, Sha256};
 
 fn parse_hex<const BYTES: usize>(text: &str) -> Option<[u8; BYTES]> {
     let digits = text.as_bytes();
@@ -119,3 +120,11 @@ byte_names! {
 
 shown_as_hex! { SculptureId SiteId BlockSerial ContentHash DeviceHint }
 never_shown! { DeviceToken EnrolmentToken }
+
+impl ContentHash {
+    /// Computes the SHA-256 of bytes.
+    #[must_use]
+    pub fn of(bytes: &[u8]) -> Self {
+        ContentHash(Sha256::digest(bytes).into())
+    }
+}

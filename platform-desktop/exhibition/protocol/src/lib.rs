@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `POST /v1/enrol/fleet` | [`FleetEnrolment`] | [`EnrolAnswer`] |
 //! | `POST /v1/heartbeat`, every two seconds | [`Heartbeat`] | [`HeartbeatAnswer`] |
-//! | `PUT /v1/sculptures/{id}` | a parcel: [`UploadFacts`], the packed volume, the packed trace, SHA-256 | a status of HTTP |
+//! | `PUT /v1/sculptures/{id}` | a [`Parcel`] | a status of HTTP |
 //!
 //! Every message carries the protocol's version. Unknown fields are ignored, so that a later program may add some. All
 //! that arrives is hostile until it was read and checked: `from_json` of each message does both.
@@ -18,6 +18,7 @@ mod fields;
 mod heartbeat;
 mod ids;
 pub mod limits;
+mod parcel;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -30,6 +31,7 @@ pub use heartbeat::{Announcement, Heartbeat, HeartbeatAnswer, HeatLevel, UploadS
 pub use ids::{
     BlockSerial, ContentHash, DeviceHint, DeviceToken, EnrolmentToken, SculptureId, SiteId,
 };
+pub use parcel::{Parcel, ParcelFault, append_hash, split_hash};
 
 /// The version of the protocol. A change that an earlier program can't ignore raises it.
 pub const PROTOCOL_VERSION: u16 = 1;

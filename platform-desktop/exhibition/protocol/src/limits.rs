@@ -1,5 +1,7 @@
 //! Capacities of the messages, each with its reason.
 
+use crate::ContentHash;
+
 /// Announcements of a heartbeat: all of half a day without the booth. More take turns.
 pub const MAX_ANNOUNCEMENTS: usize = 32;
 
@@ -27,6 +29,9 @@ pub const MAX_PACKED_SURPLUS: u32 = 64;
 
 /// Bytes of a whole parcel at most, without its hash: a trace packs to a hundredth, and at worst to a half.
 pub const MAX_PARCEL_BYTES: u64 = 32 << 20;
+
+/// Bytes of a parcel's file at most: the parcel and its hash.
+pub const MAX_PARCEL_FILE_BYTES: u64 = MAX_PARCEL_BYTES + ContentHash::BYTES as u64;
 
 /// Bytes of an answer's body at most: no answer of the booth has more.
 pub const MAX_ANSWER_BYTES: usize = 8192;

@@ -171,13 +171,90 @@ proptest! {
         check(&enrolment, &enrolment.to_json(), FleetEnrolment::from_json);
         let enrolled = EnrolAnswer { headset: HEADSET, site: SiteId(bytes(dice)) };
         check(&enrolled, &enrolled.to_json(), EnrolAnswer::from_json);
-        let facts = any_facts(dice);
-        let parcel = [&facts.to_head()[..], b"the rest"].concat();
-        let (head, rest) = UploadFacts::split_head(&parcel).expect("its own");
-        prop_assert_eq!((head, rest), (facts, &b"the rest"[..]));
-        let cut = dice.next_bits() as usize % facts.to_head().len();
-        prop_assert!(UploadFacts::split_head(&parcel[..cut]).is_err());
     }
+
+    /// Nothing that was changed on its way is taken for a parcel, whatever its hash says.
+    #[test]
+    fn parcels_come_back_and_spoilt_ones_are_refused(seed: u64) {
+        let dice = &mut RandomSource::new(seed);
+        let trace = b"nor a trace".repeat(dice.next_bits() as usize % 9);
+        let parcel = Parcel::pack(&any_facts(dice), b"not quite a volume", Some(&trace)).unwrap();
+        let file = parcel.file_bytes();
+        let read = Parcel::read(file).expect("its own");
+        prop_assert_eq!((read.facts(), read.hash()), (parcel.facts(), parcel.hash()));
+        let head = [&parcel.facts().to_head()[..], parcel.volume()].concat();
+        prop_assert_eq!(read.sculpture(), &head[..]);
+        prop_assert_eq!([read.sculpture(), read.trace(), &read.hash().0].concat(), file);
+        let at = dice.next_bits() as usize % file.len();
+        let mut spoilt = file.to_vec();
+        spoilt[at] ^= 1 + dice.next_bits() as u8 % 255;
+        for bytes in [&spoilt[..], &file[..at], &[file, b"x"].concat()] {
+            let is_damaged = matches!(Parcel::read(bytes), Err(ParcelFault::Damaged { .. }));
+            prop_assert!(is_damaged);
+        }
+        let bytes = &file[..file.len() - ContentHash::BYTES];
+        let at = at.min(bytes.len() - 1);
+        prop_assert!(Parcel::read(append_hash(bytes[..at].to_vec())).is_err(), "cut at {at}");
+        spoilt.truncate(bytes.len());
+        // Some other facts, or other packed files: nothing panics.
+        if let Ok(read) = Parcel::read(append_hash(spoilt)) {
+            prop_assert_eq!(read.sculpture().len() + read.trace().len(), bytes.len());
+        }
+    }
+}
+
+/// Headsets and booths of different days exchange these bytes.
+#[test]
+fn a_parcel_has_the_same_bytes_as_ever() {
+    let facts = UploadFacts {
+        id: SculptureId([1; 16]),
+        badge: BadgeNumber::new(77),
+        badge_serial: Some(BlockSerial([7; 8])),
+        core_version: 12,
+        side: 128,
+        cause: FinishCause::Left,
+        language: *b"el",
+        mode: SessionMode::Constrained { figure: 2 },
+        age_group: AgeGroup::OfAge,
+        sculpting_seconds: 540,
+        finished_at: 1_790_000_000,
+        height_mm_tenths: 1200,
+        volume_bytes: 0,
+        volume_raw_bytes: 0,
+        trace_bytes: 0,
+        trace_raw_bytes: 0,
+    };
+    let (volume, trace) = (b"not quite a volume".repeat(40), b"nor a trace".repeat(50));
+    let parcel = Parcel::pack(&facts, &volume, Some(&trace)).expect("a parcel");
+    let hash = "1743cf44a149ea94717ccb69c9743dfe0140d992017157aa972dda13e1727465";
+    assert_eq!((parcel.file_bytes().len(), parcel.hash().to_string().as_str()), (470, hash));
+}
+
+#[test]
+fn what_is_no_parcel_is_refused_with_a_place() {
+    let facts =
+        UploadFacts { trace_bytes: 0, trace_raw_bytes: 0, ..any_facts(&mut RandomSource::new(3)) };
+    let parcel = Parcel::pack(&facts, b"not quite a volume", None).expect("a parcel");
+    let file = parcel.file_bytes();
+    let (bytes, head) = (&file[..file.len() - 32], parcel.facts().to_head().len());
+    let fault = |bytes: &[u8]| Parcel::read(bytes).expect_err("no parcel").to_string();
+    let hashed = |bytes: &[u8]| fault(&append_hash(bytes.to_vec()));
+    let packed = parcel.volume().len();
+    let short =
+        format!("byte {head}: expected {packed} bytes of packed files, found {}", packed - 1);
+    assert_eq!(hashed(&bytes[..bytes.len() - 1]), short);
+    assert_eq!(hashed(&[1, 0]), "byte 0: expected 4 bytes of a head's length, found 2");
+    assert_eq!(hashed(&[9, 0, 0, 0, 7]), "byte 4: expected 9 bytes of head, found 1");
+    let long = "byte 0: expected the length of a head, at most 4096, found 4294967295";
+    assert_eq!(hashed(&[0xff; 4]), long);
+    assert!(hashed(&[2, 0, 0, 0, b'{', b'}']).starts_with("byte 4: no message"));
+    assert_eq!(fault(b"short"), "byte 0: expected the SHA-256 of the bytes before");
+    let end = limits::MAX_PARCEL_FILE_BYTES;
+    let large = vec![0; end as usize + 1];
+    assert_eq!(
+        fault(&large),
+        format!("byte {end}: expected the end of the parcel, found {} bytes", end + 1)
+    );
 }
 
 /// The longest answer of a booth, which a link has to read.

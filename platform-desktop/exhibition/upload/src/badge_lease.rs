@@ -2,9 +2,8 @@
 
 use paros_core::badge::BadgeNumber;
 use paros_protocol::limits::MAX_HELD_BLOCKS;
-use paros_protocol::{BadgeReport, BlockSerial, ContentHash, HeldBlock};
+use paros_protocol::{BadgeReport, BlockSerial, HeldBlock, append_hash, split_hash};
 use serde::{Deserialize, Serialize};
-use sha2::{Digest as _, Sha256};
 
 use super::folder::OutboxFolder;
 
@@ -95,15 +94,13 @@ impl BadgeLease {
 
     fn save(&self, folder: &mut impl OutboxFolder) -> bool {
         let Ok(json) = serde_json::to_vec(self) else { return false };
-        let hash = Sha256::digest(&json);
-        folder.write(FILE, &[json, hash.to_vec()].concat()).is_ok()
+        folder.write(FILE, &append_hash(json)).is_ok()
     }
 }
 
 fn parse(file: &[u8]) -> Option<BadgeLease> {
-    let (json, hash) = file.split_last_chunk::<{ ContentHash::BYTES }>()?;
-    let is_whole = Sha256::digest(json).as_slice() == hash;
-    let lease: BadgeLease = serde_json::from_slice(json).ok().filter(|_| is_whole)?;
+    let (json, _) = split_hash(file)?;
+    let lease: BadgeLease = serde_json::from_slice(json).ok()?;
     lease.report.is_valid().then_some(lease)
 }
 

@@ -17,14 +17,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 
 use paros_core::badge::BadgeNumber;
-use paros_protocol::{CommandOutcome, SculptureId, UploadStatus};
+use paros_protocol::{CommandOutcome, Parcel, SculptureId, UploadStatus};
 use paros_shell::settings::BoothSettings;
 
 use super::enrolment::{Enrolment, enrolment_file};
 use super::events::HeadsetStatus;
 use super::folder::DiskFolder;
 use super::link::BoothLink;
-use super::parcel::Parcel;
 use super::spool::{OutboxSettings, SpoolError, parse_name};
 
 use board::{Board, DeviceRefusal};

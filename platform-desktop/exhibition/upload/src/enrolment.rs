@@ -10,7 +10,6 @@ use std::path::{Path, PathBuf};
 
 use paros_protocol::{ContentHash, DeviceHint, DeviceName, DeviceToken, ProtocolError, SiteId};
 use paros_shell::durable::{self, WriteError};
-use sha2::{Digest as _, Sha256};
 use toml::de::{DeTable, DeValue};
 
 use super::events::OutboxOwner;
@@ -95,7 +94,7 @@ impl Secret {
     /// Its SHA-256, which is all that the booth keeps of it.
     #[must_use]
     pub fn hash(&self) -> ContentHash {
-        ContentHash(Sha256::digest(self.0).into())
+        ContentHash::of(&self.0)
     }
 }
 
@@ -124,7 +123,7 @@ impl NewDevice {
 /// telling what it is.
 #[must_use]
 pub fn hint_of_device(id: &str) -> DeviceHint {
-    let hash = Sha256::new_with_prefix(b"paros device hint v1\0").chain_update(id).finalize();
+    let ContentHash(hash) = ContentHash::of(format!("paros device hint v1\0{id}").as_bytes());
     let mut hint = [0; DeviceHint::BYTES];
     hint.copy_from_slice(&hash[..DeviceHint::BYTES]);
     DeviceHint(hint)

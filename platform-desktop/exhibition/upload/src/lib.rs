@@ -1,7 +1,7 @@
 //! The sender: brings a studio's finished sculptures to an exhibition's booth.
 //!
 //! [`connect`] gives what a studio finishes to a [`Courier`](courier::Courier), the thread that owns the outbox. A
-//! [`Parcel`] is kept in a [`Spool`], whose folder is the whole state. A [`Sender`] decides what goes to the booth when;
+//! [`Parcel`](paros_protocol::Parcel) is kept in a [`Spool`], whose folder is the whole state. A [`Sender`] decides what goes to the booth when;
 //! it takes a clock and random bits from an [`OutboxHost`], and gives requests to a [`BoothLink`] and events. It knows no
 //! network library and starts no thread: the courier steps it in its own, as a step may wait for a disk to sync.
 //! [`ThreadedLink`] is a link by any library that sends a request and waits.
@@ -25,7 +25,6 @@ mod heartbeats;
 mod http;
 mod link;
 mod outgoing;
-mod parcel;
 mod sender;
 mod spool;
 
@@ -38,7 +37,6 @@ pub use http::{
 };
 pub use link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
 pub use outgoing::{SendPlan, connect};
-pub use parcel::{Parcel, ParcelFault};
 pub use sender::{DELETED, KEPT, Sender};
 pub use spool::{MAX_SPOOL_ENTRIES, OutboxLevel, OutboxSettings, Spool, SpoolEntry, SpoolError};
 

@@ -14,7 +14,6 @@ use paros_protocol::{AgeGroup, ContentHash, FinishCause, SculptureId, UploadFact
 use paros_shell::rmap;
 use paros_shell::statics::Resident;
 use paros_shell::studio::{SculptureReceiver, Studio};
-use sha2::{Digest as _, Sha256};
 
 use crate::courier::{Courier, ParcelDraft};
 
@@ -77,7 +76,7 @@ where
 /// Finds the finished sculpture of an earlier run's save. Returns its id, and `true` if its parcel was kept; `None` if no
 /// courier announced it.
 fn find_finished(courier: &Courier, volume: &[u8]) -> Option<(SculptureId, bool)> {
-    let hash = ContentHash(Sha256::digest(volume).into());
+    let hash = ContentHash::of(volume);
     let last = courier.last_finished().filter(|last| last.volume_hash == hash)?;
     let is_spooled = courier.found().iter().any(|(id, _)| *id == last.id);
     Some((last.id, last.is_kept || is_spooled))

@@ -4,7 +4,7 @@ use std::mem;
 use std::time::Duration;
 
 use paros_core::badge::BadgeNumber;
-use paros_protocol::{BlockSerial, CommandOutcome, SculptureId, UploadStatus};
+use paros_protocol::{BlockSerial, CommandOutcome, Parcel, SculptureId, UploadStatus};
 
 use super::badge_lease::BadgeLease;
 use super::events::{OutboxEvent, OutboxHost, OutboxOwner};
@@ -12,7 +12,6 @@ use super::folder::OutboxFolder;
 use super::heartbeats::HeartbeatClock;
 use super::http::LinkTimes;
 use super::link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
-use super::parcel::Parcel;
 use super::spool::{OutboxSettings, Spool, SpoolEntry, SpoolError};
 
 /// Milliseconds after the first failed request; doubled after each further one.

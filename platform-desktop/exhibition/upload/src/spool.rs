@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 use std::io;
 
 use paros_core::badge::BadgeNumber;
-use paros_protocol::{Announcement, SculptureId, UploadStatus};
+use paros_protocol::limits::MAX_PARCEL_FILE_BYTES;
+use paros_protocol::{Announcement, Parcel, ParcelFault, SculptureId, UploadStatus};
 
 use super::folder::OutboxFolder;
-use super::parcel::{MAX_FILE_BYTES, Parcel, ParcelFault};
 
 /// Sculptures that a spool knows: five days of 50 visits without the booth, and some.
 pub const MAX_SPOOL_ENTRIES: usize = 256;
@@ -226,15 +226,15 @@ impl<F: OutboxFolder> Spool<F> {
         if status == UploadStatus::Lost {
             return Some(entry);
         }
-        let Ok(bytes) = self.folder.read(&name, MAX_FILE_BYTES) else {
+        let Ok(bytes) = self.folder.read(&name, MAX_PARCEL_FILE_BYTES) else {
             // A later sweep reads it again.
             self.has_unlisted = true;
             return None;
         };
         entry.bytes = bytes.len() as u64;
-        let parcel = match Parcel::from_file(bytes) {
+        let parcel = match Parcel::read(bytes) {
             Ok(parcel) if parcel.facts().id == id => parcel,
-            Err(ParcelFault::Damaged) => {
+            Err(ParcelFault::Damaged { .. }) => {
                 entry.status = self.set_aside(id, status)?;
                 entry.bytes = 0;
                 return Some(entry);
@@ -424,7 +424,7 @@ impl<F: OutboxFolder> Spool<F> {
     /// The parcel of a sculpture; `None` if it can't be read now. A parcel that is gone or damaged is lost.
     pub(super) fn read(&mut self, id: SculptureId) -> Option<Parcel> {
         let status = self.find(id)?.status;
-        let bytes = match self.folder.read(&file_name(id, status), MAX_FILE_BYTES) {
+        let bytes = match self.folder.read(&file_name(id, status), MAX_PARCEL_FILE_BYTES) {
             Ok(bytes) => bytes,
             Err(error) => {
                 if error.kind() == io::ErrorKind::NotFound {
@@ -433,7 +433,7 @@ impl<F: OutboxFolder> Spool<F> {
                 return None;
             }
         };
-        match Parcel::from_file(bytes) {
+        match Parcel::read(bytes) {
             Ok(parcel) => Some(parcel),
             Err(_) => {
                 if self.set_aside(id, status) == Some(UploadStatus::Lost) {

@@ -11,14 +11,14 @@ use std::time::{Duration, SystemTime};
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
 use paros_protocol::{
-    AgeGroup, Announcement, FinishCause, Heartbeat, HeartbeatAnswer, HeatLevel, SculptureId,
-    SiteId, UploadFacts, UploadStatus,
+    AgeGroup, Announcement, FinishCause, Heartbeat, HeartbeatAnswer, HeatLevel, Parcel,
+    ProtocolError, SculptureId, SiteId, UploadFacts, UploadStatus,
 };
 
 use super::{
     BoothLink, BoothRequest, DELETED, DiskFolder, HeadsetStatus, HttpAnswer, KEPT, LinkAnswer,
     LinkFault, MAX_SPOOL_ENTRIES, OutboxEvent, OutboxHost, OutboxLevel, OutboxOwner,
-    OutboxSettings, Parcel, ParcelFault, Sender, SentRequest, SpoolError,
+    OutboxSettings, Sender, SentRequest, SpoolError,
 };
 
 const OWNER: OutboxOwner = OutboxOwner { site: SiteId([7; 16]), headset: 17 };
@@ -418,7 +418,8 @@ fn no_parcel_is_larger_than_a_booth_takes() {
     let large = Parcel::pack(parcel(1).facts(), &noise, None).expect("a parcel of its size");
     assert!(matches!(folder.open().keep(&large), Err(SpoolError::Full)), "the outbox has 1 MiB");
     noise.push(0);
-    let fault = Parcel::pack(parcel(1).facts(), &noise, None);
-    assert!(matches!(fault, Err(ParcelFault::Head(_))), "no volume is so large: {fault:?}");
-    assert!(matches!(Parcel::pack(parcel(1).facts(), &[], None), Err(ParcelFault::Head(_))));
+    let is_refused =
+        |packed| matches!(packed, Err(ProtocolError::Value { field: "volume_bytes", .. }));
+    assert!(is_refused(Parcel::pack(parcel(1).facts(), &noise, None)), "no volume is so large");
+    assert!(is_refused(Parcel::pack(parcel(1).facts(), &[], None)));
 }

@@ -6,9 +6,7 @@ mod rig;
 use std::collections::BTreeSet;
 
 use paros_booth_process::find_booth;
-use paros_protocol::DeviceName;
-use paros_protocol::UploadFacts;
-use paros_upload::Parcel;
+use paros_protocol::{DeviceName, Parcel};
 use paros_upload::enrolment::{FleetFile, NewDevice, enrol_by_fleet};
 use paros_upload_https::HttpsCaller;
 
@@ -31,8 +29,7 @@ fn visits_sculptures_come_to_a_booth() {
     let kept: BTreeSet<_> = parcels.iter().map(|(_, volume)| volume.clone()).collect();
     let pack = |volume: Vec<u8>| {
         let parcel = Parcel::pack(&parcels[0].0, &volume, None).expect("a volume");
-        let (facts, packed) = UploadFacts::split_head(parcel.file_bytes()).expect("its own");
-        packed[..facts.volume_bytes as usize].to_vec()
+        parcel.volume().to_vec()
     };
     let own = place.volumes().into_iter().map(pack).collect();
     assert_eq!(kept, own, "the visitors' own volumes");

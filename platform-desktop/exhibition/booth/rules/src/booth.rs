@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use hmac::{Hmac, KeyInit as _, Mac as _};
 use paros_protocol::{ContentHash, SiteId};
-use sha2::{Digest as _, Sha256};
+use sha2::Sha256;
 
 use crate::parcel_files::ParcelFiles;
 use crate::store::{Store, StoreError, Transaction};
@@ -119,5 +119,5 @@ impl SiteKeys {
 /// SHA-256.
 #[must_use]
 pub fn hash_of(bytes: &[u8]) -> ContentHash {
-    ContentHash(Sha256::digest(bytes).into())
+    ContentHash::of(bytes)
 }

@@ -1,12 +1,10 @@
 //! Parcels: checked as a whole, and kept.
 
-use std::fmt::Display;
-
 use paros_core::badge::BadgeNumber;
-use paros_protocol::limits::MAX_PARCEL_BYTES;
-use paros_protocol::{ContentHash, SculptureId, UploadFacts};
+use paros_protocol::limits::MAX_PARCEL_FILE_BYTES;
+use paros_protocol::{ContentHash, Parcel, ParcelFault, SculptureId, UploadFacts};
 
-use crate::booth::{Booth, Tx, hash_of};
+use crate::booth::{Booth, Tx};
 use crate::parcel_files::{KeptName, KeptPart};
 use crate::reason::Reason;
 use crate::records::{Announcement, Device, ExportState, Sculpture, Tombstone};
@@ -28,16 +26,6 @@ pub enum ParcelOutcome {
 /// than the head says.
 pub type DecodeParcel<'a> = dyn Fn(&UploadFacts, &[u8], &[u8]) -> Result<(), String> + 'a;
 
-/// A parcel whose hash is right.
-struct CheckedParcel<'a> {
-    facts: UploadFacts,
-    hash: ContentHash,
-    /// Head and packed volume.
-    sculpture: &'a [u8],
-    volume: &'a [u8],
-    trace: &'a [u8],
-}
-
 impl Booth {
     /// Keeps a parcel. Idempotent: the same parcel of any headset has the same outcome. `file` is the parcel with its
     /// SHA-256 at the end.
@@ -53,12 +41,12 @@ impl Booth {
         decode: &DecodeParcel<'_>,
         now: BoothTime,
     ) -> Result<ParcelOutcome, Refusal> {
-        let parcel = check_parcel(id, file)?;
-        let known = view(self.store.as_ref(), |tx| find_outcome(tx, id, parcel.hash))?;
+        let parcel = read_parcel(id, file)?;
+        let known = view(self.store.as_ref(), |tx| find_outcome(tx, id, parcel.hash()))?;
         if let Some(outcome) = known {
             return Ok(outcome);
         }
-        decode(&parcel.facts, parcel.volume, parcel.trace).map_err(Refusal::Undecodable)?;
+        decode(parcel.facts(), parcel.volume(), parcel.trace()).map_err(Refusal::Undecodable)?;
         self.keep_parcel(device.headset, &parcel, now)
     }
 
@@ -66,13 +54,13 @@ impl Booth {
     fn keep_parcel(
         &self,
         headset: u32,
-        parcel: &CheckedParcel<'_>,
+        parcel: &Parcel<&[u8]>,
         now: BoothTime,
     ) -> Result<ParcelOutcome, Refusal> {
-        let CheckedParcel { facts, hash, sculpture, trace, .. } = *parcel;
-        let UploadFacts { id, badge, .. } = facts;
+        let (facts, hash, trace) = (parcel.facts(), parcel.hash(), parcel.trace());
+        let UploadFacts { id, badge, .. } = *facts;
         let name = |part| KeptName { id, hash, part };
-        self.files.keep(&name(KeptPart::Sculpture), sculpture)?;
+        self.files.keep(&name(KeptPart::Sculpture), parcel.sculpture())?;
         if !trace.is_empty() {
             self.files.keep(&name(KeptPart::Trace), trace)?;
         }
@@ -80,7 +68,7 @@ impl Booth {
             if let Some(outcome) = find_outcome(tx, id, hash)? {
                 return Ok(outcome);
             }
-            let claimed_badge = self.claim_badge(tx, headset, &facts, now)?;
+            let claimed_badge = self.claim_badge(tx, headset, facts, now)?;
             tx.put(&Sculpture {
                 id: id.0,
                 headset,
@@ -136,26 +124,16 @@ pub(crate) fn remove_announcements(tx: &mut Tx<'_>, id: &[u8; 16]) -> Result<(),
 }
 
 /// Checks that a file is a parcel of a sculpture.
-fn check_parcel(id: SculptureId, file: &[u8]) -> Result<CheckedParcel<'_>, Refusal> {
-    let most = MAX_PARCEL_BYTES + ContentHash::BYTES as u64;
-    if file.len() as u64 > most {
-        return Err(Refusal::TooLarge { what: "bytes of a parcel", most });
+fn read_parcel(id: SculptureId, file: &[u8]) -> Result<Parcel<&[u8]>, Refusal> {
+    let parcel = Parcel::read(file).map_err(|fault| match fault {
+        ParcelFault::TooLong { .. } => {
+            Refusal::TooLarge { what: "bytes of a parcel", most: MAX_PARCEL_FILE_BYTES }
+        }
+        ParcelFault::Damaged { .. } => Refusal::BadRequest(fault.to_string()),
+        fault => Refusal::Undecodable(fault.to_string()),
+    })?;
+    match parcel.facts().id == id {
+        true => Ok(parcel),
+        false => Err(Refusal::Undecodable("its head is of another sculpture".into())),
     }
-    let parts = file.split_last_chunk::<{ ContentHash::BYTES }>();
-    let (bytes, hash) = parts.unwrap_or((file, &[0; ContentHash::BYTES]));
-    let hash = ContentHash(*hash);
-    if hash_of(bytes) != hash {
-        return Err(Refusal::BadRequest("expected a parcel with its SHA-256 at the end".into()));
-    }
-    let undecodable = |why: &dyn Display| Refusal::Undecodable(why.to_string());
-    let (facts, packed) = UploadFacts::split_head(bytes).map_err(|why| undecodable(&why))?;
-    if facts.id != id {
-        return Err(undecodable(&"its head is of another sculpture"));
-    }
-    if facts.packed_bytes() != packed.len() as u64 {
-        return Err(undecodable(&"its head tells another length"));
-    }
-    let (volume, trace) = packed.split_at(facts.volume_bytes as usize);
-    let (sculpture, _) = bytes.split_at(bytes.len() - trace.len());
-    Ok(CheckedParcel { facts, hash, sculpture, volume, trace })
 }

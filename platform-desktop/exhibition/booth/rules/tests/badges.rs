@@ -8,7 +8,6 @@ use paros_booth_rules::{
     BadgeTotals, BoothTime, Field as _, FoundByBadge, MemoryStore, Query, Transaction, update, view,
 };
 use paros_core::badge::{BadgeNumber, LEASED_BLOCKS};
-use paros_protocol::*;
 
 /// The retention of a rig's plan, in days.
 const RETENTION: u64 = 30;

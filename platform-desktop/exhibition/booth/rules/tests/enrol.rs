@@ -3,7 +3,6 @@
 use super::common::*;
 use paros_booth_rules::hash_of;
 use paros_booth_rules::limits::SILENCE_OF_WIPED;
-use paros_protocol::*;
 
 #[test]
 fn a_fleets_token_lets_so_many_in_until_it_expires_or_is_revoked() {

@@ -5,7 +5,6 @@ use paros_booth_rules::limits::{COMMAND_LIFE, MAX_ANNOUNCED, MAX_WAITING_COMMAND
 use paros_booth_rules::records::{CommandState, Device};
 use paros_booth_rules::{BoothTime, ParcelOutcome, Query, RowOrder, view};
 use paros_core::badge::BadgeNumber;
-use paros_protocol::*;
 
 fn device_of(rig: &Rig, headset: u32) -> Device {
     rig.booth.list_devices().unwrap().into_iter().find(|device| device.headset == headset).unwrap()

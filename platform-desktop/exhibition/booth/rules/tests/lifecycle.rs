@@ -3,7 +3,6 @@
 use super::common::*;
 use paros_booth_rules::records::{ExportState, MailOrder, MailState, Tombstone};
 use paros_booth_rules::{BoothPlan, KeptPart, ParcelOutcome, Query, update, view};
-use paros_protocol::*;
 
 fn kept_parts(rig: &Rig) -> Vec<KeptPart> {
     rig.files.kept_names().into_iter().map(|name| name.part).collect()

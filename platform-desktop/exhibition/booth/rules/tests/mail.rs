@@ -5,7 +5,6 @@ use paros_booth_rules::limits::{MAX_MAIL_TRIES, MAX_MAILS_OF_ONE, MAX_RETRY_WAIT
 use paros_booth_rules::records::{MailOrder, MailState};
 use paros_booth_rules::{BoothTime, MailOutcome};
 use paros_core::badge::Language;
-use paros_protocol::*;
 
 const ANA: &str = "ana.p+paros@example.org";
 

@@ -4,7 +4,6 @@ use super::common::*;
 use paros_booth_rules::limits::{LIFE_AT_PRINTER, SENDING_LIFE};
 use paros_booth_rules::records::{PrintOrder, PrintState};
 use paros_booth_rules::{PrintSize, PrintStep, PrintWish, PrinterTask, PrinterWord, SliceOutcome};
-use paros_protocol::*;
 
 const LEFT: &str = "Left";
 

@@ -4,7 +4,6 @@ use super::common::*;
 use paros_booth_rules::limits::MAX_PRINTS_OF_ONE;
 use paros_booth_rules::records::{EstimateState, PrintOrder, PrintState};
 use paros_booth_rules::{PrintSize, PrintStep, PrintWish, SliceOutcome};
-use paros_protocol::*;
 
 const STATES: [PrintState; 6] = [
     PrintState::Ordered,

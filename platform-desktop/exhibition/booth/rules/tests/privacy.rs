@@ -5,7 +5,6 @@ use paros_booth_rules::limits::AUDIT_DAYS;
 use paros_booth_rules::records::{MailOrder, PrintOrder};
 use paros_booth_rules::{BadgeRecords, MailOutcome, PrintSize, PrintWish, Query, view};
 use paros_core::badge::BadgeNumber;
-use paros_protocol::*;
 
 #[test]
 fn all_that_is_known_of_a_badge_is_listed_and_deleted() {

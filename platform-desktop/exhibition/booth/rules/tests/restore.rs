@@ -9,7 +9,6 @@ use paros_booth_rules::{
     Booth, BoothPlan, BoothTime, Deletion, KeptName, MemoryFiles, MemoryStore, ParcelFiles,
     ParcelOutcome, Query, SessionBits, SiteKeys, view,
 };
-use paros_protocol::*;
 
 /// A booth of the same site on a copy, whose sculptures' files are the same.
 pub(crate) fn restored(store: MemoryStore, files: Arc<MemoryFiles>) -> Rig {

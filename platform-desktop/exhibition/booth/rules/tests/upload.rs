@@ -4,7 +4,6 @@ use super::common::*;
 use paros_booth_rules::records::ExportState;
 use paros_booth_rules::{ParcelOutcome, hash_of};
 use paros_protocol::limits::MAX_PARCEL_BYTES;
-use paros_protocol::*;
 
 #[test]
 fn a_parcel_is_kept_once_however_often_it_comes() {

@@ -10,7 +10,6 @@ use paros_booth_rules::{
     Booth, BoothTime, MailOutcome, PrintSize, PrintStep, PrintWish, PrinterTask, Query,
     SliceOutcome, view,
 };
-use paros_protocol::*;
 
 /// A booth with so many sculptures, and two of its processes.
 fn with_sculptures(count: u8) -> (Rig, [Booth; 2]) {

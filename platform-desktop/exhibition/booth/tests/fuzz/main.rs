@@ -8,7 +8,7 @@ use std::path::Path;
 
 use paros_booth::{check_parcel, internals};
 use paros_booth_rules::{BoothTime, Deletion};
-use paros_protocol::{ContentHash, SculptureId, UploadFacts};
+use paros_protocol::{ContentHash, ParcelFault, SculptureId, UploadFacts};
 use paros_tests_fuzz::engine::FuzzTarget;
 use paros_tests_fuzz::fuzz_tests;
 
@@ -29,7 +29,8 @@ const UPLOAD: FuzzTarget = FuzzTarget {
     run: |bytes| {
         let (facts, first) = match UploadFacts::split_head(bytes) {
             Ok(parts) => parts,
-            Err(why) => return why.to_string(),
+            Err(ParcelFault::Head(why)) => return why.to_string(),
+            Err(_) => return "no head".into(),
         };
         // A longer one is refused before it is unpacked.
         let packed = if facts.trace_bytes % 2 == 0 { deflate(first) } else { first.to_vec() };

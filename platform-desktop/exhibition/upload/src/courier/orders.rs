@@ -1,9 +1,7 @@
 //! What a courier is told to do.
 
 use paros_core::badge::BadgeNumber;
-use paros_protocol::{CommandOutcome, ContentHash, SculptureId, UploadFacts};
-
-use crate::parcel::Parcel;
+use paros_protocol::{CommandOutcome, ContentHash, Parcel, SculptureId, UploadFacts};
 
 /// A sculpture that was finished: its id, and by what it is found again in a saved session.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

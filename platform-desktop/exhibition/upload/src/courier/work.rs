@@ -6,8 +6,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
-use paros_protocol::{ContentHash, SculptureId, UploadFacts, UploadStatus};
-use sha2::{Digest as _, Sha256};
+use paros_protocol::{ContentHash, Parcel, SculptureId, UploadFacts, UploadStatus};
 
 use super::board::{Board, DeviceRefusal, RemoteCommand};
 use super::mark;
@@ -15,7 +14,6 @@ use super::orders::{CourierOrder, FinishedSculpture, ParcelDraft};
 use super::{CourierLink, CourierPlan};
 use crate::events::{HeadsetStatus, OutboxEvent, OutboxHost};
 use crate::folder::DiskFolder;
-use crate::parcel::Parcel;
 use crate::sender::Sender;
 use crate::spool::SpoolError;
 
@@ -170,7 +168,7 @@ impl Work {
             Ok(()) | Err(SpoolError::KnownId) => {}
             Err(error) => self.host.board().add_note(format!("not announced: {error}")),
         }
-        let volume_hash = ContentHash(Sha256::digest(volume).into());
+        let volume_hash = ContentHash::of(volume);
         self.mark_finished(FinishedSculpture { id, volume_hash, is_kept: false });
     }
 

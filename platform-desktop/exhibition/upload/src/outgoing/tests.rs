@@ -9,11 +9,11 @@ use std::sync::atomic::Ordering;
 
 use paros_core::TickInput;
 use paros_core::visit::{Presence, VisitCommand};
+use paros_protocol::Parcel;
 use paros_shell::studio::DrawPicture;
 use paros_shell::studio_paths::StudioPaths;
 
 use super::*;
-use crate::Parcel;
 use crate::courier::test_booth::{Rig, wait};
 use program::{run_program, sculpt_as_next_visitor, sculpt_in_a_visit, told};
 
@@ -33,7 +33,7 @@ fn run_to_the_end(studio: &mut Studio<'_, 128>) {
 /// The parcels in an outbox.
 fn parcels(rig: &Rig) -> Vec<Parcel> {
     let files = rig.parcel_files().into_iter().map(|path| fs::read(path).unwrap());
-    files.map(|file| Parcel::from_file(file).expect("whole")).collect()
+    files.map(|file| Parcel::read(file).expect("whole")).collect()
 }
 
 fn prints(folder: &Path) -> Vec<Vec<u8>> {

@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::Path;
 
+use paros_protocol::append_hash;
+
 use super::*;
 
 #[test]
@@ -71,8 +73,7 @@ fn a_parcel_that_cant_be_read_is_taken_in_later() {
 fn a_parcel_of_another_version_stays_for_that() {
     let folder = Folder::new("versions");
     drop(folder.open());
-    let mut bytes = [&9u32.to_le_bytes()[..], b"{\"new\":2}"].concat();
-    bytes.extend_from_slice(&<sha2::Sha256 as sha2::Digest>::digest(&bytes));
+    let bytes = append_hash([&9u32.to_le_bytes()[..], b"{\"new\":2}"].concat());
     let names = [name_of(1, "parcel"), name_of(2, "sent")];
     names.iter().for_each(|name| fs::write(folder.0.join(name), &bytes).expect("room"));
     let sender = folder.open();

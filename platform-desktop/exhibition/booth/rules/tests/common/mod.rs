@@ -11,7 +11,7 @@ use paros_booth_rules::{
 use paros_core::badge::BadgeNumber;
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
-use paros_protocol::*;
+pub(crate) use paros_protocol::*;
 
 pub(crate) const SITE: SiteId = SiteId([5; 16]);
 pub(crate) const FLEET: EnrolmentToken = EnrolmentToken([77; 32]);
