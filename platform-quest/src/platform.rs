@@ -120,7 +120,8 @@ impl Platform for PlainPlatform {
 
     #[cfg(not(target_os = "android"))]
     fn open_booth_link(&mut self, enrolment: &Enrolment) -> Option<CourierLink> {
-        use paros_upload_https::{LinkTimes, open_link};
+        use paros_protocol::LinkTimes;
+        use paros_upload_https::open_link;
 
         Some(Box::new(open_link(&enrolment.booth_address(), LinkTimes::default())))
     }

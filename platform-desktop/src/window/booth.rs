@@ -44,7 +44,7 @@ where
 #[cfg(feature = "booth")]
 #[expect(clippy::unnecessary_wraps, reason = "a build without HTTPS has an error")]
 fn open_link(enrolment: &Enrolment) -> Result<CourierLink, String> {
-    let (address, times) = (enrolment.booth_address(), paros_upload_https::LinkTimes::default());
+    let (address, times) = (enrolment.booth_address(), paros_protocol::LinkTimes::default());
     Ok(Box::new(paros_upload_https::open_link(&address, times)))
 }
 

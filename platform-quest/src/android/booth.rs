@@ -3,8 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use paros_protocol::DeviceName;
-use paros_upload::LinkTimes;
+use paros_protocol::{DeviceName, LinkTimes};
 use paros_upload::courier::CourierLink;
 use paros_upload::enrolment::{Enrolment, FleetFile, enrolment_file, hint_of_device};
 

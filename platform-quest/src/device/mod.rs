@@ -16,8 +16,9 @@ use std::path::PathBuf;
 use jni::objects::{Global, JObject};
 use jni::{Env, JValue, JavaVM};
 use paros_headset::runtime::ContentRow;
+use paros_protocol::LinkTimes;
 use paros_shell::headset::device_health::{Battery, ThermalReading, ThermalStatus};
-use paros_upload::{BoothAddress, LinkTimes, ThreadedLink};
+use paros_upload::{BoothAddress, ThreadedLink};
 
 pub use call::JavaError;
 use call::{JavaCaller, read_bool, read_float, read_int};

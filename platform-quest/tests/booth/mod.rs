@@ -12,8 +12,7 @@ use std::{fs, thread};
 
 use jni::{InitArgsBuilder, JavaVM};
 use paros_booth_process::{BoothProcess, find_booth};
-use paros_protocol::UploadStatus;
-use paros_protocol::{DeviceName, DeviceToken, SculptureId};
+use paros_protocol::{DeviceName, DeviceToken, LinkTimes, SculptureId, UploadStatus};
 use paros_quest::device::HttpsCaller;
 use paros_quest::fleet::{Enroller, FleetSources, HeadsetNames, follow_fleet_file};
 use paros_shell::settings::{BoothSettings, LoadedSettings};
@@ -22,9 +21,7 @@ use paros_upload::enrolment::{
     EnrolError, Enrolment, FLEET_FILE_NAME, FleetFile, NewDevice, enrol_by_fleet, enrolment_file,
     hint_of_device,
 };
-use paros_upload::{
-    BoothAddress, BoothCaller, HttpAnswer, HttpRequest, LinkFault, LinkTimes, ThreadedLink,
-};
+use paros_upload::{BoothAddress, BoothCaller, HttpAnswer, HttpRequest, LinkFault, ThreadedLink};
 
 use crate::java::{run_in_checked_vm, start_checked_vm};
 use link_suite::{Answer, Server, ask, put};

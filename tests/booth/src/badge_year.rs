@@ -3,11 +3,13 @@
 
 use paros_booth_rules::limits::LATE_DAYS;
 use paros_booth_rules::records::Device;
-use paros_booth_rules::{BoothTime, ParcelOutcome, hash_of};
+use paros_booth_rules::{BoothTime, hash_of};
 use paros_core::badge::BadgeNumber;
 use paros_core::visit::VisitPhase;
 use paros_models::random_visitor::RandomSource;
-use paros_protocol::{BadgeReport, BlockSerial, Heartbeat, HeatLevel, SculptureId, UploadFacts};
+use paros_protocol::{
+    BadgeReport, BlockSerial, Heartbeat, HeatLevel, ParcelOutcome, SculptureId, UploadFacts,
+};
 
 use crate::booth::{OPENING, SimBackup, SimBooth, decode};
 use crate::truth::{Made, facts_of};

@@ -6,15 +6,15 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use paros_booth_rules::records::{Announcement, Command, Device, Sculpture, Tombstone};
 use paros_booth_rules::{
-    Access, Booth, BoothPlan, BoothTime, Deletion, KeptName, MemoryStore, ParcelFiles,
-    ParcelOutcome, Query, Refusal, SiteKeys, Store, StoreError, Transaction, hash_of, view,
+    Access, Booth, BoothPlan, BoothTime, Deletion, KeptName, MemoryStore, ParcelFiles, Query,
+    Refusal, SiteKeys, Store, StoreError, Transaction, hash_of, view,
 };
 use paros_models::random_visitor::RandomSource;
 use paros_protocol::{
     ContentHash, DeviceHint, DeviceName, DeviceToken, EnrolmentToken, FleetEnrolment, Heartbeat,
     SiteId, UploadFacts,
 };
-use paros_upload::{BoothRequest, DELETED, HttpAnswer, KEPT};
+use paros_upload::{BoothRequest, HttpAnswer};
 
 use crate::truth::is_poison;
 
@@ -250,10 +250,8 @@ impl SimBooth {
                 Ok((200, answer.to_json()))
             }
             BoothRequest::Put { id, body, .. } => {
-                match self.booth.take_parcel(&device, *id, body, &decode, now)? {
-                    ParcelOutcome::Kept => Ok((200, KEPT.to_vec())),
-                    ParcelOutcome::Deleted => Ok((410, DELETED.to_vec())),
-                }
+                let outcome = self.booth.take_parcel(&device, *id, body, &decode, now)?;
+                Ok((outcome.status(), outcome.body().to_vec()))
             }
         }
     }

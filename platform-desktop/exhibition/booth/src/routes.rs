@@ -15,11 +15,12 @@ use axum::routing::{get, post, put};
 use axum::{Router, middleware};
 use futures_util::StreamExt as _;
 use paros_booth_rules::records::{Device, ExportState, Sculpture};
-use paros_booth_rules::{ParcelOutcome, Query, Refusal};
-use paros_protocol::ProtocolError;
+use paros_booth_rules::{Query, Refusal};
 use paros_protocol::limits::MAX_PARCEL_FILE_BYTES;
-use paros_protocol::{DeviceToken, FleetEnrolment, Heartbeat, SculptureId};
-use paros_upload::{DELETED, KEPT, LinkTimes};
+use paros_protocol::{
+    DeviceToken, FLEET_ENROLMENT_PATH, FleetEnrolment, HEARTBEAT_PATH, Heartbeat, LinkTimes,
+    PARCEL_PATH, ParcelOutcome, ProtocolError, SculptureId,
+};
 use tokio::sync::OwnedSemaphorePermit;
 use tracing::{info, warn};
 
@@ -37,9 +38,6 @@ const BODY_TIMES: BodyTimes =
 /// How long a parcel may make no progress: over a slow radio.
 const LONGEST_IDLE: Duration = Duration::from_secs(60);
 
-/// The path of parcels, before the id.
-const PARCEL_PATH: &str = "/v1/sculptures/";
-
 /// Who asks.
 #[derive(Clone, Copy)]
 pub(crate) struct Peer(pub(crate) IpAddr);
@@ -52,11 +50,11 @@ pub(crate) struct RefusalAnswer(Refusal);
 /// All routes.
 pub(crate) fn router(app: &Arc<BoothApp>) -> Router {
     let of_headsets = Router::new()
-        .route("/v1/sculptures/{id}", put(put_parcel))
-        .route("/v1/heartbeat", post(take_heartbeat))
+        .route(&format!("{PARCEL_PATH}{{id}}"), put(put_parcel))
+        .route(HEARTBEAT_PATH, post(take_heartbeat))
         .route_layer(from_fn_with_state(app.clone(), authenticate));
     let of_strangers = Router::new()
-        .route("/v1/enrol/fleet", post(enrol_fleet))
+        .route(FLEET_ENROLMENT_PATH, post(enrol_fleet))
         .route_layer(from_fn_with_state(app.clone(), limit_stranger));
     Router::new()
         .merge(of_headsets)
@@ -193,14 +191,11 @@ async fn put_parcel(
     });
     let outcome = outcome.await?;
     info!(headset, %id, ?outcome, "parcel");
-    Ok(match outcome {
-        ParcelOutcome::Kept => {
-            app.metrics.parcels.add(1);
-            app.wakers.exports.wake();
-            (StatusCode::OK, KEPT).into_response()
-        }
-        ParcelOutcome::Deleted => (StatusCode::GONE, DELETED).into_response(),
-    })
+    if outcome == ParcelOutcome::Kept {
+        app.metrics.parcels.add(1);
+        app.wakers.exports.wake();
+    }
+    Ok((status_of(outcome.status()), outcome.body()).into_response())
 }
 
 /// Reads a parcel from the network when it is its turn, and holds that.
@@ -297,6 +292,10 @@ fn read_message<T>(message: Result<T, ProtocolError>) -> Result<T, Refusal> {
     message.map_err(|why| Refusal::BadRequest(why.to_string()))
 }
 
+fn status_of(status: u16) -> StatusCode {
+    StatusCode::from_u16(status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR)
+}
+
 fn json_answer(json: Vec<u8>) -> Response {
     ([(header::CONTENT_TYPE, "application/json")], json).into_response()
 }
@@ -318,8 +317,7 @@ impl IntoResponse for RefusalAnswer {
         } else {
             format!("{refusal}\n")
         };
-        let status = StatusCode::from_u16(status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
-        let mut answer = (status, text).into_response();
+        let mut answer = (status_of(status), text).into_response();
         if let Some(seconds) = refusal.retry_after() {
             answer.headers_mut().insert(header::RETRY_AFTER, seconds.into());
         }

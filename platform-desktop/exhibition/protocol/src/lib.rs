@@ -4,12 +4,13 @@
 //! |---|---|---|
 //! | `POST /v1/enrol/fleet` | [`FleetEnrolment`] | [`EnrolAnswer`] |
 //! | `POST /v1/heartbeat`, every two seconds | [`Heartbeat`] | [`HeartbeatAnswer`] |
-//! | `PUT /v1/sculptures/{id}` | a [`Parcel`] | a status of HTTP |
+//! | `PUT /v1/sculptures/{id}` | a [`Parcel`] | [`ParcelOutcome`], or a status of HTTP |
 //!
 //! Every message carries the protocol's version. Unknown fields are ignored, so that a later program may add some. All
 //! that arrives is hostile until it was read and checked: `from_json` of each message does both.
 #![forbid(unsafe_code)]
 
+mod answers;
 mod badges;
 mod commands;
 mod enrolment;
@@ -23,6 +24,7 @@ mod parcel;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+pub use answers::{HEARTBEAT_TIMEOUT_MS, LinkTimes, ParcelOutcome};
 pub use badges::{BadgeReport, HeldBlock};
 pub use commands::{BoothCommand, CommandKind, CommandOutcome, CommandReport};
 pub use enrolment::{DeviceName, EnrolAnswer, FleetEnrolment};
@@ -32,6 +34,15 @@ pub use ids::{
     BlockSerial, ContentHash, DeviceHint, DeviceToken, EnrolmentToken, SculptureId, SiteId,
 };
 pub use parcel::{Parcel, ParcelFault, append_hash, split_hash};
+
+/// The path of heartbeats.
+pub const HEARTBEAT_PATH: &str = "/v1/heartbeat";
+
+/// The path of enrolments by a fleet's file.
+pub const FLEET_ENROLMENT_PATH: &str = "/v1/enrol/fleet";
+
+/// The path of parcels, before the id.
+pub const PARCEL_PATH: &str = "/v1/sculptures/";
 
 /// The version of the protocol. A change that an earlier program can't ignore raises it.
 pub const PROTOCOL_VERSION: u16 = 1;

@@ -1,10 +1,10 @@
 //! What a headset tells the booth every two seconds, and what it takes from the answers.
 
 use paros_core::codec::trace::CORE_VERSION;
-use paros_protocol::limits::{MAX_ANNOUNCEMENTS, MAX_COMMAND_MS};
+use paros_protocol::limits::MAX_ANNOUNCEMENTS;
 use paros_protocol::{
-    Announcement, BoothCommand, CommandOutcome, CommandReport, Heartbeat, HeartbeatAnswer,
-    UploadStatus,
+    Announcement, BoothCommand, CommandOutcome, CommandReport, HEARTBEAT_TIMEOUT_MS, Heartbeat,
+    HeartbeatAnswer, UploadStatus,
 };
 
 use super::events::{DueCommand, HeadsetStatus, OutboxEvent};
@@ -16,11 +16,8 @@ use super::spool::SpoolEntry;
 /// Milliseconds between heartbeats: the longest time that a button on the staff's page waits.
 const HEARTBEAT_MS: u64 = 2_000;
 
-/// Milliseconds without an answer after which a heartbeat has failed: a command in it would be dead.
-pub const HEARTBEAT_TIMEOUT_MS: u64 = MAX_COMMAND_MS as u64;
-
 /// Milliseconds between heartbeats that aren't answered, at most: as long as a command lives.
-const MAX_HEARTBEAT_WAIT_MS: u64 = MAX_COMMAND_MS as u64;
+const MAX_HEARTBEAT_WAIT_MS: u64 = HEARTBEAT_TIMEOUT_MS;
 
 /// Milliseconds after which a headset asks again whether the booth has a sent parcel that is still here. Bounds how soon
 /// sculptures lost in a restore are sent again.

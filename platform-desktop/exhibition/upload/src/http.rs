@@ -6,14 +6,9 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
 use std::time::Duration;
 
-use paros_protocol::DeviceToken;
-pub use paros_protocol::limits::MAX_ANSWER_BYTES;
+use paros_protocol::{DeviceToken, HEARTBEAT_PATH, LinkTimes, PARCEL_PATH};
 
-use super::heartbeats::HEARTBEAT_TIMEOUT_MS;
 use super::link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
-
-/// How long the largest parcel may take.
-const LONGEST_UPLOAD: Duration = Duration::from_secs(600);
 
 const OCTETS: &str = "application/octet-stream";
 const JSON: &str = "application/json";
@@ -27,16 +22,6 @@ pub struct BoothAddress {
     pub ca: Vec<u8>,
     /// By which the booth knows the headset.
     pub token: DeviceToken,
-}
-
-/// How long an answer is waited for, from when its request begins.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct LinkTimes {
-    /// That to a parcel, but for its bytes: a second more for each 4 KiB, as over a radio link of 35 kbit/s, up to ten
-    /// minutes in all.
-    pub put: Duration,
-    /// That to any other request.
-    pub small: Duration,
 }
 
 /// A request's method.
@@ -77,7 +62,7 @@ pub trait BoothCaller {
     /// Sends a request, and waits for the answer until its timeout. Follows no redirect.
     ///
     /// # Errors
-    /// No answer came, or one with a body of more than [`MAX_ANSWER_BYTES`].
+    /// No answer came, or one with a body of more than [`MAX_ANSWER_BYTES`](paros_protocol::limits::MAX_ANSWER_BYTES).
     fn call(&mut self, request: &HttpRequest<'_>) -> Result<HttpAnswer, LinkError>;
 }
 
@@ -91,22 +76,6 @@ pub struct ThreadedLink {
     last_error: Option<LinkError>,
     log: Option<fn(fmt::Arguments<'_>)>,
     told: Option<LinkFault>,
-}
-
-impl Default for LinkTimes {
-    fn default() -> Self {
-        // A little less than the sender waits, so that no request waits for one that was given up.
-        let small = Duration::from_millis(HEARTBEAT_TIMEOUT_MS - HEARTBEAT_TIMEOUT_MS / 10);
-        LinkTimes { put: Duration::from_secs(60), small }
-    }
-}
-
-impl LinkTimes {
-    /// How long the answer to a parcel of so many bytes is waited for.
-    #[must_use]
-    pub fn of_parcel(&self, bytes: usize) -> Duration {
-        (self.put + Duration::from_secs(bytes as u64 / 4096)).min(LONGEST_UPLOAD)
-    }
 }
 
 impl HttpMethod {
@@ -141,12 +110,11 @@ impl<'a> HttpRequest<'a> {
                 method: HttpMethod::Put,
                 headers: vec![("Content-Type", OCTETS.to_owned())],
                 timeout: times.of_parcel(body.len()),
-                ..HttpRequest::post(&format!("/v1/sculptures/{id}"), body)
+                ..HttpRequest::post(&format!("{PARCEL_PATH}{id}"), body)
             },
-            BoothRequest::Heartbeat { body, .. } => HttpRequest {
-                timeout: times.small,
-                ..HttpRequest::post("/v1/heartbeat", &body[..])
-            },
+            BoothRequest::Heartbeat { body, .. } => {
+                HttpRequest { timeout: times.small, ..HttpRequest::post(HEARTBEAT_PATH, &body[..]) }
+            }
         };
         asked.headers.push(("Authorization", format!("Bearer {}", token.reveal())));
         asked

@@ -30,14 +30,11 @@ mod spool;
 
 pub use events::{DueCommand, HeadsetStatus, OutboxEvent, OutboxHost, OutboxOwner};
 pub use folder::{DiskFolder, OutboxFolder};
-pub use heartbeats::{CONFIRM_MS, HEARTBEAT_TIMEOUT_MS};
-pub use http::{
-    BoothAddress, BoothCaller, HttpMethod, HttpRequest, LinkError, LinkTimes, MAX_ANSWER_BYTES,
-    ThreadedLink,
-};
+pub use heartbeats::CONFIRM_MS;
+pub use http::{BoothAddress, BoothCaller, HttpMethod, HttpRequest, LinkError, ThreadedLink};
 pub use link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
 pub use outgoing::{SendPlan, connect};
-pub use sender::{DELETED, KEPT, Sender};
+pub use sender::Sender;
 pub use spool::{MAX_SPOOL_ENTRIES, OutboxLevel, OutboxSettings, Spool, SpoolEntry, SpoolError};
 
 #[cfg(test)]

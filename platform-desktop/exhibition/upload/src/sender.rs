@@ -4,13 +4,14 @@ use std::mem;
 use std::time::Duration;
 
 use paros_core::badge::BadgeNumber;
-use paros_protocol::{BlockSerial, CommandOutcome, Parcel, SculptureId, UploadStatus};
+use paros_protocol::{
+    BlockSerial, CommandOutcome, LinkTimes, Parcel, ParcelOutcome, SculptureId, UploadStatus,
+};
 
 use super::badge_lease::BadgeLease;
 use super::events::{OutboxEvent, OutboxHost, OutboxOwner};
 use super::folder::OutboxFolder;
 use super::heartbeats::HeartbeatClock;
-use super::http::LinkTimes;
 use super::link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
 use super::spool::{OutboxSettings, Spool, SpoolEntry, SpoolError};
 
@@ -278,22 +279,25 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         // A late answer says nothing of the request under way; its parcel is sent again, which is harmless.
         let in_flight = self.uploads.in_flight.take_if(|request| request.number == number);
         let Some(InFlight { id, .. }) = in_flight else { return };
-        let (status, retry_after) = match result {
-            Ok(HttpAnswer { status, retry_after, .. }) => (*status, retry_after.unwrap_or(0)),
-            Err(_) => (0, 0),
-        };
-        let is_done = match status {
-            200 if has_body(result, KEPT) => {
+        let answer = result.as_ref().ok();
+        let outcome =
+            answer.and_then(|answer| ParcelOutcome::of_answer(answer.status, &answer.body));
+        let status = answer.map_or(0, |answer| answer.status);
+        let retry_after = answer.and_then(|answer| answer.retry_after).unwrap_or(0);
+        let is_done = match (outcome, status) {
+            (Some(ParcelOutcome::Kept), _) => {
                 let is_noted = self.spool.rename(id, UploadStatus::Sent, self.elapsed_ms);
                 self.report_noted(is_noted, OutboxEvent::KeptAtBooth(id))
             }
-            410 if has_body(result, DELETED) => {
+            (Some(ParcelOutcome::Deleted), _) => {
                 let is_noted = self.spool.delete(id);
                 self.report_noted(is_noted, OutboxEvent::DeletedAtBooth(id))
             }
-            409 | 413 | 422 => self.take_refused(id, random),
-            429 | 503 if retry_after > 0 => return self.wait_for_booth(id, retry_after, random),
-            401 | 403 => {
+            (None, 409 | 413 | 422) => self.take_refused(id, random),
+            (None, 429 | 503) if retry_after > 0 => {
+                return self.wait_for_booth(id, retry_after, random);
+            }
+            (None, 401 | 403) => {
                 self.note_stranger(status);
                 false
             }
@@ -370,13 +374,4 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
     pub(super) fn host_ms(&self) -> u64 {
         self.host_ms.unwrap_or_default()
     }
-}
-
-/// The bodies of the booth's 200 and 410: no proxy and no captive portal answers so.
-pub const KEPT: &[u8] = b"kept\n";
-/// See [`KEPT`].
-pub const DELETED: &[u8] = b"deleted\n";
-
-fn has_body(result: &Result<HttpAnswer, LinkFault>, body: &[u8]) -> bool {
-    result.as_ref().is_ok_and(|answer| answer.body == body)
 }

@@ -12,15 +12,16 @@ use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
 use paros_protocol::{
     AgeGroup, Announcement, FinishCause, Heartbeat, HeartbeatAnswer, HeatLevel, Parcel,
-    ProtocolError, SculptureId, SiteId, UploadFacts, UploadStatus,
+    ParcelOutcome, ProtocolError, SculptureId, SiteId, UploadFacts, UploadStatus,
 };
 
 use super::{
-    BoothLink, BoothRequest, DELETED, DiskFolder, HeadsetStatus, HttpAnswer, KEPT, LinkAnswer,
-    LinkFault, MAX_SPOOL_ENTRIES, OutboxEvent, OutboxHost, OutboxLevel, OutboxOwner,
-    OutboxSettings, Sender, SentRequest, SpoolError,
+    BoothLink, BoothRequest, DiskFolder, HeadsetStatus, HttpAnswer, LinkAnswer, LinkFault,
+    MAX_SPOOL_ENTRIES, OutboxEvent, OutboxHost, OutboxLevel, OutboxOwner, OutboxSettings, Sender,
+    SentRequest, SpoolError,
 };
 
+const KEPT: &[u8] = ParcelOutcome::Kept.body();
 const OWNER: OutboxOwner = OutboxOwner { site: SiteId([7; 16]), headset: 17 };
 const SETTINGS: OutboxSettings = OutboxSettings { grace_seconds: 60, max_bytes: 1 << 20 };
 
@@ -297,7 +298,7 @@ fn each_answer_has_its_file() {
         answer(&mut sender, &mut host, 410, body);
         assert_eq!(status(&sender, 1), Some(UploadStatus::Refused), "a proxy's");
     }
-    answer(&mut sender, &mut host, 410, DELETED);
+    answer(&mut sender, &mut host, 410, ParcelOutcome::Deleted.body());
     assert!(host.events.contains(&OutboxEvent::DeletedAtBooth(id_of(1))));
     assert_eq!((status(&sender, 1), folder.names().len()), (None, 0));
 }

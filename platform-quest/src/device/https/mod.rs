@@ -13,7 +13,8 @@ use std::time::{Duration, Instant};
 
 use jni::objects::{Global, JObject};
 use jni::{AttachConfig, Env, JValue, JavaVM};
-use paros_upload::{BoothCaller, HttpAnswer, HttpRequest, LinkError, LinkFault, MAX_ANSWER_BYTES};
+use paros_protocol::limits::MAX_ANSWER_BYTES;
+use paros_upload::{BoothCaller, HttpAnswer, HttpRequest, LinkError, LinkFault};
 
 use super::call::{JavaCaller, JavaError, read_int};
 use super::table::{

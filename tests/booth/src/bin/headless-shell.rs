@@ -18,7 +18,7 @@ use paros_core::edit::Pose;
 use paros_core::session::{BenchItem, PointerCommand, SessionMode, SessionState, Tool};
 use paros_core::visit::{PanelAction, PlanSetting, Presence, VisitCommand, VisitInput, VisitPhase};
 use paros_core::volume::Grid;
-use paros_protocol::UploadStatus;
+use paros_protocol::{LinkTimes, UploadStatus};
 use paros_shell::settings::Settings;
 use paros_shell::statics::Resident;
 use paros_shell::studio::Studio;
@@ -26,7 +26,6 @@ use paros_shell::studio_paths::StudioPaths;
 use paros_upload::courier::{Courier, CourierLink, read_clock_ms};
 use paros_upload::enrolment::Enrolment;
 use paros_upload::{SendPlan, connect};
-use paros_upload_https::LinkTimes;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -2,7 +2,7 @@
 
 use paros_core::badge::BadgeNumber;
 use paros_protocol::limits::MAX_PARCEL_FILE_BYTES;
-use paros_protocol::{ContentHash, Parcel, ParcelFault, SculptureId, UploadFacts};
+use paros_protocol::{ContentHash, Parcel, ParcelFault, ParcelOutcome, SculptureId, UploadFacts};
 
 use crate::booth::{Booth, Tx};
 use crate::parcel_files::{KeptName, KeptPart};
@@ -12,15 +12,6 @@ use crate::refusal::Refusal;
 use crate::store::{Query, StoreError, view};
 use crate::time::BoothTime;
 use crate::value::Field as _;
-
-/// What became of a parcel.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum ParcelOutcome {
-    /// It is kept.
-    Kept,
-    /// It was kept, and was deleted: the headset deletes it too.
-    Deleted,
-}
 
 /// Checks that a parcel's files are what its head says: the packed volume, and the packed trace. Takes no more memory
 /// than the head says.

@@ -3,7 +3,7 @@
 use super::common::*;
 use paros_booth_rules::limits::{COMMAND_LIFE, MAX_ANNOUNCED, MAX_WAITING_COMMANDS, STATUS_LIFE};
 use paros_booth_rules::records::{CommandState, Device};
-use paros_booth_rules::{BoothTime, ParcelOutcome, Query, RowOrder, view};
+use paros_booth_rules::{BoothTime, Query, RowOrder, view};
 use paros_core::badge::BadgeNumber;
 
 fn device_of(rig: &Rig, headset: u32) -> Device {

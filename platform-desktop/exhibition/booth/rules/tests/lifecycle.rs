@@ -2,7 +2,7 @@
 
 use super::common::*;
 use paros_booth_rules::records::{ExportState, MailOrder, MailState, Tombstone};
-use paros_booth_rules::{BoothPlan, KeptPart, ParcelOutcome, Query, update, view};
+use paros_booth_rules::{BoothPlan, KeptPart, Query, update, view};
 
 fn kept_parts(rig: &Rig) -> Vec<KeptPart> {
     rig.files.kept_names().into_iter().map(|name| name.part).collect()

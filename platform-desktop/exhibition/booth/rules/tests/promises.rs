@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::common::*;
 use paros_booth_rules::records::{Device, Sculpture, Tombstone};
-use paros_booth_rules::{BoothTime, KeptPart, ParcelOutcome, Query, view};
+use paros_booth_rules::{BoothTime, KeptPart, Query, view};
 use proptest::prelude::*;
 
 /// What happens next, to one of the sculptures.

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use super::common::*;
 use paros_booth_rules::records::{MailOrder, MailState, Tombstone};
 use paros_booth_rules::{
-    Booth, BoothPlan, BoothTime, Deletion, KeptName, MemoryFiles, MemoryStore, ParcelFiles,
-    ParcelOutcome, Query, SessionBits, SiteKeys, view,
+    Booth, BoothPlan, BoothTime, Deletion, KeptName, MemoryFiles, MemoryStore, ParcelFiles, Query,
+    SessionBits, SiteKeys, view,
 };
 
 /// A booth of the same site on a copy, whose sculptures' files are the same.

@@ -1,8 +1,8 @@
 //! What is taken and kept.
 
 use super::common::*;
+use paros_booth_rules::hash_of;
 use paros_booth_rules::records::ExportState;
-use paros_booth_rules::{ParcelOutcome, hash_of};
 use paros_protocol::limits::MAX_PARCEL_BYTES;
 
 #[test]

@@ -1,6 +1,5 @@
 //! A booth is backed up while it serves, and made anew of that.
 
-use paros_booth_rules::ParcelOutcome;
 use std::collections::BTreeSet;
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::time::Duration;
 
-use paros_booth_rules::ParcelOutcome;
+use paros_protocol::ParcelOutcome;
 
 use crate::rig::{BoothFolder, Client, Headset, Parcel};
 

@@ -1,7 +1,5 @@
 //! A booth process, and headsets that speak HTTPS to it.
 
-use paros_booth_rules::ParcelOutcome;
-use paros_upload::KEPT;
 use std::fs::{self, File};
 use std::io::{self, BufRead as _, BufReader};
 use std::net::{SocketAddr, TcpStream};
@@ -316,15 +314,11 @@ impl Headset {
         parcel: &Parcel,
     ) -> io::Result<Result<ParcelOutcome, Answer>> {
         let answer = client.ask("PUT", &path_of(parcel), &[self.bearer()], &parcel.file())?;
-        Ok(match (answer.status, &answer.body[..]) {
-            (200, KEPT) => Ok(ParcelOutcome::Kept),
-            (410, _) => Ok(ParcelOutcome::Deleted),
-            _ => Err(answer),
-        })
+        Ok(ParcelOutcome::of_answer(answer.status, &answer.body).ok_or(answer))
     }
 }
 
 /// Where a parcel is sent.
 pub(crate) fn path_of(parcel: &Parcel) -> String {
-    format!("/v1/sculptures/{}", parcel.facts.id)
+    format!("{PARCEL_PATH}{}", parcel.facts.id)
 }

@@ -1,6 +1,6 @@
 //! Two booths that share a database of PostgreSQL and a bucket, and headsets that speak to both.
 
-use paros_booth_rules::ParcelOutcome;
+use paros_protocol::ParcelOutcome;
 use std::collections::BTreeMap;
 use std::process::Stdio;
 use std::sync::Mutex;

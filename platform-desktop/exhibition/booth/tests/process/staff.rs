@@ -1,6 +1,5 @@
 //! What staff see and do, in the HTML and headers that the booth sends.
 
-use paros_booth_rules::ParcelOutcome;
 use std::time::{Duration, Instant};
 
 use paros_core::badge::{BadgeNumber, Language, write_words};

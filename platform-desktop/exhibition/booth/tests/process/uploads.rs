@@ -7,7 +7,6 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use paros_booth_rules::ParcelOutcome;
 use paros_protocol::*;
 
 use crate::rig::{

@@ -2,9 +2,8 @@
 
 use std::io;
 
-use paros_upload::{
-    BoothCaller, HttpAnswer, HttpMethod, HttpRequest, LinkError, LinkFault, MAX_ANSWER_BYTES,
-};
+use paros_protocol::limits::MAX_ANSWER_BYTES;
+use paros_upload::{BoothCaller, HttpAnswer, HttpMethod, HttpRequest, LinkError, LinkFault};
 use ureq::http::Response;
 use ureq::http::header::RETRY_AFTER;
 use ureq::{Agent, Body, Error};

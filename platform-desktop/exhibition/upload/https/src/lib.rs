@@ -8,8 +8,8 @@ mod ask;
 
 use std::sync::Arc;
 
-use paros_upload::ThreadedLink;
-pub use paros_upload::{BoothAddress, LinkTimes};
+use paros_protocol::LinkTimes;
+use paros_upload::{BoothAddress, ThreadedLink};
 use rustls::crypto::ring;
 use ureq::Agent;
 use ureq::tls::{Certificate, RootCerts, TlsConfig, TlsProvider};

@@ -12,7 +12,7 @@ use paros_protocol::*;
 use super::{Courier, CourierLink, CourierPlan};
 use crate::enrolment::{Enrolment, NewDevice};
 use crate::{
-    BoothLink, BoothRequest, HttpAnswer, KEPT, LinkAnswer, LinkFault, OutboxOwner, OutboxSettings,
+    BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, OutboxOwner, OutboxSettings,
     SentRequest,
 };
 
@@ -58,7 +58,9 @@ impl BoothLink for Booth {
         let ok = |body| Ok(HttpAnswer { status: 200, retry_after: None, body });
         let is_down = self.is_down.load(Ordering::Relaxed);
         let (request, result) = match request {
-            BoothRequest::Put { number, .. } => (SentRequest::Put { number }, ok(KEPT.into())),
+            BoothRequest::Put { number, .. } => {
+                (SentRequest::Put { number }, ok(ParcelOutcome::Kept.body().into()))
+            }
             BoothRequest::Heartbeat { number, body } => {
                 let beat = Heartbeat::from_json(&body[..]).expect("a heartbeat");
                 (SentRequest::Heartbeat { number }, ok(self.answer_heartbeat(&beat)))

@@ -1,6 +1,6 @@
 //! Enrolment by a fleet's file: one question, as site and authority are known beforehand.
 
-use paros_protocol::{EnrolAnswer, FleetEnrolment};
+use paros_protocol::{EnrolAnswer, FLEET_ENROLMENT_PATH, FleetEnrolment};
 
 use super::{EnrolError, Enrolment, FleetFile, NewDevice, ask};
 use crate::{BoothCaller, OutboxOwner};
@@ -20,7 +20,7 @@ pub fn enrol_by_fleet(
         hint: device.hint,
         name: device.name,
     };
-    let body = ask(link, "/v1/enrol/fleet", &asked.to_json())?;
+    let body = ask(link, FLEET_ENROLMENT_PATH, &asked.to_json())?;
     let EnrolAnswer { headset, site } = EnrolAnswer::from_json(&body)?;
     if site != fleet.site {
         return Err(EnrolError::AnotherSite);

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use paros_booth_rules::records::{Device, TABLES};
 use paros_booth_rules::{
-    Access, Booth, BoothPlan, BoothTime, MemoryFiles, MemoryStore, ParcelOutcome, Query, Refusal,
-    SiteKeys, Store, hash_of,
+    Access, Booth, BoothPlan, BoothTime, MemoryFiles, MemoryStore, Query, Refusal, SiteKeys, Store,
+    hash_of,
 };
 use paros_core::badge::BadgeNumber;
 use paros_core::session::SessionMode;

@@ -7,10 +7,9 @@ use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use paros_protocol::{DeviceToken, SculptureId};
+use paros_protocol::{DeviceToken, LinkTimes, SculptureId};
 use paros_upload::{
-    BoothAddress, BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, LinkTimes,
-    SentRequest,
+    BoothAddress, BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest,
 };
 
 pub(crate) use server::{Answer, Server};
