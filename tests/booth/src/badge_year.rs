@@ -5,10 +5,9 @@ use paros_booth_rules::limits::LATE_DAYS;
 use paros_booth_rules::records::Device;
 use paros_booth_rules::{BoothTime, hash_of};
 use paros_core::badge::BadgeNumber;
-use paros_core::visit::VisitPhase;
 use paros_models::random_visitor::RandomSource;
 use paros_protocol::{
-    BadgeReport, BlockSerial, Heartbeat, HeatLevel, ParcelOutcome, SculptureId, UploadFacts,
+    BadgeReport, BlockSerial, Heartbeat, ParcelOutcome, SculptureId, UploadFacts,
 };
 
 use crate::booth::{OPENING, SimBackup, SimBooth, decode};
@@ -160,7 +159,7 @@ impl Year {
     fn exchange(&mut self, at: usize) {
         let now = self.now();
         let headset = &mut self.headsets[at];
-        let beat = heartbeat(headset.device.headset, headset.badges.clone());
+        let beat = Heartbeat::first(headset.device.headset, 1, headset.badges.clone());
         let answer = self.booth.booth.take_heartbeat(&headset.device, &beat, now);
         headset.badges.blocks = answer.expect("nothing fails").badges;
     }
@@ -242,29 +241,5 @@ impl Year {
             self.sums.returned += lacking.len() as u64;
             headset.waiting.extend(lacking);
         }
-    }
-}
-
-fn heartbeat(headset: u32, badges: BadgeReport) -> Heartbeat {
-    Heartbeat {
-        headset,
-        boot_id: 1,
-        number: 1,
-        session_id: 0,
-        is_charging: false,
-        is_worn: false,
-        is_glowing: false,
-        was_wiped: false,
-        battery_percent: None,
-        heat: HeatLevel::Normal,
-        phase: VisitPhase::Attract,
-        worn_seconds: 0,
-        outbox_depth: 0,
-        outbox_full_percent: 0,
-        app_version: [0, 1, 0],
-        core_version: 1,
-        badges,
-        last_command: None,
-        announcements: Vec::new(),
     }
 }

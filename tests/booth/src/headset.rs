@@ -4,11 +4,10 @@ use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
-use paros_core::visit::VisitPhase;
 use paros_models::random_visitor::RandomSource;
-use paros_protocol::{HeatLevel, Parcel, SiteId};
-use paros_upload::{HeadsetStatus, OutboxOwner, OutboxSettings};
+use paros_protocol::{HeadsetStatus, Parcel, SiteId};
 use paros_upload::{OutboxEvent, OutboxFolder, OutboxHost, Sender};
+use paros_upload::{OutboxOwner, OutboxSettings};
 
 use crate::disk::{SimDisk, SimFolder};
 use crate::network::{SimLink, Wire};
@@ -58,17 +57,8 @@ impl OutboxHost for SimHost {
     }
 
     fn status(&mut self) -> HeadsetStatus {
-        HeadsetStatus {
-            session_id: self.session_id,
-            is_charging: false,
-            is_worn: self.session_id != 0,
-            is_glowing: false,
-            battery_percent: None,
-            heat: HeatLevel::Normal,
-            phase: VisitPhase::Sculpting,
-            worn_seconds: 1,
-            app_version: [0, 1, 0],
-        }
+        let session_id = self.session_id;
+        HeadsetStatus { session_id, is_worn: session_id != 0, ..HeadsetStatus::default() }
     }
 
     fn on_event(&mut self, event: OutboxEvent) {

@@ -8,11 +8,9 @@ use paros_booth_rules::{Booth, BoothTime, Refusal, hash_of};
 use paros_core::badge::BadgeNumber;
 use paros_core::codec::trace::CORE_VERSION;
 use paros_core::session::SessionMode;
-use paros_core::visit::VisitPhase;
 use paros_protocol::{
     AgeGroup, BadgeReport, BlockSerial, ContentHash, DeviceHint, DeviceName, DeviceToken,
-    EnrolmentToken, FinishCause, FleetEnrolment, Heartbeat, HeatLevel, Parcel, SculptureId,
-    UploadFacts,
+    EnrolmentToken, FinishCause, FleetEnrolment, Heartbeat, Parcel, SculptureId, UploadFacts,
 };
 
 use crate::demo_shapes::{SHAPES, SIDE, make_volume};
@@ -90,7 +88,8 @@ fn fill(booth: &Booth, now: BoothTime) -> Result<(), Refusal> {
     };
     booth.enrol_fleet(&enrolment, now)?;
     let device = booth.authenticate(&token)?;
-    let answer = booth.take_heartbeat(&device, &first_heartbeat(device.headset), now)?;
+    let first = Heartbeat::first(device.headset, 1, BadgeReport { epoch: 1, blocks: Vec::new() });
+    let answer = booth.take_heartbeat(&device, &first, now)?;
     let held = answer.badges.first();
     for (k, shape) in SHAPES.into_iter().enumerate() {
         let badge = held.and_then(|held| BadgeNumber::of_block(held.block, k as u8));
@@ -134,31 +133,6 @@ fn make_parcel(
         trace_raw_bytes: 0,
     };
     Parcel::pack(&facts, volume, None).map_err(|fault| fault.to_string())
-}
-
-/// What a headset says that nobody wears.
-fn first_heartbeat(headset: u32) -> Heartbeat {
-    Heartbeat {
-        headset,
-        boot_id: 1,
-        number: 1,
-        session_id: 0,
-        is_charging: true,
-        is_worn: false,
-        is_glowing: false,
-        was_wiped: false,
-        battery_percent: Some(80),
-        heat: HeatLevel::Normal,
-        phase: VisitPhase::Welcome,
-        worn_seconds: 0,
-        outbox_depth: 0,
-        outbox_full_percent: 0,
-        app_version: [0, 1, 0],
-        core_version: CORE_VERSION,
-        badges: BadgeReport { epoch: 1, blocks: Vec::new() },
-        last_command: None,
-        announcements: Vec::new(),
-    }
 }
 
 #[cfg(test)]

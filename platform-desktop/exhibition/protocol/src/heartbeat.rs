@@ -1,6 +1,7 @@
 //! What a headset tells the booth every two seconds, and what the booth answers.
 
 use paros_core::badge::BadgeNumber;
+use paros_core::codec::trace::CORE_VERSION;
 use paros_core::visit::VisitPhase;
 use serde::{Deserialize, Serialize};
 
@@ -55,6 +56,30 @@ pub enum HeatLevel {
     Hot,
 }
 
+/// How a headset is, beside its outbox.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub struct HeadsetStatus {
+    /// Random bits of the visit under way; 0 for none.
+    pub session_id: u64,
+    /// `true` if the battery is being charged.
+    pub is_charging: bool,
+    /// `true` if the headset is on a head.
+    pub is_worn: bool,
+    /// `true` if it glows and beeps, so that staff find it.
+    pub is_glowing: bool,
+    /// The battery's charge in percent, where it is known: 0 to 100.
+    pub battery_percent: Option<u8>,
+    /// How hot it is.
+    pub heat: HeatLevel,
+    /// The visit's phase.
+    #[serde(with = "fields::phase")]
+    pub phase: VisitPhase,
+    /// Seconds since this visitor put it on; 0 where nobody wears it.
+    pub worn_seconds: u32,
+    /// The program's version: major, minor, patch.
+    pub app_version: [u16; 3],
+}
+
 /// What a headset tells the booth.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct Heartbeat {
@@ -64,33 +89,17 @@ pub struct Heartbeat {
     pub boot_id: u64,
     /// The heartbeat's own number within the start, from 1: the answer repeats it.
     pub number: u32,
-    /// Random bits of the visit under way; 0 for none.
-    pub session_id: u64,
-    /// `true` if the battery is being charged.
-    pub is_charging: bool,
-    /// `true` if the headset is on a head.
-    pub is_worn: bool,
-    /// `true` if it glows and beeps, so that it is found.
-    pub is_glowing: bool,
+    /// How the headset is.
+    #[serde(flatten)]
+    pub status: HeadsetStatus,
     /// `true` if the outbox's folder was empty at the start, as the program is new here or its data was wiped; until a
     /// heartbeat that says so is answered.
     pub was_wiped: bool,
-    /// The battery's charge in percent, where it is known.
-    pub battery_percent: Option<u8>,
-    /// How hot it is.
-    pub heat: HeatLevel,
-    /// The visit's phase.
-    #[serde(with = "fields::phase")]
-    pub phase: VisitPhase,
-    /// Seconds since this visitor put it on; 0 where nobody wears it.
-    pub worn_seconds: u32,
     /// Sculptures that the booth doesn't have.
     pub outbox_depth: u16,
     /// How full the outbox is with what can't be deleted, in percent.
     pub outbox_full_percent: u8,
-    /// The program's version: major, minor, patch.
-    pub app_version: [u16; 3],
-    /// [`CORE_VERSION`](paros_core::codec::trace::CORE_VERSION) of the program.
+    /// [`CORE_VERSION`] of the program.
     pub core_version: u16,
     /// The blocks of badges' numbers that the headset holds.
     pub badges: BadgeReport,
@@ -144,13 +153,48 @@ fn check_announcements(list: &[Announcement], field: &'static str) -> Result<(),
     expect(is_right, field, "up to 32 sculptures with different ids")
 }
 
+impl Default for HeadsetStatus {
+    /// Makes the status of a headset without visits that nobody wears.
+    fn default() -> Self {
+        HeadsetStatus {
+            session_id: 0,
+            is_charging: false,
+            is_worn: false,
+            is_glowing: false,
+            battery_percent: None,
+            heat: HeatLevel::Normal,
+            phase: VisitPhase::Closed,
+            worn_seconds: 0,
+            app_version: [0; 3],
+        }
+    }
+}
+
 impl Heartbeat {
+    /// Makes the first heartbeat of a start whose outbox is empty.
+    #[must_use]
+    pub fn first(headset: u32, boot_id: u64, badges: BadgeReport) -> Self {
+        Heartbeat {
+            headset,
+            boot_id,
+            number: 1,
+            status: HeadsetStatus::default(),
+            was_wiped: false,
+            outbox_depth: 0,
+            outbox_full_percent: 0,
+            core_version: CORE_VERSION,
+            badges,
+            last_command: None,
+            announcements: Vec::new(),
+        }
+    }
+
     pub(crate) fn check(&self) -> Result<(), ProtocolError> {
         expect(self.headset != 0, "headset", "a number from 1")?;
         expect(self.boot_id != 0, "boot_id", "random bits, not 0")?;
         expect(self.number != 0, "number", "a number from 1")?;
         let is_percent = |percent: u8| percent <= 100;
-        expect(self.battery_percent.is_none_or(is_percent), "battery_percent", "0 to 100")?;
+        expect(self.status.battery_percent.is_none_or(is_percent), "battery_percent", "0 to 100")?;
         expect(is_percent(self.outbox_full_percent), "outbox_full_percent", "0 to 100")?;
         self.badges.check()?;
         self.last_command.map_or(Ok(()), |report| report.check())?;

@@ -29,7 +29,9 @@ pub use badges::{BadgeReport, HeldBlock};
 pub use commands::{BoothCommand, CommandKind, CommandOutcome, CommandReport};
 pub use enrolment::{DeviceName, EnrolAnswer, FleetEnrolment};
 pub use facts::{AgeGroup, FinishCause, UploadFacts};
-pub use heartbeat::{Announcement, Heartbeat, HeartbeatAnswer, HeatLevel, UploadStatus};
+pub use heartbeat::{
+    Announcement, HeadsetStatus, Heartbeat, HeartbeatAnswer, HeatLevel, UploadStatus,
+};
 pub use ids::{
     BlockSerial, ContentHash, DeviceHint, DeviceToken, EnrolmentToken, SculptureId, SiteId,
 };

@@ -91,26 +91,27 @@ fn any_heartbeat(dice: &mut RandomSource) -> Heartbeat {
     let flag = |dice: &mut RandomSource| dice.next_bits() & 1 == 1;
     let outcomes = [CommandOutcome::Done, CommandOutcome::Expired, CommandOutcome::Refused];
     let report = CommandReport { id: 1 + dice.next_bits() / 2, outcome: pick(dice, &outcomes) };
+    let badges = BadgeReport { epoch: dice.next_bits() | 1, blocks: any_blocks(dice) };
     Heartbeat {
-        headset: HEADSET,
-        boot_id: dice.next_bits() | 1,
         number: dice.next_bits() as u32 | 1,
-        session_id: dice.next_bits(),
-        is_charging: flag(dice),
-        is_worn: flag(dice),
-        is_glowing: flag(dice),
+        status: HeadsetStatus {
+            session_id: dice.next_bits(),
+            is_charging: flag(dice),
+            is_worn: flag(dice),
+            is_glowing: flag(dice),
+            battery_percent: Some(dice.next_bits() as u8 % 101).filter(|_| flag(dice)),
+            heat: pick(dice, &[HeatLevel::Normal, HeatLevel::Warm, HeatLevel::Hot]),
+            phase: pick(dice, &VisitPhase::ALL),
+            worn_seconds: dice.next_bits() as u32,
+            app_version: [1, 2, dice.next_bits() as u16],
+        },
         was_wiped: flag(dice),
-        battery_percent: Some(dice.next_bits() as u8 % 101).filter(|_| flag(dice)),
-        heat: pick(dice, &[HeatLevel::Normal, HeatLevel::Warm, HeatLevel::Hot]),
-        phase: pick(dice, &VisitPhase::ALL),
-        worn_seconds: dice.next_bits() as u32,
         outbox_depth: dice.next_bits() as u16,
         outbox_full_percent: dice.next_bits() as u8 % 101,
-        app_version: [1, 2, dice.next_bits() as u16],
         core_version: dice.next_bits() as u16,
-        badges: BadgeReport { epoch: dice.next_bits() | 1, blocks: any_blocks(dice) },
         last_command: Some(report).filter(|_| flag(dice)),
         announcements: any_announcements(dice),
+        ..Heartbeat::first(HEADSET, dice.next_bits() | 1, badges)
     }
 }
 

@@ -17,11 +17,10 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 
 use paros_core::badge::BadgeNumber;
-use paros_protocol::{CommandOutcome, Parcel, SculptureId, UploadStatus};
+use paros_protocol::{CommandOutcome, HeadsetStatus, Parcel, SculptureId, UploadStatus};
 use paros_shell::settings::BoothSettings;
 
 use super::enrolment::{Enrolment, enrolment_file};
-use super::events::HeadsetStatus;
 use super::folder::DiskFolder;
 use super::link::BoothLink;
 use super::spool::{OutboxSettings, SpoolError, parse_name};

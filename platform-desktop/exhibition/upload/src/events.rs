@@ -1,7 +1,6 @@
 //! What a sender asks the shell around it, and reports to it.
 
-use paros_core::visit::VisitPhase;
-use paros_protocol::{CommandKind, HeatLevel, SculptureId, SiteId};
+use paros_protocol::{CommandKind, HeadsetStatus, SculptureId, SiteId};
 
 /// Whose outbox it is. An enrolment gives both.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -10,29 +9,6 @@ pub struct OutboxOwner {
     pub site: SiteId,
     /// The headset's number there, from 1.
     pub headset: u32,
-}
-
-/// How a headset is, beside its outbox.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct HeadsetStatus {
-    /// Random bits of the visit under way; 0 for none.
-    pub session_id: u64,
-    /// `true` if the battery is being charged.
-    pub is_charging: bool,
-    /// `true` if the headset is on a head.
-    pub is_worn: bool,
-    /// `true` if it glows and beeps, so that staff find it.
-    pub is_glowing: bool,
-    /// The battery's charge in percent, where it is known: 0 to 100.
-    pub battery_percent: Option<u8>,
-    /// How hot it is.
-    pub heat: HeatLevel,
-    /// The visit's phase.
-    pub phase: VisitPhase,
-    /// Seconds since this visitor put it on; 0 where nobody wears it.
-    pub worn_seconds: u32,
-    /// The program's version: major, minor, patch.
-    pub app_version: [u16; 3],
 }
 
 /// A command to carry out now. Its outcome goes to [`Sender::note_command_done`](super::Sender::note_command_done).

@@ -1,13 +1,12 @@
 //! What a headset tells the booth every two seconds, and what it takes from the answers.
 
-use paros_core::codec::trace::CORE_VERSION;
 use paros_protocol::limits::MAX_ANNOUNCEMENTS;
 use paros_protocol::{
-    Announcement, BoothCommand, CommandOutcome, CommandReport, HEARTBEAT_TIMEOUT_MS, Heartbeat,
-    HeartbeatAnswer, UploadStatus,
+    Announcement, BoothCommand, CommandOutcome, CommandReport, HEARTBEAT_TIMEOUT_MS, HeadsetStatus,
+    Heartbeat, HeartbeatAnswer, UploadStatus,
 };
 
-use super::events::{DueCommand, HeadsetStatus, OutboxEvent};
+use super::events::{DueCommand, OutboxEvent};
 use super::folder::OutboxFolder;
 use super::link::{BoothLink, HttpAnswer, LinkFault};
 use super::sender::{Sender, jittered_wait_ms};
@@ -89,7 +88,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
     }
 
     /// Makes a heartbeat, to be sent now. `random` bits spread the next one if the last ones weren't answered.
-    pub(super) fn begin_heartbeat(&mut self, status: &HeadsetStatus, random: u32) -> Heartbeat {
+    pub(super) fn begin_heartbeat(&mut self, status: HeadsetStatus, random: u32) -> Heartbeat {
         self.heartbeats.forget_sent();
         let announcements = self.list_announcements();
         let (now_ms, host_ms) = (self.elapsed_ms, self.host_ms());
@@ -101,25 +100,17 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         let wait_ms = if clock.failures == 0 { 0 } else { backoff_ms };
         clock.due_ms = now_ms.saturating_add(wait_ms.max(HEARTBEAT_MS));
         Heartbeat {
-            headset: self.owner.headset,
-            boot_id: self.boot_id,
             number: clock.heartbeats,
-            session_id: status.session_id,
-            is_charging: status.is_charging,
-            is_worn: status.is_worn,
-            is_glowing: status.is_glowing,
+            status: HeadsetStatus {
+                battery_percent: status.battery_percent.map(|percent| percent.min(100)),
+                ..status
+            },
             was_wiped: self.was_wiped,
-            battery_percent: status.battery_percent.map(|percent| percent.min(100)),
-            heat: status.heat,
-            phase: status.phase,
-            worn_seconds: status.worn_seconds,
             outbox_depth: u16::try_from(self.spool.depth()).unwrap_or(u16::MAX),
             outbox_full_percent: self.spool.full_percent(),
-            app_version: status.app_version,
-            core_version: CORE_VERSION,
-            badges: self.badges.report().clone(),
             last_command: clock.report,
             announcements,
+            ..Heartbeat::first(self.owner.headset, self.boot_id, self.badges.report().clone())
         }
     }
 

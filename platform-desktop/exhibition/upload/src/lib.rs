@@ -28,7 +28,7 @@ mod outgoing;
 mod sender;
 mod spool;
 
-pub use events::{DueCommand, HeadsetStatus, OutboxEvent, OutboxHost, OutboxOwner};
+pub use events::{DueCommand, OutboxEvent, OutboxHost, OutboxOwner};
 pub use folder::{DiskFolder, OutboxFolder};
 pub use heartbeats::CONFIRM_MS;
 pub use http::{BoothAddress, BoothCaller, HttpMethod, HttpRequest, LinkError, ThreadedLink};

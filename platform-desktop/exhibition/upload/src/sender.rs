@@ -361,7 +361,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
 
     fn send_heartbeat(&mut self, host: &mut impl OutboxHost) {
         let (status, random) = (host.status(), host.random());
-        let heartbeat = self.begin_heartbeat(&status, random);
+        let heartbeat = self.begin_heartbeat(status, random);
         let (number, body) = (heartbeat.number, heartbeat.to_json());
         self.link.send(BoothRequest::Heartbeat { number, body });
     }

@@ -9,16 +9,15 @@ use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
 
 use paros_core::session::SessionMode;
-use paros_core::visit::VisitPhase;
 use paros_protocol::{
-    AgeGroup, Announcement, FinishCause, Heartbeat, HeartbeatAnswer, HeatLevel, Parcel,
+    AgeGroup, Announcement, FinishCause, HeadsetStatus, Heartbeat, HeartbeatAnswer, Parcel,
     ParcelOutcome, ProtocolError, SculptureId, SiteId, UploadFacts, UploadStatus,
 };
 
 use super::{
-    BoothLink, BoothRequest, DiskFolder, HeadsetStatus, HttpAnswer, LinkAnswer, LinkFault,
-    MAX_SPOOL_ENTRIES, OutboxEvent, OutboxHost, OutboxLevel, OutboxOwner, OutboxSettings, Sender,
-    SentRequest, SpoolError,
+    BoothLink, BoothRequest, DiskFolder, HttpAnswer, LinkAnswer, LinkFault, MAX_SPOOL_ENTRIES,
+    OutboxEvent, OutboxHost, OutboxLevel, OutboxOwner, OutboxSettings, Sender, SentRequest,
+    SpoolError,
 };
 
 const KEPT: &[u8] = ParcelOutcome::Kept.body();
@@ -57,17 +56,7 @@ impl OutboxHost for Host {
     }
 
     fn status(&mut self) -> HeadsetStatus {
-        HeadsetStatus {
-            session_id: 5,
-            is_charging: false,
-            is_worn: true,
-            is_glowing: false,
-            battery_percent: None,
-            heat: HeatLevel::Normal,
-            phase: VisitPhase::Sculpting,
-            worn_seconds: 1,
-            app_version: [0, 1, 0],
-        }
+        HeadsetStatus { session_id: 5, ..HeadsetStatus::default() }
     }
 
     fn on_event(&mut self, event: OutboxEvent) {

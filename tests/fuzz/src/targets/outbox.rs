@@ -2,12 +2,11 @@
 //! what they are: written again they are the same.
 
 use paros_core::session::SessionMode;
-use paros_core::visit::VisitPhase;
 use paros_protocol::{
     AgeGroup, Announcement, BadgeReport, BlockSerial, ContentHash, DeviceHint, DeviceName,
     EnrolAnswer, EnrolmentToken, FinishCause, FleetEnrolment, Heartbeat, HeartbeatAnswer,
-    HeatLevel, HeldBlock, Parcel, ParcelFault, ProtocolError, SculptureId, SiteId, UploadFacts,
-    UploadStatus, append_hash,
+    HeldBlock, Parcel, ParcelFault, ProtocolError, SculptureId, SiteId, UploadFacts, UploadStatus,
+    append_hash,
 };
 
 use crate::engine::FuzzTarget;
@@ -40,28 +39,6 @@ pub(super) const PARCEL: FuzzTarget = FuzzTarget {
     longest: 1000,
     runs: 20_000,
     run: run_parcel,
-};
-
-const HEARTBEAT: Heartbeat = Heartbeat {
-    headset: 17,
-    boot_id: 3,
-    number: 1,
-    session_id: 5,
-    is_charging: true,
-    is_worn: false,
-    is_glowing: false,
-    was_wiped: true,
-    battery_percent: Some(50),
-    heat: HeatLevel::Warm,
-    phase: VisitPhase::Attract,
-    worn_seconds: 0,
-    outbox_depth: 2,
-    outbox_full_percent: 1,
-    app_version: [0, 1, 0],
-    core_version: 12,
-    badges: BadgeReport { epoch: 9, blocks: Vec::new() },
-    last_command: None,
-    announcements: Vec::new(),
 };
 
 const FACTS: UploadFacts = UploadFacts {
@@ -103,7 +80,9 @@ fn message_seeds() -> Vec<Vec<u8>> {
         badge: None,
         status,
     });
-    let heartbeat = Heartbeat { announcements: announced.to_vec(), ..HEARTBEAT };
+    let badges = BadgeReport { epoch: 9, blocks: Vec::new() };
+    let first = Heartbeat::first(17, 3, badges);
+    let heartbeat = Heartbeat { announcements: announced.to_vec(), ..first };
     let answer = HeartbeatAnswer {
         site: SiteId([7; 16]),
         headset: 17,

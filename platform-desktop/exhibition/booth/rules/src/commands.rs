@@ -29,8 +29,9 @@ impl Booth {
         self.update(|tx| {
             let device: Option<Device> = tx.get(&[headset.to_value()])?;
             let device = device.ok_or(Refusal::NotFound(Reason::NoHeadset))?;
-            let status = device_status(&device)?.ok_or(Refusal::Conflict(Reason::NeverCame))?;
-            if kind.is_for_visit() && status.session_id == 0 {
+            let last = device_status(&device)?.ok_or(Refusal::Conflict(Reason::NeverCame))?;
+            let session_id = last.status.session_id;
+            if kind.is_for_visit() && session_id == 0 {
                 return Err(Refusal::Conflict(Reason::NotWorn));
             }
             let of_headset = Query::all::<Command>().equal("headset", &headset);
@@ -38,16 +39,16 @@ impl Booth {
             if tx.count_rows(&waiting)? >= MAX_WAITING_COMMANDS {
                 return Err(Refusal::Busy { what: "commands wait", retry_after: 10 });
             }
-            let last: Option<Command> =
+            let newest: Option<Command> =
                 tx.find_first(of_headset.ordered("command", RowOrder::Descending))?;
             // By the clock, so that they grow on where a copy of the records doesn't know the last ones: a headset takes
             // none that is before its last.
-            let command = last.map_or(0, |last| last.command.saturating_add(1)).max(now.0);
+            let command = newest.map_or(0, |newest| newest.command.saturating_add(1)).max(now.0);
             tx.put(&Command {
                 headset,
                 command,
-                boot: status.boot_id,
-                session: if kind.is_for_visit() { status.session_id } else { 0 },
+                boot: last.boot_id,
+                session: if kind.is_for_visit() { session_id } else { 0 },
                 kind: kind as u8,
                 asked_at: now,
                 state: CommandState::Waiting,

@@ -5,8 +5,8 @@
 
 use paros_core::badge::BadgeNumber;
 use paros_protocol::{
-    BadgeReport, BoothCommand, CommandKind, CommandOutcome, Heartbeat, HeartbeatAnswer,
-    UploadStatus,
+    BadgeReport, BoothCommand, CommandKind, CommandOutcome, HeadsetStatus, Heartbeat,
+    HeartbeatAnswer, UploadStatus,
 };
 
 use crate::badges::{BadgePlan, store_epoch};
@@ -140,7 +140,9 @@ fn plan_status(
     let last = device_status(&device).unwrap_or_default();
     // Seconds go by without news.
     let is_same = last.as_ref().is_some_and(|last| {
-        Heartbeat { worn_seconds: status.worn_seconds, ..last.clone() } == status
+        let worn_seconds = status.status.worn_seconds;
+        let now = HeadsetStatus { worn_seconds, ..last.status };
+        Heartbeat { status: now, ..last.clone() } == status
     });
     let is_fresh =
         device.seen_at.is_some_and(|seen_at| now >= seen_at && now.since(seen_at) < STATUS_LIFE);
@@ -203,7 +205,7 @@ fn is_over(command: &Command, beat: &Heartbeat, now: BoothTime) -> bool {
     now < command.asked_at
         || now.since(command.asked_at) >= COMMAND_LIFE
         || command.boot != beat.boot_id
-        || is_for_visit && command.session != beat.session_id
+        || is_for_visit && command.session != beat.status.session_id
 }
 
 fn kind_of(command: &Command) -> Option<CommandKind> {

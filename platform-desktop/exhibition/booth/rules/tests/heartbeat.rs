@@ -41,10 +41,12 @@ fn state_is_kept_when_it_changes_and_now_and_then() {
     let beat = heartbeat(device.headset);
     rig.beat(&device, &beat, START);
     assert_eq!(seen_at(), Some(START));
-    let next = Heartbeat { number: 2, worn_seconds: 62, ..beat.clone() };
+    let status = HeadsetStatus { worn_seconds: 62, ..beat.status };
+    let next = Heartbeat { number: 2, status, ..beat.clone() };
     rig.beat(&device, &next, seconds(2));
     assert_eq!(seen_at(), Some(START), "nothing but the time has changed");
-    let low = Heartbeat { battery_percent: Some(9), ..next };
+    let status = HeadsetStatus { battery_percent: Some(9), ..status };
+    let low = Heartbeat { status, ..next };
     rig.beat(&device, &low, seconds(4));
     assert_eq!(seen_at(), Some(seconds(4)));
     let later = seconds(4).after(STATUS_LIFE);
@@ -190,7 +192,8 @@ fn a_command_for_an_ended_visit_or_start_never_rides() {
     let rig = Rig::new();
     let device = rig.enrol(1);
     let beat = heartbeat(device.headset);
-    let next_visit = Heartbeat { session_id: 22, ..beat.clone() };
+    let next = HeadsetStatus { session_id: 22, ..beat.status };
+    let next_visit = Heartbeat { status: next, ..beat.clone() };
     let next_start = Heartbeat { boot_id: 12, ..beat.clone() };
     for (kind, next, rides) in [
         (CommandKind::End, &next_visit, false),
@@ -205,7 +208,8 @@ fn a_command_for_an_ended_visit_or_start_never_rides() {
         let report = reporting(1, id, CommandOutcome::Refused);
         rig.beat(&device, &report, seconds(2));
     }
-    let nobody = Heartbeat { session_id: 0, is_worn: false, ..beat };
+    let off = HeadsetStatus { session_id: 0, is_worn: false, ..beat.status };
+    let nobody = Heartbeat { status: off, ..beat };
     rig.beat(&device, &nobody, START);
     assert_eq!(status(rig.booth.ask_command(1, CommandKind::Extend, "ana", START)), 409);
     rig.booth.ask_command(1, CommandKind::Identify, "ana", START).expect("it needs no visit");

@@ -81,7 +81,7 @@ fn headset_card(texts: &Texts, login: &LoggedIn, view: &HeadsetView, now: BoothT
                     span class="note" { " " (texts.wiped) " " (super::sculptures::utc(wiped_at)) }
                 }
             }
-            @if let Some(status) = status {
+            @if let Some(Heartbeat { status, outbox_depth, .. }) = status {
                 p {
                     @if let Some(percent) = status.battery_percent {
                         (texts.battery) " " (percent) " %" @if status.is_charging { " ⚡" } br;
@@ -89,7 +89,7 @@ fn headset_card(texts: &Texts, login: &LoggedIn, view: &HeadsetView, now: BoothT
                     @if status.is_worn {
                         (texts.worn) " " (status.worn_seconds / 60) " " (texts.minutes) br;
                     }
-                    (texts.waiting) ": " (status.outbox_depth)
+                    (texts.waiting) ": " (outbox_depth)
                 }
             }
             div class="actions" {

@@ -22,27 +22,9 @@ use paros_shell::tick_runner::with_fresh_world;
 
 /// What a headset says that nobody wears.
 pub(crate) fn heartbeat(headset: u32) -> Heartbeat {
-    Heartbeat {
-        headset,
-        boot_id: 1,
-        number: 1,
-        session_id: 0,
-        is_charging: true,
-        is_worn: false,
-        is_glowing: false,
-        was_wiped: false,
-        battery_percent: Some(70),
-        heat: HeatLevel::Normal,
-        phase: paros_core::visit::VisitPhase::Welcome,
-        worn_seconds: 0,
-        outbox_depth: 1,
-        outbox_full_percent: 0,
-        app_version: [0, 1, 0],
-        core_version: 1,
-        badges: BadgeReport { epoch: 1, blocks: Vec::new() },
-        last_command: None,
-        announcements: Vec::new(),
-    }
+    let status = HeadsetStatus { battery_percent: Some(70), ..HeadsetStatus::default() };
+    let badges = BadgeReport { epoch: 1, blocks: Vec::new() };
+    Heartbeat { status, ..Heartbeat::first(headset, 1, badges) }
 }
 
 const SOME_TRACE: &[u8] = include_bytes!("../../../../../core/examples/replay/groove.trace");

@@ -169,7 +169,8 @@ fn staff_command_headsets_and_let_them_in() {
     let headset = Headset::enrol(client, folder.fleet_token(), 1);
     let browser = Browser::first(client, &booth.first_code().expect("a code"));
     let beat = |last_command| {
-        let beat = Heartbeat { last_command, session_id: 5, ..heartbeat(headset.number) };
+        let status = HeadsetStatus { session_id: 5, ..HeadsetStatus::default() };
+        let beat = Heartbeat { last_command, status, ..heartbeat(headset.number) };
         let answer = client.ask("POST", "/v1/heartbeat", &[headset.bearer()], &beat.to_json());
         HeartbeatAnswer::from_json(&answer.expect("an answer").body).expect("a message").command
     };

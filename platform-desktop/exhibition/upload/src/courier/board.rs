@@ -3,11 +3,9 @@
 use std::collections::VecDeque;
 
 use paros_core::badge::BadgeNumber;
-use paros_core::visit::VisitPhase;
-use paros_protocol::{CommandKind, HeatLevel, SculptureId, UploadStatus};
+use paros_protocol::{CommandKind, HeadsetStatus, SculptureId, UploadStatus};
 
 use super::CourierLink;
-use crate::events::HeadsetStatus;
 use crate::folder::DiskFolder;
 use crate::sender::Sender;
 use crate::spool::OutboxLevel;
@@ -88,25 +86,12 @@ pub(super) struct Board {
     sent: VecDeque<SculptureId>,
 }
 
-/// A headset of which nothing is known yet.
-const NO_STATUS: HeadsetStatus = HeadsetStatus {
-    session_id: 0,
-    is_charging: false,
-    is_worn: false,
-    is_glowing: false,
-    battery_percent: None,
-    heat: HeatLevel::Normal,
-    phase: VisitPhase::Closed,
-    worn_seconds: 0,
-    app_version: [0; 3],
-};
-
 impl Board {
-    pub(super) const fn new() -> Self {
+    pub(super) fn new() -> Self {
         let level = OutboxLevel::Fine;
         Board {
             summary: CourierSummary { owed: 0, level, hears_booth: false, badges_left: 0 },
-            status: NO_STATUS,
+            status: HeadsetStatus::default(),
             last: None,
             commands: VecDeque::new(),
             notes: VecDeque::new(),

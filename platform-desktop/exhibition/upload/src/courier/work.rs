@@ -6,13 +6,13 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
-use paros_protocol::{ContentHash, Parcel, SculptureId, UploadFacts, UploadStatus};
+use paros_protocol::{ContentHash, HeadsetStatus, Parcel, SculptureId, UploadFacts, UploadStatus};
 
 use super::board::{Board, DeviceRefusal, RemoteCommand};
 use super::mark;
 use super::orders::{CourierOrder, FinishedSculpture, ParcelDraft};
 use super::{CourierLink, CourierPlan};
-use crate::events::{HeadsetStatus, OutboxEvent, OutboxHost};
+use crate::events::{OutboxEvent, OutboxHost};
 use crate::folder::DiskFolder;
 use crate::sender::Sender;
 use crate::spool::SpoolError;

@@ -2,8 +2,7 @@
 
 use paros_core::session::TICK_RATE;
 use paros_core::visit::{PlanSetting, Presence, StaffCommand, Visit, VisitCommand, VisitPhase};
-use paros_protocol::{CommandKind, CommandOutcome, HeatLevel};
-use paros_upload::HeadsetStatus;
+use paros_protocol::{CommandKind, CommandOutcome, HeadsetStatus, HeatLevel};
 use paros_upload::courier::{Courier, RemoteCommand};
 
 use super::VisitHost;
@@ -176,15 +175,11 @@ pub fn answer_without_visits(courier: &Courier, device: DeviceStatus) {
 
 fn status_of(device: DeviceStatus) -> HeadsetStatus {
     HeadsetStatus {
-        session_id: 0,
         is_charging: device.is_charging,
-        is_worn: false,
-        is_glowing: false,
         battery_percent: device.battery_percent,
         heat: device.heat,
-        phase: VisitPhase::Closed,
-        worn_seconds: 0,
         app_version: app_version(),
+        ..HeadsetStatus::default()
     }
 }
 

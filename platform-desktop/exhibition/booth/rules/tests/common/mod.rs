@@ -183,27 +183,16 @@ impl Parcel {
 }
 
 pub(crate) fn heartbeat(headset: u32) -> Heartbeat {
-    Heartbeat {
-        headset,
-        boot_id: 11,
-        number: 1,
+    let status = HeadsetStatus {
         session_id: 21,
-        is_charging: false,
         is_worn: true,
-        is_glowing: false,
-        was_wiped: false,
         battery_percent: Some(80),
-        heat: HeatLevel::Normal,
         phase: VisitPhase::Sculpting,
         worn_seconds: 60,
-        outbox_depth: 0,
-        outbox_full_percent: 0,
-        app_version: [1, 2, 3],
-        core_version: 1,
-        badges: BadgeReport { epoch: 1, blocks: Vec::new() },
-        last_command: None,
-        announcements: Vec::new(),
-    }
+        ..HeadsetStatus::default()
+    };
+    let badges = BadgeReport { epoch: 1, blocks: Vec::new() };
+    Heartbeat { status, ..Heartbeat::first(headset, 11, badges) }
 }
 
 pub(crate) fn announcing(beat: &Heartbeat, announcements: &[Announcement]) -> Heartbeat {
