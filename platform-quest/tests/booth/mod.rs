@@ -21,7 +21,9 @@ use paros_upload::enrolment::{
     EnrolError, Enrolment, FLEET_FILE_NAME, FleetFile, NewDevice, enrol_by_fleet, enrolment_file,
     hint_of_device,
 };
-use paros_upload::{BoothAddress, BoothCaller, HttpAnswer, HttpRequest, LinkFault, ThreadedLink};
+use paros_upload::{
+    BoothAddress, BoothCaller, BoothContact, HttpAnswer, HttpRequest, LinkFault, ThreadedLink,
+};
 
 use crate::java::{run_in_checked_vm, start_checked_vm};
 use link_suite::{Answer, Server, ask, put};
@@ -218,7 +220,7 @@ fn open_courier(folder: &Path) -> Courier {
 
 /// Sends a sculpture until the booth has it.
 fn send_sculpture(courier: &Courier, booth: &BoothProcess, number: u8) {
-    wait_until("the booth answers a heartbeat", || courier.summary().hears_booth);
+    wait_until("the booth answers a heartbeat", || courier.summary().contact == BoothContact::Open);
     let draft = make_draft(number);
     let id = draft.facts.id;
     courier.announce(id, b"its volume".to_vec());

@@ -4,7 +4,7 @@ use paros_booth_rules::BoothTime;
 use paros_models::random_visitor::RandomSource;
 use paros_protocol::{CommandOutcome, HeartbeatAnswer};
 use paros_upload::{BoothRequest, HttpAnswer, LinkAnswer, OutboxEvent};
-use paros_upload::{DueCommand, OutboxSettings};
+use paros_upload::{OutboxSettings, RemoteCommand};
 
 use crate::booth::{OPENING, SITE, SimBackup, SimBooth};
 use crate::check::{check, check_settled, is_settled, list_unsettled};
@@ -220,7 +220,7 @@ impl Exhibition {
         }
     }
 
-    fn carry_out(&mut self, h: usize, command: &DueCommand) {
+    fn carry_out(&mut self, h: usize, command: &RemoteCommand) {
         let asked = self.truth.commands.get_mut(&(h, command.id)).expect("the staff's own");
         let headset = &mut self.headsets[h];
         assert_eq!((asked.kind, asked.boot_id), (command.kind, headset.boot_id));

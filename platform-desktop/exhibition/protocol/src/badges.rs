@@ -33,16 +33,10 @@ pub struct BadgeReport {
 }
 
 impl HeldBlock {
-    /// Numbers that are left.
-    #[must_use]
-    pub const fn left(&self) -> u8 {
-        (BLOCK_NUMBERS as u8).saturating_sub(self.next)
-    }
-
     /// `true` if no number is left.
     #[must_use]
     pub const fn is_used_up(&self) -> bool {
-        self.left() == 0
+        self.next as usize >= BLOCK_NUMBERS
     }
 }
 

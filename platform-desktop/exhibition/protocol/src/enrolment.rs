@@ -36,8 +36,8 @@ impl DeviceName {
     #[must_use]
     pub fn new(name: &str) -> Option<Self> {
         let mut bytes = [0; 32];
-        let ends = (0..=bytes.len().min(name.len())).rev();
-        let end = ends.into_iter().find(|&end| name.is_char_boundary(end)).unwrap_or(0);
+        let mut ends = (0..=bytes.len().min(name.len())).rev();
+        let end = ends.find(|&end| name.is_char_boundary(end)).unwrap_or(0);
         let name = &name[..end];
         bytes[..name.len()].copy_from_slice(name.as_bytes());
         (!name.chars().any(char::is_control)).then_some(DeviceName(bytes))

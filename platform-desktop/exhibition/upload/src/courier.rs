@@ -21,12 +21,13 @@ use paros_protocol::{CommandOutcome, HeadsetStatus, Parcel, SculptureId, UploadS
 use paros_shell::settings::BoothSettings;
 
 use super::enrolment::{Enrolment, enrolment_file};
+use super::events::{BoothContact, RemoteCommand};
 use super::folder::DiskFolder;
 use super::link::BoothLink;
 use super::spool::{OutboxSettings, SpoolError, parse_name};
 
-use board::{Board, DeviceRefusal};
-pub use board::{BoothState, CourierSummary, RemoteCommand};
+use board::Board;
+pub use board::{BoothState, CourierSummary};
 pub use clock::read_clock_ms;
 use orders::CourierOrder;
 pub use orders::{FinishedSculpture, ParcelDraft};
@@ -227,7 +228,7 @@ impl Courier {
     /// enrolled. One that staff shut out is known.
     #[must_use]
     pub fn is_forgotten(&self) -> bool {
-        self.lock().refused == Some(DeviceRefusal::Forgotten)
+        self.lock().summary.contact == BoothContact::Forgotten
     }
 
     /// Takes how the headset is, for the next heartbeat.

@@ -11,13 +11,29 @@ pub struct OutboxOwner {
     pub headset: u32,
 }
 
-/// A command to carry out now. Its outcome goes to [`Sender::note_command_done`](super::Sender::note_command_done).
+/// A command of the booth to carry out now, in its visit alone. Its outcome goes to
+/// [`Sender::note_command_done`](super::Sender::note_command_done).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct DueCommand {
+pub struct RemoteCommand {
     /// The command's number.
     pub id: u64,
     /// What is asked.
     pub kind: CommandKind,
+    /// The visit under way as the command came.
+    pub session_id: u64,
+}
+
+/// How the booth answers this device.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum BoothContact {
+    /// No answer came to the last heartbeat, or none was sent yet.
+    Silent,
+    /// The booth answers heartbeats.
+    Open,
+    /// The booth doesn't know this device, which must enrol again.
+    Forgotten,
+    /// The booth's staff have shut this device out.
+    ShutOut,
 }
 
 /// The shell around a sender.
@@ -48,15 +64,9 @@ pub enum OutboxEvent {
     Lost(SculptureId),
     /// The booth asks for this now.
     Command {
-        /// What is asked.
-        command: DueCommand,
-        /// The visit under way as the command came.
-        session_id: u64,
+        /// The command.
+        command: RemoteCommand,
         /// When the command's life ends, in milliseconds of the host's clock.
         ends_ms: u64,
     },
-    /// The booth doesn't know this headset: it must enrol again.
-    UnknownToken,
-    /// The booth's staff have shut this headset out.
-    ShutOut,
 }

@@ -6,7 +6,7 @@ use paros_protocol::{
     Heartbeat, HeartbeatAnswer, UploadStatus,
 };
 
-use super::events::{DueCommand, OutboxEvent};
+use super::events::{BoothContact, OutboxEvent, RemoteCommand};
 use super::folder::OutboxFolder;
 use super::link::{BoothLink, HttpAnswer, LinkFault};
 use super::sender::{Sender, jittered_wait_ms};
@@ -81,10 +81,13 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         self.elapsed_ms >= clock.due_ms && clock.sent_ms.is_none_or(is_late)
     }
 
-    /// `true` if the booth answers.
+    /// Returns how the booth answers.
     #[must_use]
-    pub const fn hears_booth(&self) -> bool {
-        self.heartbeats.failures == 0 && self.heartbeats.heartbeats > 0
+    pub const fn contact(&self) -> BoothContact {
+        match self.contact {
+            BoothContact::Open if self.heartbeats.failures > 0 => BoothContact::Silent,
+            contact => contact,
+        }
     }
 
     /// Makes a heartbeat, to be sent now. `random` bits spread the next one if the last ones weren't answered.
@@ -173,6 +176,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         let Some((sent_ms, host_sent_ms)) = under_way else { return false };
         self.heartbeats.sent_ms = None;
         self.heartbeats.failures = 0;
+        self.contact = BoothContact::Open;
         self.was_wiped = false;
         if self.heartbeats.store_epoch.replace(answer.store_epoch) != Some(answer.store_epoch) {
             // A restored booth may lack sculptures.
@@ -180,11 +184,11 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         }
         self.badges.take_answer(self.spool.folder_mut(), &answer.badges);
         answer.noted.iter().for_each(|announcement| self.note_announced(announcement));
-        if let Some(command) = answer.command
-            && let Some(due) = self.take_command(&command, session_id, sent_ms)
+        if let Some(asked) = answer.command
+            && let Some(command) = self.take_command(&asked, session_id, sent_ms)
         {
-            let ends_ms = host_sent_ms.saturating_add(u64::from(command.lives_ms));
-            self.push_event(OutboxEvent::Command { command: due, session_id, ends_ms });
+            let ends_ms = host_sent_ms.saturating_add(u64::from(asked.lives_ms));
+            self.push_event(OutboxEvent::Command { command, ends_ms });
         }
         true
     }
@@ -214,7 +218,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         command: &BoothCommand,
         session_id: u64,
         sent_ms: u64,
-    ) -> Option<DueCommand> {
+    ) -> Option<RemoteCommand> {
         let waited_ms = self.elapsed_ms.saturating_sub(sent_ms);
         let clock = &mut self.heartbeats;
         if command.id <= clock.last_command {
@@ -225,7 +229,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         let is_for_this = !command.kind.is_for_visit()
             || command.session_id != 0 && command.session_id == session_id;
         if command.boot_id == self.boot_id && is_alive && is_for_this {
-            return Some(DueCommand { id: command.id, kind: command.kind });
+            return Some(RemoteCommand { id: command.id, kind: command.kind, session_id });
         }
         clock.report = Some(CommandReport { id: command.id, outcome: CommandOutcome::Expired });
         None

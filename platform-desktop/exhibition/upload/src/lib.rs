@@ -28,14 +28,14 @@ mod outgoing;
 mod sender;
 mod spool;
 
-pub use events::{DueCommand, OutboxEvent, OutboxHost, OutboxOwner};
+pub use events::{BoothContact, OutboxEvent, OutboxHost, OutboxOwner, RemoteCommand};
 pub use folder::{DiskFolder, OutboxFolder};
 pub use heartbeats::CONFIRM_MS;
 pub use http::{BoothAddress, BoothCaller, HttpMethod, HttpRequest, LinkError, ThreadedLink};
 pub use link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
 pub use outgoing::{SendPlan, connect};
 pub use sender::Sender;
-pub use spool::{MAX_SPOOL_ENTRIES, OutboxLevel, OutboxSettings, Spool, SpoolEntry, SpoolError};
+pub use spool::{MAX_SPOOL_ENTRIES, OutboxSettings, Spool, SpoolEntry, SpoolError};
 
 #[cfg(test)]
 mod tests;

@@ -9,7 +9,7 @@ use paros_protocol::{
 };
 
 use super::badge_lease::BadgeLease;
-use super::events::{OutboxEvent, OutboxHost, OutboxOwner};
+use super::events::{BoothContact, OutboxEvent, OutboxHost, OutboxOwner};
 use super::folder::OutboxFolder;
 use super::heartbeats::HeartbeatClock;
 use super::link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
@@ -50,6 +50,8 @@ pub struct Sender<F, L> {
     uploads: UploadClock,
     pub(super) badges: BadgeLease,
     pub(super) heartbeats: HeartbeatClock,
+    /// How the booth answered last.
+    pub(super) contact: BoothContact,
     next_sweep_ms: u64,
     events: Vec<OutboxEvent>,
 }
@@ -105,6 +107,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
             elapsed_ms: 0,
             uploads: UploadClock::default(),
             heartbeats: HeartbeatClock::default(),
+            contact: BoothContact::Silent,
             next_sweep_ms: 0,
             events,
         })
@@ -163,12 +166,6 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
     #[must_use]
     pub fn badge_serial(&self, badge: BadgeNumber) -> Option<BlockSerial> {
         self.badges.serial_of(badge)
-    }
-
-    /// Leased numbers that are left.
-    #[must_use]
-    pub fn badges_left(&self) -> u32 {
-        self.badges.left()
     }
 
     /// Writes a parcel to the disk: *kept here*.
@@ -326,12 +323,12 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         self.report_noted(is_noted, OutboxEvent::RefusedByBooth(id))
     }
 
-    /// Reports that the booth doesn't let this headset in, by the status of HTTP.
-    pub(super) fn note_stranger(&mut self, status: u16) {
-        self.events.push(match status {
-            401 => OutboxEvent::UnknownToken,
-            _ => OutboxEvent::ShutOut,
-        });
+    /// Notes that the booth doesn't let this headset in, by the status of HTTP.
+    pub(super) const fn note_stranger(&mut self, status: u16) {
+        self.contact = match status {
+            401 => BoothContact::Forgotten,
+            _ => BoothContact::ShutOut,
+        };
     }
 
     /// The booth is there and asks to wait: no failure of the link. The parcel goes after all others, as it may be this one

@@ -24,17 +24,6 @@ pub struct OutboxSettings {
     pub max_bytes: u64,
 }
 
-/// How full an outbox is with parcels that the booth doesn't have.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum OutboxLevel {
-    /// There is room.
-    Fine,
-    /// Four fifths are taken: staff see a warning.
-    NearlyFull,
-    /// No room for another sculpture.
-    Full,
-}
-
 /// Why the spool doesn't do what it was asked. No sculpture that the booth doesn't have has lost its parcel.
 #[derive(Debug, thiserror::Error)]
 pub enum SpoolError {
@@ -300,14 +289,10 @@ impl<F: OutboxFolder> Spool<F> {
         of_entries.max(of_bytes.unwrap_or(100)).min(100) as u8
     }
 
-    /// How full the outbox is, as a level.
+    /// `true` if four fifths of the outbox are taken: staff see a warning.
     #[must_use]
-    pub fn level(&self) -> OutboxLevel {
-        match self.full_percent() {
-            0..80 => OutboxLevel::Fine,
-            80..100 => OutboxLevel::NearlyFull,
-            _ => OutboxLevel::Full,
-        }
+    pub fn is_nearly_full(&self) -> bool {
+        self.full_percent() >= 80
     }
 
     /// Notes a finished sculpture whose parcel is being made.

@@ -15,8 +15,8 @@ use paros_protocol::{
 };
 
 use super::{
-    BoothLink, BoothRequest, DiskFolder, HttpAnswer, LinkAnswer, LinkFault, MAX_SPOOL_ENTRIES,
-    OutboxEvent, OutboxHost, OutboxLevel, OutboxOwner, OutboxSettings, Sender, SentRequest,
+    BoothContact, BoothLink, BoothRequest, DiskFolder, HttpAnswer, LinkAnswer, LinkFault,
+    MAX_SPOOL_ENTRIES, OutboxEvent, OutboxHost, OutboxOwner, OutboxSettings, Sender, SentRequest,
     SpoolError,
 };
 
@@ -260,9 +260,9 @@ fn each_answer_has_its_file() {
         answer(&mut sender, &mut host, code, KEPT);
         assert_eq!(status(&sender, 1), Some(UploadStatus::Kept), "{code}");
     }
-    for (code, event) in [(401, OutboxEvent::UnknownToken), (403, OutboxEvent::ShutOut)] {
+    for (code, contact) in [(401, BoothContact::Forgotten), (403, BoothContact::ShutOut)] {
         answer(&mut sender, &mut host, code, b"");
-        assert!(host.events.contains(&event), "{code}");
+        assert_eq!(sender.contact(), contact);
     }
     let refused = OutboxEvent::RefusedByBooth(id_of(1));
     for (times, code) in [409, 413, 422].into_iter().enumerate() {
@@ -365,13 +365,13 @@ fn a_new_parcel_takes_the_place_of_the_oldest_sent_one() {
     let mut host = Host::default();
     drop(send_all(&folder, &mut host, &[1, 2]));
     let mut sender = folder.open_with(settings);
-    assert_eq!((sender.spool().level(), sender.spool().full_percent()), (OutboxLevel::Fine, 0));
+    assert_eq!(sender.spool().full_percent(), 0);
     sender.keep(&parcel(3)).expect("room");
-    assert_eq!((sender.spool().level(), sender.spool().full_percent()), (OutboxLevel::Fine, 33));
+    assert_eq!((sender.spool().is_nearly_full(), sender.spool().full_percent()), (false, 33));
     sender.keep(&parcel(4)).expect("the oldest goes");
     assert_eq!([1, 2].map(|number| status(&sender, number)), [None, Some(UploadStatus::Sent)]);
     sender.keep(&parcel(5)).expect("the next goes");
-    assert_eq!((sender.spool().level(), sender.spool().depth()), (OutboxLevel::Full, 3));
+    assert_eq!((sender.spool().is_nearly_full(), sender.spool().depth()), (true, 3));
     assert!(matches!(sender.keep(&parcel(6)), Err(SpoolError::Full)));
     assert_eq!(folder.names(), [3, 4, 5].map(|number| name_of(number, "parcel")));
 }
@@ -388,7 +388,7 @@ fn so_many_are_announced_and_no_more() {
     };
     (0..MAX_SPOOL_ENTRIES).for_each(|number| sender.announce(id(number), None).expect("room"));
     assert_eq!(status(&sender, 1), None, "it made room");
-    assert_eq!(sender.spool().level(), OutboxLevel::Full);
+    assert_eq!(sender.spool().full_percent(), 100);
     assert!(matches!(sender.announce(id(999), None), Err(SpoolError::Full)));
     sender.abandon(id(3)).expect("it was announced");
     assert!(matches!(sender.abandon(id(3)), Err(SpoolError::UnknownId)));

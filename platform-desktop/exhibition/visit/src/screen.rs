@@ -10,7 +10,6 @@ use paros_core::visit::{GuideStep, PanelAction, PlanSetting, StaffCommand, Visit
 use paros_protocol::UploadStatus;
 use paros_shaders::panel::layout::PinEntry;
 use paros_shaders::panel::{Language, Message, Panel};
-use paros_upload::OutboxLevel;
 use paros_upload::courier::BoothState;
 
 use crate::export_state::ExportState;
@@ -126,7 +125,7 @@ pub(crate) struct BoothTold {
 impl BoothTold {
     pub(crate) fn of_export(export: &ExportState) -> Option<Self> {
         let BoothState { status, outbox, .. } = export.booth?;
-        let is_nearly_full = outbox.level != OutboxLevel::Fine;
+        let is_nearly_full = outbox.is_nearly_full;
         Some(BoothTold { status, owed: outbox.owed, is_nearly_full })
     }
 }

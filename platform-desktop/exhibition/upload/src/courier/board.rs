@@ -3,12 +3,12 @@
 use std::collections::VecDeque;
 
 use paros_core::badge::BadgeNumber;
-use paros_protocol::{CommandKind, HeadsetStatus, SculptureId, UploadStatus};
+use paros_protocol::{HeadsetStatus, SculptureId, UploadStatus};
 
 use super::CourierLink;
+use crate::events::{BoothContact, RemoteCommand};
 use crate::folder::DiskFolder;
 use crate::sender::Sender;
-use crate::spool::OutboxLevel;
 
 /// Badges that wait to be looked at: of the last sculpture, and some that nobody asked for again.
 const MAX_BADGES: usize = 8;
@@ -19,26 +19,15 @@ const MAX_SENT: usize = 8;
 /// Lines that wait to be told.
 const MAX_NOTES: usize = 64;
 
-/// Why the booth answers a device nothing else.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum DeviceRefusal {
-    /// It doesn't know it.
-    Forgotten,
-    /// Staff shut it out.
-    ShutOut,
-}
-
 /// What is to be told of an outbox.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct CourierSummary {
     /// Sculptures that the booth doesn't have.
     pub owed: u32,
-    /// How full it is.
-    pub level: OutboxLevel,
-    /// Whether the booth answers.
-    pub hears_booth: bool,
-    /// Leased badges that are left.
-    pub badges_left: u32,
+    /// `true` if it is nearly full with them.
+    pub is_nearly_full: bool,
+    /// How the booth answers.
+    pub contact: BoothContact,
 }
 
 /// The state of the last finished sculpture on its way to the booth.
@@ -54,17 +43,6 @@ pub struct BoothState {
     pub outbox: CourierSummary,
 }
 
-/// A command of the booth's, to be carried out in its visit alone.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct RemoteCommand {
-    /// Of the booth's command.
-    pub id: u64,
-    /// What is asked.
-    pub kind: CommandKind,
-    /// The visit that was under way as it came.
-    pub session_id: u64,
-}
-
 /// The board.
 #[derive(Debug)]
 pub(super) struct Board {
@@ -75,8 +53,6 @@ pub(super) struct Board {
     /// Commands with the ends of their lives, in milliseconds.
     pub(super) commands: VecDeque<(RemoteCommand, u64)>,
     pub(super) notes: VecDeque<String>,
-    /// Until it answers again.
-    pub(super) refused: Option<DeviceRefusal>,
     /// The spool's sculptures.
     spooled: Vec<(SculptureId, UploadStatus)>,
     /// Sculptures whose parcels are being made, or couldn't be kept.
@@ -88,14 +64,13 @@ pub(super) struct Board {
 
 impl Board {
     pub(super) fn new() -> Self {
-        let level = OutboxLevel::Fine;
+        let contact = BoothContact::Silent;
         Board {
-            summary: CourierSummary { owed: 0, level, hears_booth: false, badges_left: 0 },
+            summary: CourierSummary { owed: 0, is_nearly_full: false, contact },
             status: HeadsetStatus::default(),
             last: None,
             commands: VecDeque::new(),
             notes: VecDeque::new(),
-            refused: None,
             spooled: Vec::new(),
             under_way: Vec::new(),
             badges: VecDeque::new(),
@@ -139,16 +114,18 @@ impl Board {
         }
     }
 
-    /// Notes that the booth refuses this device. That it does is told once until it answers again, however often it is
-    /// asked.
-    pub(super) fn note_refused(&mut self, refused: DeviceRefusal) {
-        if self.refused.replace(refused) != Some(refused) {
-            self.add_note(match refused {
-                DeviceRefusal::Forgotten => {
-                    "the booth doesn't know this device: it must be enrolled anew".into()
-                }
-                DeviceRefusal::ShutOut => "the booth's staff have shut this device out".into(),
-            });
+    /// Takes how the booth answers. Notes a refusal once until it answers again.
+    fn note_contact(&mut self, contact: BoothContact) {
+        let before = std::mem::replace(&mut self.summary.contact, contact);
+        let note = match contact {
+            BoothContact::Forgotten => {
+                "the booth doesn't know this device: it must be enrolled anew"
+            }
+            BoothContact::ShutOut => "the booth's staff have shut this device out",
+            BoothContact::Silent | BoothContact::Open => return,
+        };
+        if before != contact {
+            self.add_note(note.into());
         }
     }
 
@@ -158,15 +135,9 @@ impl Board {
         // What has no room in the spool isn't at the booth either.
         let is_outside = |(id, _): &&(SculptureId, UploadStatus)| spool.find(*id).is_none();
         let owed = spool.depth() + self.under_way.iter().filter(is_outside).count();
-        self.summary = CourierSummary {
-            owed: u32::try_from(owed).unwrap_or(u32::MAX),
-            level: spool.level(),
-            hears_booth: sender.hears_booth(),
-            badges_left: sender.badges_left(),
-        };
-        if self.summary.hears_booth {
-            self.refused = None;
-        }
+        self.summary.owed = u32::try_from(owed).unwrap_or(u32::MAX);
+        self.summary.is_nearly_full = spool.is_nearly_full();
+        self.note_contact(sender.contact());
         self.spooled.clear();
         self.spooled.extend(spool.entries().iter().map(|entry| (entry.id, entry.status)));
     }

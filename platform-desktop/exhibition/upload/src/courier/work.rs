@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use paros_protocol::{ContentHash, HeadsetStatus, Parcel, SculptureId, UploadFacts, UploadStatus};
 
-use super::board::{Board, DeviceRefusal, RemoteCommand};
+use super::board::Board;
 use super::mark;
 use super::orders::{CourierOrder, FinishedSculpture, ParcelDraft};
 use super::{CourierLink, CourierPlan};
@@ -65,14 +65,9 @@ impl OutboxHost for CourierHost {
 
     fn on_event(&mut self, event: OutboxEvent) {
         let note = match event {
-            OutboxEvent::Command { command, session_id, ends_ms } => {
-                let command = RemoteCommand { id: command.id, kind: command.kind, session_id };
+            OutboxEvent::Command { command, ends_ms } => {
                 return self.board().commands.push_back((command, ends_ms));
             }
-            OutboxEvent::UnknownToken => {
-                return self.board().note_refused(DeviceRefusal::Forgotten);
-            }
-            OutboxEvent::ShutOut => return self.board().note_refused(DeviceRefusal::ShutOut),
             OutboxEvent::KeptAtBooth(id) => return self.board().note_sent(id),
             OutboxEvent::DeletedAtBooth(id) => format!("sculpture {id} was deleted at the booth"),
             OutboxEvent::RefusedByBooth(id) => {

@@ -3,7 +3,8 @@
 use paros_core::session::TICK_RATE;
 use paros_core::visit::{PlanSetting, Presence, StaffCommand, Visit, VisitCommand, VisitPhase};
 use paros_protocol::{CommandKind, CommandOutcome, HeadsetStatus, HeatLevel};
-use paros_upload::courier::{Courier, RemoteCommand};
+use paros_upload::RemoteCommand;
+use paros_upload::courier::Courier;
 
 use super::VisitHost;
 use crate::options::Controls;

@@ -5,8 +5,8 @@ use paros_core::session::TICK_RATE;
 use paros_core::visit::VisitPhase;
 use paros_protocol::UploadStatus;
 use paros_protocol::{CommandKind, CommandOutcome};
-use paros_upload::OutboxLevel;
-use paros_upload::courier::{BoothState, CourierSummary, RemoteCommand};
+use paros_upload::courier::{BoothState, CourierSummary};
+use paros_upload::{BoothContact, RemoteCommand};
 
 use super::super::keeping::BADGE_TICKS;
 use super::{ButtonAction, ExportState, HostRig, Press, begin_sculpting, cut, with_rig};
@@ -14,8 +14,7 @@ use crate::host::remote::GLOW_TICKS;
 
 /// A booth that owes no badge yet, and has nothing.
 fn booth() -> BoothState {
-    let outbox =
-        CourierSummary { owed: 1, level: OutboxLevel::Fine, hears_booth: false, badges_left: 0 };
+    let outbox = CourierSummary { owed: 1, is_nearly_full: false, contact: BoothContact::Silent };
     BoothState { id: None, badge: None, status: Some(UploadStatus::Making), outbox }
 }
 
@@ -65,7 +64,7 @@ fn panels_tell_where_the_sculpture_is_and_follow_it() {
         rig.wait(4);
         assert_eq!(rig.phase(), VisitPhase::Badge);
         for status in [UploadStatus::Kept, UploadStatus::Sent] {
-            let outbox = CourierSummary { level: OutboxLevel::NearlyFull, ..booth().outbox };
+            let outbox = CourierSummary { is_nearly_full: true, ..booth().outbox };
             let state = BoothState { id: None, status: Some(status), badge: Some(leased), outbox };
             rig.export.booth = Some(state);
             rig.wait(1);
