@@ -20,6 +20,7 @@ mod heartbeat;
 mod ids;
 pub mod limits;
 mod parcel;
+mod parcel_names;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -36,6 +37,7 @@ pub use ids::{
     BlockSerial, ContentHash, DeviceHint, DeviceToken, EnrolmentToken, SculptureId, SiteId,
 };
 pub use parcel::{Parcel, ParcelFault, append_hash, split_hash};
+pub use parcel_names::{parcel_name, parse_parcel_name};
 
 /// The path of heartbeats.
 pub const HEARTBEAT_PATH: &str = "/v1/heartbeat";

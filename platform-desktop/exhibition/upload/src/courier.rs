@@ -17,14 +17,16 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 
 use paros_core::badge::BadgeNumber;
-use paros_protocol::{CommandOutcome, HeadsetStatus, Parcel, SculptureId, UploadStatus};
+use paros_protocol::{
+    CommandOutcome, HeadsetStatus, Parcel, SculptureId, UploadStatus, parse_parcel_name,
+};
 use paros_shell::settings::BoothSettings;
 
 use super::enrolment::{Enrolment, enrolment_file};
 use super::events::{BoothContact, RemoteCommand};
 use super::folder::DiskFolder;
 use super::link::BoothLink;
-use super::spool::{OutboxSettings, SpoolError, parse_name};
+use super::spool::{OutboxSettings, SpoolError};
 
 use board::Board;
 pub use board::{BoothState, CourierSummary};
@@ -276,7 +278,7 @@ impl Courier {
 fn count_left(outboxes: &Path, own: &str) -> Vec<(String, usize)> {
     let entries = |folder: &Path| fs::read_dir(folder).into_iter().flatten().flatten();
     let is_left = |name: &str| {
-        let status = parse_name(name).map(|(_, status)| status);
+        let status = parse_parcel_name(name).map(|(_, status)| status);
         matches!(status, Some(UploadStatus::Kept | UploadStatus::Refused))
     };
     let others = entries(outboxes).filter(|entry| entry.file_name() != *own);

@@ -5,7 +5,9 @@ use std::io;
 
 use paros_core::badge::BadgeNumber;
 use paros_protocol::limits::MAX_PARCEL_FILE_BYTES;
-use paros_protocol::{Announcement, Parcel, ParcelFault, SculptureId, UploadStatus};
+use paros_protocol::{
+    Announcement, Parcel, ParcelFault, SculptureId, UploadStatus, parcel_name, parse_parcel_name,
+};
 
 use super::folder::OutboxFolder;
 
@@ -84,31 +86,6 @@ pub struct Spool<F> {
     has_unlisted: bool,
     /// When these are looked at again, in milliseconds of the sender.
     next_look_ms: u64,
-}
-
-/// The end of the name of a file in this status; `None` where there is no file.
-const fn extension(status: UploadStatus) -> Option<&'static str> {
-    match status {
-        UploadStatus::Kept => Some("parcel"),
-        UploadStatus::Refused => Some("refused"),
-        UploadStatus::Sent => Some("sent"),
-        UploadStatus::Lost => Some("damaged"),
-        UploadStatus::Making | UploadStatus::Waiting => None,
-    }
-}
-
-/// The name of a sculpture's file; empty for a status without one.
-pub(super) fn file_name(id: SculptureId, status: UploadStatus) -> String {
-    extension(status).map(|extension| format!("{id}.{extension}")).unwrap_or_default()
-}
-
-/// The sculpture and the status that a file's name says.
-pub(super) fn parse_name(name: &str) -> Option<(SculptureId, UploadStatus)> {
-    let (id, end) = name.split_once('.')?;
-    let is_it = |status: &UploadStatus| extension(*status) == Some(end);
-    let status = UploadStatus::ALL.into_iter().find(is_it)?;
-    let id = SculptureId::parse_hex(id).filter(|known| known.to_string() == id)?;
-    Some((id, status))
 }
 
 impl SpoolEntry {
@@ -191,7 +168,7 @@ impl<F: OutboxFolder> Spool<F> {
         let is_last = |status| status == UploadStatus::Lost;
         let files: BTreeSet<_> = names
             .iter()
-            .filter_map(|name| parse_name(name))
+            .filter_map(|name| parse_parcel_name(name))
             .map(|(id, status)| (is_last(status), status, id))
             .collect();
         for (_, status, id) in files {
@@ -211,7 +188,7 @@ impl<F: OutboxFolder> Spool<F> {
 
     fn read_entry(&mut self, id: SculptureId, status: UploadStatus) -> Option<SpoolEntry> {
         let mut entry = SpoolEntry::new(id, None, status);
-        let name = file_name(id, status);
+        let name = parcel_name(id, status);
         if status == UploadStatus::Lost {
             return Some(entry);
         }
@@ -241,11 +218,11 @@ impl<F: OutboxFolder> Spool<F> {
 
     /// Gives a damaged file the name of one; a sent one is removed. Returns the status then, `None` for nothing.
     fn set_aside(&mut self, id: SculptureId, status: UploadStatus) -> Option<UploadStatus> {
-        let name = file_name(id, status);
+        let name = parcel_name(id, status);
         if status == UploadStatus::Sent {
             return self.folder.remove(&name).is_err().then_some(status);
         }
-        let renamed = self.folder.rename(&name, &file_name(id, UploadStatus::Lost));
+        let renamed = self.folder.rename(&name, &parcel_name(id, UploadStatus::Lost));
         Some(if renamed.is_ok() { UploadStatus::Lost } else { status })
     }
 
@@ -347,7 +324,7 @@ impl<F: OutboxFolder> Spool<F> {
         }
         let bytes = parcel.file_bytes().len() as u64;
         self.make_room(usize::from(known.is_none()), bytes)?;
-        self.write(&file_name(facts.id, UploadStatus::Kept), parcel.file_bytes())?;
+        self.write(&parcel_name(facts.id, UploadStatus::Kept), parcel.file_bytes())?;
         self.entries.retain(|entry| entry.id != facts.id);
         let entry = SpoolEntry::new(facts.id, facts.badge, UploadStatus::Kept);
         self.entries.push(SpoolEntry { bytes, finished_at: facts.finished_at, ..entry });
@@ -409,7 +386,7 @@ impl<F: OutboxFolder> Spool<F> {
     /// The parcel of a sculpture; `None` if it can't be read now. A parcel that is gone or damaged is lost.
     pub(super) fn read(&mut self, id: SculptureId) -> Option<Parcel> {
         let status = self.find(id)?.status;
-        let bytes = match self.folder.read(&file_name(id, status), MAX_PARCEL_FILE_BYTES) {
+        let bytes = match self.folder.read(&parcel_name(id, status), MAX_PARCEL_FILE_BYTES) {
             Ok(bytes) => bytes,
             Err(error) => {
                 if error.kind() == io::ErrorKind::NotFound {
@@ -438,7 +415,7 @@ impl<F: OutboxFolder> Spool<F> {
     /// Gives a parcel another status, and its file the name of that. Returns `false` if the disk refuses.
     pub(super) fn rename(&mut self, id: SculptureId, status: UploadStatus, now_ms: u64) -> bool {
         let Some(before) = self.find(id).map(|entry| entry.status) else { return false };
-        let names = [before, status].map(|status| file_name(id, status));
+        let names = [before, status].map(|status| parcel_name(id, status));
         let is_done = before == status || self.folder.rename(&names[0], &names[1]).is_ok();
         if let Some(entry) = self.find_mut(id).filter(|_| is_done) {
             (entry.status, entry.failures, entry.noted) = (status, 0, None);
@@ -451,7 +428,7 @@ impl<F: OutboxFolder> Spool<F> {
     /// Deletes a sculpture's file. Returns `false` if the disk refuses.
     pub(super) fn delete(&mut self, id: SculptureId) -> bool {
         let Some(status) = self.find(id).map(|entry| entry.status) else { return true };
-        let is_done = self.folder.remove(&file_name(id, status)).is_ok();
+        let is_done = self.folder.remove(&parcel_name(id, status)).is_ok();
         if is_done {
             self.forget(id);
         }
