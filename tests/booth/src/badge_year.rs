@@ -210,7 +210,7 @@ impl Year {
             let hash = hash_of(&file);
             file.extend(hash.0);
             let booth = &self.booth.booth;
-            let kept = booth.take_parcel(&headset.device, facts.id, &file, &decode, now);
+            let kept = booth.take_parcel(headset.device.headset, facts.id, &file, &decode, now);
             let waited = today - made_on;
             if kept.expect("nothing fails") == ParcelOutcome::Kept {
                 let kept = booth.find_sculpture(&facts.id, now).expect("it was kept");

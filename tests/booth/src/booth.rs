@@ -250,7 +250,7 @@ impl SimBooth {
                 Ok((200, answer.to_json()))
             }
             BoothRequest::Put { id, body, .. } => {
-                let outcome = self.booth.take_parcel(&device, *id, body, &decode, now)?;
+                let outcome = self.booth.take_parcel(device.headset, *id, body, &decode, now)?;
                 Ok((outcome.status(), outcome.body().to_vec()))
             }
         }

@@ -9,6 +9,7 @@ use crate::error::Error;
 use crate::fleet_file::{FleetToken, make_fleet_file};
 use crate::options::{BoothTask, FolderOption};
 use crate::restore::restore;
+use crate::spool_import::import_spool;
 
 /// Who does what is done from the command line.
 const CONSOLE: &str = "console";
@@ -20,7 +21,7 @@ const CONSOLE: &str = "console";
 pub(crate) fn run(command: &BoothTask) -> Result<String, Error> {
     match command {
         BoothTask::FleetFile { folder, address, uses, days } => {
-            let OpenBooth { booth, keys, .. } = open(folder)?;
+            let OpenBooth { booth, keys, .. } = open(folder, BoothPlan::default())?;
             let token = FleetToken { address, uses: *uses, days: *days, note: "fleet file" };
             let made = make_fleet_file(&booth, &keys.ca_pem, &token, CONSOLE, booth_time());
             made.map_err(|refusal| match refusal {
@@ -32,10 +33,14 @@ pub(crate) fn run(command: &BoothTask) -> Result<String, Error> {
         BoothTask::Restore { folder, file, deletions, again } => {
             restore(file, folder.path_alone()?, deletions.as_deref(), *again)
         }
+        BoothTask::ImportSpool { folder, keep, outbox, headset, json } => {
+            let OpenBooth { booth, .. } = open(folder, keep.plan())?;
+            import_spool(&booth, outbox, *headset, *json, CONSOLE)
+        }
     }
 }
 
-fn open(folder: &FolderOption) -> Result<OpenBooth, Error> {
-    // Nothing is kept here that a plan or a quota is about.
-    OpenBooth::open(folder.path(), &folder.shared, BoothPlan::default(), u64::MAX)
+fn open(folder: &FolderOption, plan: BoothPlan) -> Result<OpenBooth, Error> {
+    // Staff who import parcels have looked for room.
+    OpenBooth::open(folder.path(), &folder.shared, plan, u64::MAX)
 }

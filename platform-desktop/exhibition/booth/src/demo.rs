@@ -99,7 +99,7 @@ fn fill(booth: &Booth, now: BoothTime) -> Result<(), Refusal> {
         let parcel = make_parcel(k, &make_volume(shape), badge, finished_at)
             .map_err(Refusal::Undecodable)?;
         let id = parcel.facts().id;
-        booth.take_parcel(&device, id, parcel.file_bytes(), &check_parcel, finished_at)?;
+        booth.take_parcel(device.headset, id, parcel.file_bytes(), &check_parcel, finished_at)?;
     }
     Ok(())
 }

@@ -49,6 +49,7 @@ mod schema;
 mod server;
 mod settings;
 mod shared;
+mod spool_import;
 mod sqlite_store;
 mod staff;
 mod staff_certificate;

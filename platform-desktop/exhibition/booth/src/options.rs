@@ -41,10 +41,9 @@ pub struct ServeOptions {
     /// Log in JSON, a line an event.
     #[arg(long)]
     pub json: bool,
-    /// Days for which sculptures are kept after the one on which they came. Badges' numbers last for no longer than 93.
-    #[arg(long, value_name = "DAYS", default_value_t = BoothPlan::default().retention_days,
-        value_parser = clap::value_parser!(u16).range(1..=i64::from(MAX_RETENTION_DAYS)))]
-    pub keep_days: u16,
+    /// How long sculptures are kept.
+    #[command(flatten)]
+    pub keep: KeepOption,
     /// Gigabytes that sculptures may take.
     #[arg(long, value_name = "GB", default_value_t = 20,
         value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
@@ -97,6 +96,23 @@ impl FolderOption {
     }
 }
 
+/// How long sculptures are kept.
+#[derive(Debug, Args)]
+pub struct KeepOption {
+    /// Days for which sculptures are kept after the one on which they came. Badges' numbers last for no longer than 93.
+    #[arg(long, value_name = "DAYS", default_value_t = BoothPlan::default().retention_days,
+        value_parser = clap::value_parser!(u16).range(1..=i64::from(MAX_RETENTION_DAYS)))]
+    pub keep_days: u16,
+}
+
+impl KeepOption {
+    /// How long everything is kept.
+    #[must_use]
+    pub fn plan(&self) -> BoothPlan {
+        BoothPlan { retention_days: self.keep_days, ..BoothPlan::default() }
+    }
+}
+
 /// What else the program does, also while it serves.
 #[derive(Debug, Subcommand)]
 pub enum BoothTask {
@@ -136,5 +152,23 @@ pub enum BoothTask {
         /// Though it was restored today before, as the booth of that has answered no headset.
         #[arg(long)]
         again: bool,
+    },
+    /// Take the parcels that were copied from the disk of a headset that is broken or has no way to the booth.
+    ImportSpool {
+        /// Where everything is kept.
+        #[command(flatten)]
+        folder: FolderOption,
+        /// How long sculptures are kept.
+        #[command(flatten)]
+        keep: KeepOption,
+        /// The copy of the headset's outbox, with its files ID.parcel, ID.sent and ID.refused. Nothing in it is changed.
+        #[arg(value_name = "OUTBOX")]
+        outbox: PathBuf,
+        /// The number of the headset, as the staff page shows it.
+        #[arg(long, value_name = "NUMBER")]
+        headset: u32,
+        /// Print the outcome of each file in JSON.
+        #[arg(long)]
+        json: bool,
     },
 }

@@ -74,8 +74,9 @@ pub(crate) async fn bound_and_count(
     request: Request,
     next: Next,
 ) -> Response {
-    let length = read_length(request.headers());
-    let is_parcel = request.uri().path().starts_with(PARCEL_PATH);
+    let length = read_length(request.headers()).ok();
+    let path = request.uri().path();
+    let is_parcel = [PARCEL_PATH, staff::IMPORT_PATH].iter().any(|start| path.starts_with(start));
     let (most, times) = match is_parcel {
         true => (MAX_PARCEL_FILE_BYTES, parcel_times(length.unwrap_or(0))),
         false => (MAX_REQUEST_BYTES as u64, BODY_TIMES),
@@ -101,9 +102,14 @@ fn parcel_times(length: u64) -> BodyTimes {
     BodyTimes { whole, idle: LONGEST_IDLE }
 }
 
-/// The length of a request's body, where its head tells it.
-fn read_length(headers: &HeaderMap) -> Option<u64> {
-    headers.get(header::CONTENT_LENGTH)?.to_str().ok()?.parse().ok()
+/// Reads the length of a request's body.
+///
+/// # Errors
+/// Its head has none.
+pub(crate) fn read_length(headers: &HeaderMap) -> Result<u64, Refusal> {
+    let length = headers.get(header::CONTENT_LENGTH).and_then(|length| length.to_str().ok());
+    let bad = || Refusal::BadRequest("expected Content-Length: a number".into());
+    length.and_then(|length| length.parse().ok()).ok_or_else(bad)
 }
 
 /// Lets headsets in that have a token.
@@ -118,7 +124,7 @@ async fn authenticate(
             request.extensions_mut().insert(device);
             Ok(next.run(request).await)
         }
-        Err(refusal) => Err(refuse_after_body(request, refusal).await),
+        Err(refusal) => Err(refuse_after_body(request, refusal).await.into()),
     }
 }
 
@@ -147,13 +153,14 @@ async fn limit_stranger(
 ) -> Answer {
     match take_turn(&app.of_stranger, peer) {
         Ok(()) => Ok(next.run(request).await),
-        Err(refusal) => Err(refuse_after_body(request, refusal).await),
+        Err(refusal) => Err(refuse_after_body(request, refusal).await.into()),
     }
 }
 
-async fn refuse_after_body(request: Request, refusal: Refusal) -> RefusalAnswer {
+/// Passes over the body of a request, so that its sender reads the refusal. Returns the refusal.
+pub(crate) async fn refuse_after_body(request: Request, refusal: Refusal) -> Refusal {
     pass_over(request.into_body()).await;
-    refusal.into()
+    refusal
 }
 
 fn take_turn<K: Eq + std::hash::Hash>(
@@ -180,14 +187,14 @@ async fn put_parcel(
 ) -> Answer {
     let (id, length) = match read_put(&id, request.headers()) {
         Ok(head) => head,
-        Err(refusal) => return Err(refuse_after_body(request, refusal).await),
+        Err(refusal) => return Err(refuse_after_body(request, refusal).await.into()),
     };
-    let (file, place) = read_parcel(&app, &device, length, request).await?;
     let headset = device.headset;
+    let (file, place) = read_parcel(&app, headset, length, request).await?;
     let outcome = app.run_decode(move |app| {
         // Until it is on the disk its memory is in use.
         let _place = place;
-        app.booth.take_parcel(&device, id, &file, &check_parcel, booth_time())
+        app.booth.take_parcel(headset, id, &file, &check_parcel, booth_time())
     });
     let outcome = outcome.await?;
     info!(headset, %id, ?outcome, "parcel");
@@ -198,14 +205,14 @@ async fn put_parcel(
     Ok((status_of(outcome.status()), outcome.body()).into_response())
 }
 
-/// Reads a parcel from the network when it is its turn, and holds that.
-async fn read_parcel(
+/// Reads a parcel of a headset from the network when it is its turn. Returns it with its turn.
+pub(crate) async fn read_parcel(
     app: &BoothApp,
-    device: &Device,
+    headset: u32,
     length: u64,
     request: Request,
-) -> Result<(Vec<u8>, (Place<u32>, OwnedSemaphorePermit)), RefusalAnswer> {
-    let Some(place) = app.parcels_of_device.take(device.headset) else {
+) -> Result<(Vec<u8>, (Place<u32>, OwnedSemaphorePermit)), Refusal> {
+    let Some(place) = app.parcels_of_device.take(headset) else {
         let refusal = Refusal::Busy { what: "parcels of this headset at once", retry_after: 1 };
         return Err(refuse_after_body(request, refusal).await);
     };
@@ -237,10 +244,9 @@ async fn read_body(body: Body, length: u64) -> Result<Vec<u8>, Refusal> {
 
 /// A sculpture, and the length of its parcel's file in bytes, as the address and the headers say.
 pub(crate) fn read_put(id: &str, headers: &HeaderMap) -> Result<(SculptureId, u64), Refusal> {
-    let bad = |expected: &str| Refusal::BadRequest(format!("expected {expected}"));
-    let id = SculptureId::parse_hex(id).ok_or_else(|| bad("an id of 32 hexadecimal digits"))?;
-    let length = read_length(headers).ok_or_else(|| bad("Content-Length: a number"))?;
-    Ok((id, length))
+    let bad = || Refusal::BadRequest("expected an id of 32 hexadecimal digits".into());
+    let id = SculptureId::parse_hex(id).ok_or_else(bad)?;
+    Ok((id, read_length(headers)?))
 }
 
 /// `POST /v1/heartbeat`.

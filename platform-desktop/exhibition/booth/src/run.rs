@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, SystemTime};
 
-use paros_booth_rules::{Booth, BoothPlan};
+use paros_booth_rules::Booth;
 use paros_shell::durable::take_storage_warnings;
 use tokio::net::TcpListener;
 use tokio::runtime::{Builder, Runtime};
@@ -54,7 +54,6 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     let public = PublicAddress::new(&options.public)?;
     let of_staff = options.certificate.load()?;
     let mailer = Mailer::new(&options.mail, public.clone())?;
-    let plan = BoothPlan { retention_days: options.keep_days, ..BoothPlan::default() };
     let quota = u64::from(options.quota_gb) * 1_000_000_000;
     let (runtime, of_wholes) =
         build_runtimes().map_err(|error| Error::failure("threads", error))?;
@@ -64,7 +63,7 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     let folder = demo.as_ref().map_or(options.folder.path(), |demo| demo.path());
     let shared = &options.folder.shared;
     let _lock = shared.is_alone().then(|| FolderLock::take(folder)).transpose()?;
-    let open = OpenBooth::open(folder, shared, plan, quota)?;
+    let open = OpenBooth::open(folder, shared, options.keep.plan(), quota)?;
     if shared.is_alone() {
         open.booth.drop_leases()?;
     }

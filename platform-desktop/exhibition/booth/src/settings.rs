@@ -27,7 +27,7 @@ pub(crate) fn list_settings(options: &ServeOptions) -> Vec<(&'static str, String
         listen,
         name,
         json,
-        keep_days,
+        keep,
         quota_gb,
         demo,
         certificate,
@@ -45,7 +45,7 @@ pub(crate) fn list_settings(options: &ServeOptions) -> Vec<(&'static str, String
         ("--listen", listen.to_string()),
         ("--name", or_none((!name.is_empty()).then(|| name.join(", ")))),
         ("--json", on_or_off(*json)),
-        ("--keep-days", keep_days.to_string()),
+        ("--keep-days", keep.keep_days.to_string()),
         ("--quota-gb", quota_gb.to_string()),
         ("--demo", on_or_off(*demo)),
     ]);

@@ -69,6 +69,6 @@ pub use staff::{LoggedIn, SessionBits};
 pub use store::{Access, Condition, Query, RowOrder, Store, StoreError, Transaction, update, view};
 pub use table::{Column, Record, Row, Table};
 pub use time::BoothTime;
-pub use upload::DecodeParcel;
+pub use upload::{DecodeParcel, ImportOutcome};
 pub use value::{ColumnKind, Field, Value};
 pub use words::{HeardBadge, WordsFault};

@@ -96,6 +96,8 @@ pub enum Expected {
     Note(usize),
     /// A form as the page has it.
     Form,
+    /// The name of a parcel's file in an outbox.
+    ParcelName,
     /// That what can't be undone is confirmed.
     Confirmation,
 }
@@ -124,6 +126,9 @@ impl fmt::Display for Expected {
             Expected::Filament(most) => write!(f, "a filament of up to {most} letters"),
             Expected::Note(most) => write!(f, "a note of up to {most} letters"),
             Expected::Form => f.write_str("a form as the page has it"),
+            Expected::ParcelName => f.write_str(
+                "a file of an outbox: 32 hexadecimal digits, and .parcel, .sent or .refused",
+            ),
             Expected::Confirmation => f.write_str("that it is confirmed"),
         }
     }

@@ -4,6 +4,7 @@ use paros_core::badge::BadgeNumber;
 use paros_protocol::limits::MAX_PARCEL_FILE_BYTES;
 use paros_protocol::{ContentHash, Parcel, ParcelFault, ParcelOutcome, SculptureId, UploadFacts};
 
+use crate::audit::{Subject, note};
 use crate::booth::{Booth, Tx};
 use crate::parcel_files::{KeptName, KeptPart};
 use crate::reason::Reason;
@@ -12,6 +13,17 @@ use crate::refusal::Refusal;
 use crate::store::{Query, StoreError, view};
 use crate::time::BoothTime;
 use crate::value::Field as _;
+
+/// The outcome of a parcel that staff copied from a headset.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ImportOutcome {
+    /// It is kept now.
+    Taken,
+    /// The booth had it.
+    Known,
+    /// The booth had it, and it was deleted.
+    Deleted,
+}
 
 /// Checks that a parcel's files are what its head says: the packed volume, and the packed trace. Takes no more memory
 /// than the head says.
@@ -26,7 +38,7 @@ impl Booth {
     /// another parcel of this id was kept.
     pub fn take_parcel(
         &self,
-        device: &Device,
+        headset: u32,
         id: SculptureId,
         file: &[u8],
         decode: &DecodeParcel<'_>,
@@ -38,7 +50,44 @@ impl Booth {
             return Ok(outcome);
         }
         decode(parcel.facts(), parcel.volume(), parcel.trace()).map_err(Refusal::Undecodable)?;
-        self.keep_parcel(device.headset, &parcel, now)
+        self.keep_parcel(headset, &parcel, now)
+    }
+
+    /// Keeps a parcel that staff copied from a headset's disk, as if the headset had sent it. It may be shut out.
+    ///
+    /// # Errors
+    /// No headset has this number; those of [`Booth::take_parcel`].
+    pub fn import_parcel(
+        &self,
+        headset: u32,
+        (id, file): (SculptureId, &[u8]),
+        decode: &DecodeParcel<'_>,
+        account: &str,
+        now: BoothTime,
+    ) -> Result<ImportOutcome, Refusal> {
+        self.check_headset(headset)?;
+        let hash = read_parcel(id, file)?.hash();
+        let known = view(self.store.as_ref(), |tx| find_outcome(tx, id, hash))?;
+        let outcome = match known {
+            Some(ParcelOutcome::Kept) => return Ok(ImportOutcome::Known),
+            Some(outcome) => outcome,
+            None => self.take_parcel(headset, id, file, decode, now)?,
+        };
+        if outcome == ParcelOutcome::Deleted {
+            return Ok(ImportOutcome::Deleted);
+        }
+        let subject = Subject { headset: Some(headset), sculpture: Some(id.0), badge: None };
+        self.update(|tx| Ok(note(tx, now, Some(account), "import", subject)?))?;
+        Ok(ImportOutcome::Taken)
+    }
+
+    /// Checks that a headset has this number, even if it is shut out.
+    ///
+    /// # Errors
+    /// No headset has it; those of the store.
+    pub fn check_headset(&self, headset: u32) -> Result<(), Refusal> {
+        let device: Option<Device> = self.view(|tx| tx.get(&[headset.to_value()]))?;
+        device.map(drop).ok_or(Refusal::NotFound(Reason::NoHeadset))
     }
 
     /// Files first, then the record: what the record says is there.

@@ -1,8 +1,8 @@
 //! What is taken and kept.
 
 use super::common::*;
-use paros_booth_rules::hash_of;
 use paros_booth_rules::records::ExportState;
+use paros_booth_rules::{ImportOutcome, hash_of};
 use paros_protocol::limits::MAX_PARCEL_BYTES;
 
 #[test]
@@ -75,7 +75,32 @@ fn a_parcel_with_another_hash_is_no_request() {
     let mut parcel = Parcel::new(40, None);
     parcel.bytes[300] ^= 1;
     assert_eq!(status(rig.upload(&device, &parcel, START)), 400);
-    let take = |file: &[u8]| rig.booth.take_parcel(&device, parcel.id, file, &decode, START);
+    let take = |file: &[u8]| rig.booth.take_parcel(device.headset, parcel.id, file, &decode, START);
     assert_eq!(status(take(&[])), 400);
     assert_eq!(status(take(&vec![0; MAX_PARCEL_BYTES as usize + 33])), 413);
+}
+
+#[test]
+fn what_staff_copied_from_a_headset_is_taken_as_if_that_had_sent_it() {
+    let rig = Rig::new();
+    let device = rig.enrol(1);
+    let parcel = Parcel::new(40, leased(9));
+    let import = |headset: u32, parcel: &Parcel| {
+        rig.booth.import_parcel(headset, (parcel.id, &parcel.file()), &decode, "ana", seconds(5))
+    };
+    assert_eq!(status(import(device.headset + 1, &parcel)), 404);
+    rig.booth.revoke_device(device.headset, "ana", START).unwrap();
+    assert_eq!(import(device.headset, &parcel).unwrap(), ImportOutcome::Taken);
+    assert_eq!(rig.booth.list_audit(1).unwrap()[0].action, "import");
+    assert_eq!(import(device.headset, &parcel).unwrap(), ImportOutcome::Known);
+    let kept = rig.booth.find_sculpture(&parcel.id, START).expect("it is kept");
+    assert_eq!((kept.headset, kept.hash), (device.headset, parcel.hash.0));
+    let other = Parcel::of_facts(UploadFacts { finished_at: 2, ..parcel.facts });
+    assert_eq!(status(import(device.headset, &other)), 409);
+    rig.booth.delete(&parcel.id, "ana", START).unwrap();
+    assert_eq!(import(device.headset, &parcel).unwrap(), ImportOutcome::Deleted);
+    assert_eq!(
+        rig.booth.list_audit(99).unwrap().iter().filter(|entry| entry.action == "import").count(),
+        1
+    );
 }

@@ -69,6 +69,7 @@ async fn admin_page(
     let host = headers.get(header::HOST).and_then(|host| host.to_str().ok()).unwrap_or_default();
     let body = html! {
         p { a href="/staff/audit" { (words.audit) } }
+        p { a href="/staff/import" { (words.import) } }
         h2 { (words.accounts) }
         div class="wide" tabindex="0" role="region" aria-label=(words.accounts) { (accounts_table(texts, words, login, &accounts)) }
         (new_account_form(texts, words, login, FormView::of(refused, ACCOUNT_FORM)))

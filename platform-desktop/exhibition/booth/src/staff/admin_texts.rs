@@ -1,7 +1,7 @@
 //! What pages of accounts, admins and privacy say, in two languages.
 
-use paros_booth_rules::BoothPlan;
 use paros_booth_rules::records::StaffRole;
+use paros_booth_rules::{BoothPlan, ImportOutcome};
 use paros_core::badge::Language;
 
 use super::texts::Texts;
@@ -56,6 +56,11 @@ pub(crate) struct AdminTexts {
     pub(crate) take_back: &'static str,
     pub(crate) keep_address: &'static str,
     pub(crate) privacy_title: &'static str,
+    pub(crate) import: &'static str,
+    pub(crate) import_about: &'static str,
+    pub(crate) import_needs_script: &'static str,
+    pub(crate) import_files: &'static str,
+    import_outcomes: [&'static str; 3],
     roles: [&'static str; 2],
 }
 
@@ -70,6 +75,10 @@ impl AdminTexts {
 
     pub(crate) const fn role_name(&self, role: StaffRole) -> &'static str {
         self.roles[role as usize]
+    }
+
+    pub(crate) const fn import_outcome(&self, outcome: ImportOutcome) -> &'static str {
+        self.import_outcomes[outcome as usize]
     }
 
     /// What is kept for how long, in paragraphs.
@@ -142,6 +151,11 @@ const ENGLISH: AdminTexts = AdminTexts {
     take_back: "Take the last one back",
     keep_address: "The visitor agrees that the address is kept as long as the sculpture",
     privacy_title: "What is kept of you, and for how long",
+    import: "Sculptures from a headset's disk",
+    import_about: "For a headset that is broken or can't reach the booth: copy its outbox, and choose the files here. They are taken as if the headset had sent them.",
+    import_needs_script: "This page needs JavaScript. The command import-spool does without.",
+    import_files: "Files of its outbox (.parcel, .sent, .refused)",
+    import_outcomes: ["Taken.", "The booth has it already.", "It was deleted at the booth."],
     roles: ["attendant", "admin"],
 };
 
@@ -193,5 +207,10 @@ const GREEK: AdminTexts = AdminTexts {
     take_back: "Αναίρεση της τελευταίας επιλογής",
     keep_address: "Ο επισκέπτης συμφωνεί να κρατηθεί η διεύθυνση όσο και το γλυπτό",
     privacy_title: "Τι κρατιέται από εσάς, και για πόσο",
+    import: "Γλυπτά από τον δίσκο συσκευής",
+    import_about: "Για συσκευή που χάλασε ή δεν φτάνει το περίπτερο: αντιγράψτε τα εξερχόμενά της και διαλέξτε τα αρχεία εδώ. Λαμβάνονται σαν να τα έστειλε η συσκευή.",
+    import_needs_script: "Αυτή η σελίδα χρειάζεται JavaScript. Η εντολή import-spool όχι.",
+    import_files: "Αρχεία των εξερχομένων (.parcel, .sent, .refused)",
+    import_outcomes: ["Ελήφθη.", "Το περίπτερο το έχει ήδη.", "Διαγράφηκε στο περίπτερο."],
     roles: ["βοηθός", "διαχειριστής"],
 };

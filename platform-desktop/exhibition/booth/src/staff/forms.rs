@@ -121,7 +121,7 @@ const fn field_of(refusal: &Refusal) -> &'static str {
             Expected::Minutes | Expected::MinutesWithin(..) => "minutes",
             Expected::Filament(_) => "filament",
             Expected::Note(_) => "note",
-            Expected::Form | Expected::Confirmation => "",
+            Expected::Form | Expected::ParcelName | Expected::Confirmation => "",
         },
         Refusal::Forbidden(Reason::WrongPassword) => "old",
         Refusal::Forbidden(Reason::WrongFirstCode) => "code",

@@ -52,7 +52,7 @@ fn page_of(path: &str) -> &str {
     let end_of = |count: usize| path.match_indices('/').nth(count).map(|(end, _)| &path[..end]);
     let (page, parts) = match path.split('/').nth(2) {
         Some("sculptures" | "badges") => (end_of(3), 4),
-        Some("prints" | "headsets" | "admin" | "account") => (end_of(2), 3),
+        Some("prints" | "headsets" | "admin" | "account" | "import") => (end_of(2), 3),
         Some("login") => (Some("/staff/login"), 2),
         Some("first") => (Some("/staff/first"), 2),
         _ => (None, 0),
@@ -101,6 +101,7 @@ mod tests {
             ("/staff/admin/accounts/ana/disable", "/staff/admin"),
             ("/staff/admin", "/staff"),
             ("/staff/account/password", "/staff/account"),
+            ("/staff/import/3/5.parcel", "/staff/import"),
             ("/staff/badges/7/delete", "/staff/badges/7"),
             ("/staff/badges/7", "/staff"),
             ("/staff/login", "/staff/login"),

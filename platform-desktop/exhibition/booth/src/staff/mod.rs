@@ -8,6 +8,7 @@ mod find;
 mod forms;
 mod frame;
 mod headsets;
+mod import;
 mod login;
 mod mails;
 mod page;
@@ -27,9 +28,10 @@ use axum::extract::Path;
 use axum::http::header;
 use axum::middleware::{from_fn, from_fn_with_state};
 use axum::response::{IntoResponse, Redirect, Response};
-use axum::routing::{MethodRouter, any, get, post};
+use axum::routing::{MethodRouter, any, get, post, put};
 
 pub(crate) use frame::keep_frame;
+pub(crate) use import::IMPORT_PATH;
 pub(crate) use login::LoginGate;
 pub(crate) use page::Fields;
 pub(crate) use prints::read_size;
@@ -53,6 +55,8 @@ pub(crate) fn router(app: &Arc<BoothApp>) -> Router<Arc<BoothApp>> {
         .route("/staff/admin/tokens", post(admin::add_token))
         .route("/staff/admin/tokens/{hash}/revoke", post(admin::revoke_token))
         .route("/staff/audit", get(admin::show_audit))
+        .route("/staff/import", get(import::show_import))
+        .route(&format!("{IMPORT_PATH}{{headset}}/{{name}}"), put(import::import_parcel))
         .route("/staff/badges/{number}", get(privacy::show_known))
         .route("/staff/badges/{number}/export.zip", get(privacy::send_export))
         .route("/staff/badges/{number}/delete", post(privacy::delete_known))

@@ -46,3 +46,30 @@ if (reason) {
   if (field) field.focus({ preventScroll: true });
   (field || reason).scrollIntoView({ block: "center" });
 }
+// Files of an outbox go one by one: each is as large as a parcel, and has an outcome of its own.
+const outbox = document.getElementById("import");
+if (outbox) {
+  const list = document.getElementById("imported");
+  const send = async (file) => {
+    const path = "/staff/import/" + outbox.elements.headset.value + "/" + encodeURIComponent(file.name);
+    const headers = { form: outbox.elements.form.value };
+    const answer = await fetch(path, { method: "PUT", headers, body: file });
+    const text = await answer.text();
+    if (answer.ok) return text;
+    const note = new DOMParser().parseFromString(text, "text/html").querySelector(".note");
+    return note ? note.textContent : list.dataset.failed;
+  };
+  outbox.addEventListener("submit", async (event) => {
+    event.preventDefault();
+    const button = outbox.querySelector("button");
+    button.disabled = true;
+    list.replaceChildren();
+    for (const file of outbox.elements.files.files) {
+      const told = await send(file).catch(() => list.dataset.failed);
+      const line = document.createElement("li");
+      line.textContent = file.name + ": " + told;
+      list.append(line);
+    }
+    button.disabled = false;
+  });
+}

@@ -30,10 +30,15 @@ impl Fields {
 
     /// Checks that the form was made for this login.
     fn check(&self, login: &LoggedIn) -> Result<(), Refusal> {
-        // The form's token has the form of an id.
-        let token = paros_protocol::SculptureId::parse_hex(&self.get("form"));
-        login.check_form(&token.map_or([0; 16], |token| token.0))
+        check_form(login, &self.get("form"))
     }
+}
+
+/// Checks that a form's token is that of a login.
+pub(crate) fn check_form(login: &LoggedIn, token: &str) -> Result<(), Refusal> {
+    // The form's token has the form of an id.
+    let token = paros_protocol::SculptureId::parse_hex(token);
+    login.check_form(&token.map_or([0; 16], |token| token.0))
 }
 
 /// Who asks for a page, in which language it is, and what was just done.

@@ -83,6 +83,9 @@ fn expected_in_greek(expected: Expected) -> String {
         Expected::Filament(most) => format!("χρώμα νήματος με το πολύ {most} γράμματα"),
         Expected::Note(most) => format!("σημείωση με το πολύ {most} γράμματα"),
         Expected::Form => "τη φόρμα όπως την έχει η σελίδα".into(),
+        Expected::ParcelName => {
+            "ένα αρχείο γλυπτού όπως το έχει μια συσκευή: 32 δεκαεξαδικά ψηφία και κατάληξη".into()
+        }
         Expected::Confirmation => "να το επιβεβαιώσετε".into(),
     }
 }
@@ -199,6 +202,7 @@ mod tests {
             Expected::Filament(40),
             Expected::Note(300),
             Expected::Form,
+            Expected::ParcelName,
             Expected::Confirmation,
         ];
         all.extend(expected.map(Refusal::Unfit));

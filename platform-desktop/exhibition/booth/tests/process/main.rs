@@ -10,6 +10,7 @@ mod attacks;
 mod backup;
 mod chromium;
 mod demo;
+mod import;
 mod kills;
 mod mail;
 mod page;

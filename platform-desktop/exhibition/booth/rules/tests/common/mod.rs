@@ -75,7 +75,7 @@ impl Rig {
         parcel: &Parcel,
         now: BoothTime,
     ) -> Result<ParcelOutcome, Refusal> {
-        self.booth.take_parcel(device, parcel.id, &parcel.file(), &decode, now)
+        self.booth.take_parcel(device.headset, parcel.id, &parcel.file(), &decode, now)
     }
 
     /// The blocks that a headset leases, in an epoch in which it holds nothing.

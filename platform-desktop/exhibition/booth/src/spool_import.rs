@@ -1,0 +1,135 @@
+//! Parcels that were copied by hand from a headset that is broken, or that has no way to the booth any more.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io::{self, Write as _};
+use std::path::Path;
+
+use paros_booth_rules::{Booth, Expected, ImportOutcome, Refusal};
+use paros_protocol::limits::MAX_PARCEL_FILE_BYTES;
+use paros_protocol::{SculptureId, UploadStatus, parse_parcel_name};
+use paros_shell::durable::read_regular_file_up_to;
+use serde::Serialize;
+
+use crate::clock::booth_time;
+use crate::error::Error;
+use crate::parcel_decode::check_parcel;
+
+/// The outcomes of a folder's parcels, as `--json` has them.
+#[derive(Default, Serialize)]
+struct ImportReport {
+    taken: Vec<String>,
+    known: Vec<String>,
+    deleted: Vec<String>,
+    refused: Vec<RefusedFile>,
+}
+
+/// A file that the booth can't take.
+#[derive(Serialize)]
+struct RefusedFile {
+    file: String,
+    why: String,
+}
+
+/// Returns the sculpture of a parcel's file, by its name in an outbox.
+///
+/// # Errors
+/// [`Expected::ParcelName`] for another name, and for a damaged parcel's.
+pub(crate) fn read_parcel_name(name: &str) -> Result<SculptureId, Refusal> {
+    let named = parse_parcel_name(name).filter(|(_, status)| *status != UploadStatus::Lost);
+    named.map(|(id, _)| id).ok_or(Refusal::Unfit(Expected::ParcelName))
+}
+
+/// Takes the parcels of a folder as if the headset of this number had sent them. Changes nothing in the folder. Returns the
+/// outcomes, as text or as JSON.
+///
+/// # Errors
+/// [`Error::Input`] if the folder has no parcels, no headset has the number, or files were refused: the outcomes are printed
+/// before. The errors of disk and store end the import.
+pub(crate) fn import_spool(
+    booth: &Booth,
+    folder: &Path,
+    headset: u32,
+    is_json: bool,
+    account: &str,
+) -> Result<String, Error> {
+    booth.check_headset(headset).map_err(|refusal| match refusal {
+        Refusal::NotFound(_) => Error::Input(format!("--headset {headset}: {refusal}")),
+        refusal => refusal.into(),
+    })?;
+    let mut report = ImportReport::default();
+    for name in list_parcels(folder)? {
+        match import_file(booth, folder, headset, &name, account) {
+            Ok(ImportOutcome::Taken) => report.taken.push(name),
+            Ok(ImportOutcome::Known) => report.known.push(name),
+            Ok(ImportOutcome::Deleted) => report.deleted.push(name),
+            Err(refusal) if refusal.is_failure() => return Err(refusal.into()),
+            Err(refusal) => {
+                report.refused.push(RefusedFile { file: name, why: refusal.to_string() });
+            }
+        }
+    }
+    let text = if is_json { report.to_json() } else { report.to_text() };
+    if report.refused.is_empty() {
+        return Ok(text);
+    }
+    // Standard output may be closed.
+    let _ = io::stdout().write_all(text.as_bytes());
+    let count = report.refused.len();
+    Err(Error::Input(format!("{}: {count} files were not taken", folder.display())))
+}
+
+/// Lists the names of the parcels in a folder, sorted.
+fn list_parcels(folder: &Path) -> Result<Vec<String>, Error> {
+    let bad = |why: &dyn std::fmt::Display| Error::Input(format!("{}: {why}", folder.display()));
+    let entries = fs::read_dir(folder).and_then(Iterator::collect::<io::Result<Vec<_>>>);
+    let names = entries.map_err(|error| bad(&error))?.into_iter();
+    let names = names.filter_map(|entry| entry.file_name().into_string().ok());
+    let mut names: Vec<String> = names.filter(|name| read_parcel_name(name).is_ok()).collect();
+    if names.is_empty() {
+        return Err(bad(&"expected the folder of an outbox, with files ID.parcel or ID.sent"));
+    }
+    names.sort();
+    Ok(names)
+}
+
+fn import_file(
+    booth: &Booth,
+    folder: &Path,
+    headset: u32,
+    name: &str,
+    account: &str,
+) -> Result<ImportOutcome, Refusal> {
+    let id = read_parcel_name(name)?;
+    let file = read_regular_file_up_to(&folder.join(name), MAX_PARCEL_FILE_BYTES);
+    // A file of the copy, not of the booth.
+    let file = file.map_err(|error| Refusal::BadRequest(error.to_string()))?;
+    booth.import_parcel(headset, (id, &file), &check_parcel, account, booth_time())
+}
+
+impl ImportReport {
+    fn to_json(&self) -> String {
+        // Text in lists can always be written.
+        serde_json::to_string(self).unwrap_or_default() + "\n"
+    }
+
+    /// Writes a line for each file that isn't the booth's now, and a summary.
+    fn to_text(&self) -> String {
+        let ImportReport { taken, known, deleted, refused } = self;
+        let mut text = String::new();
+        // Writing to a String doesn't fail.
+        for RefusedFile { file, why } in refused {
+            let _ = writeln!(text, "{file}: not taken: {why}");
+        }
+        for file in deleted {
+            let _ = writeln!(text, "{file}: was deleted at the booth");
+        }
+        let [taken, known, deleted, refused] =
+            [taken.len(), known.len(), deleted.len(), refused.len()];
+        let _ = writeln!(
+            text,
+            "{taken} taken, {known} there already, {deleted} deleted before, {refused} not taken"
+        );
+        text
+    }
+}
