@@ -1,7 +1,7 @@
 //! What visitors, staff, thieves and misfortune do.
 
 use paros_protocol::{CommandKind, Parcel, SculptureId, UploadFacts};
-use paros_upload::{BoothRequest, OutboxHost as _};
+use paros_upload::{BoothRequest, OutboxHost as _, RequestKind};
 
 use crate::exhibition::{Exhibition, THIEF};
 use crate::network::Weather;
@@ -174,7 +174,8 @@ impl Exhibition {
         let theirs = Made { is_poison: false, ..victim };
         let parcel = Parcel::pack(&facts_of(number, &theirs), &[1, 2, 3], None);
         let parcel = parcel.expect("a parcel of its size");
-        let request = BoothRequest::Put { number: 1, id: victim.id, body: parcel.into_file() };
+        let kind = RequestKind::Put(victim.id);
+        let request = BoothRequest { kind, number: 1, body: parcel.into_file() };
         let answer = self.booth.serve(THIEF, &request, self.booth_time());
         if answer.status == 200 {
             // Nobody else's number, and nobody's to miss.

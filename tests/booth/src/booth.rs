@@ -14,7 +14,7 @@ use paros_protocol::{
     ContentHash, DeviceHint, DeviceName, DeviceToken, EnrolmentToken, FleetEnrolment, Heartbeat,
     SiteId, UploadFacts,
 };
-use paros_upload::{BoothRequest, HttpAnswer};
+use paros_upload::{BoothRequest, HttpAnswer, RequestKind};
 
 use crate::truth::is_poison;
 
@@ -242,15 +242,16 @@ impl SimBooth {
         now: BoothTime,
     ) -> Result<(u16, Vec<u8>), Refusal> {
         let device = self.booth.authenticate(&token_of(device))?;
-        match request {
-            BoothRequest::Heartbeat { body, .. } => {
-                let beat = Heartbeat::from_json(&body[..]);
+        match request.kind {
+            RequestKind::Heartbeat => {
+                let beat = Heartbeat::from_json(&request.body);
                 let beat = beat.map_err(|bad| Refusal::BadRequest(bad.to_string()))?;
                 let answer = self.booth.take_heartbeat(&device, &beat, now)?;
                 Ok((200, answer.to_json()))
             }
-            BoothRequest::Put { id, body, .. } => {
-                let outcome = self.booth.take_parcel(device.headset, *id, body, &decode, now)?;
+            RequestKind::Put(id) => {
+                let outcome =
+                    self.booth.take_parcel(device.headset, id, &request.body, &decode, now)?;
                 Ok((outcome.status(), outcome.body().to_vec()))
             }
         }

@@ -4,12 +4,12 @@ use paros_booth_rules::BoothTime;
 use paros_models::random_visitor::RandomSource;
 use paros_protocol::{CommandOutcome, HeartbeatAnswer};
 use paros_upload::{BoothRequest, HttpAnswer, LinkAnswer, OutboxEvent};
-use paros_upload::{OutboxSettings, RemoteCommand};
+use paros_upload::{OutboxSettings, RemoteCommand, RequestKind};
 
 use crate::booth::{OPENING, SITE, SimBackup, SimBooth};
 use crate::check::{check, check_settled, is_settled, list_unsettled};
 use crate::headset::SimHeadset;
-use crate::network::{Message, OnItsWay, Weather, fault_of, sent_request};
+use crate::network::{Message, OnItsWay, Weather, fault_of};
 use crate::truth::Truth;
 
 /// Headsets of an exhibition, without the thief.
@@ -150,8 +150,8 @@ impl Exhibition {
                     let now = self.booth_time();
                     let answer = self.booth.serve(headset as u8, &request, now);
                     self.note_noted(headset, &request, &answer);
-                    let request = sent_request(&request);
-                    let message = LinkAnswer { request, result: Ok(answer) };
+                    let BoothRequest { kind, number, .. } = request;
+                    let message = LinkAnswer { kind, number, result: Ok(answer) };
                     for arrives_ms in self.weather.deliveries(self.now_ms, &mut self.dice) {
                         let message = Message::Answer(message.clone());
                         self.on_its_way.push(OnItsWay { headset, start, arrives_ms, message });
@@ -169,7 +169,7 @@ impl Exhibition {
 
     /// What the booth says that it noted, whether or not it is heard.
     fn note_noted(&mut self, h: usize, request: &BoothRequest, answer: &HttpAnswer) {
-        let is_heartbeat = matches!(request, BoothRequest::Heartbeat { .. });
+        let is_heartbeat = request.kind == RequestKind::Heartbeat;
         if let Ok(answer) = HeartbeatAnswer::from_json(&answer.body)
             && is_heartbeat
         {

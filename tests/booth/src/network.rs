@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use paros_models::random_visitor::RandomSource;
-use paros_upload::{BoothLink, BoothRequest, LinkAnswer, LinkFault, SentRequest};
+use paros_upload::{BoothLink, BoothRequest, LinkAnswer, LinkFault};
 
 /// What a headset has sent, and what has come for it.
 #[derive(Debug, Default)]
@@ -94,17 +94,8 @@ impl Weather {
 /// What a link says of a request that was lost, if it notices.
 #[must_use]
 pub fn fault_of(request: &BoothRequest, dice: &mut RandomSource) -> Option<LinkAnswer> {
-    let request = sent_request(request);
+    let BoothRequest { kind, number, .. } = *request;
     let faults = [LinkFault::Unreachable, LinkFault::TimedOut, LinkFault::Untrusted];
     let fault = faults[dice.below(3) as usize];
-    dice.one_in(2).then_some(LinkAnswer { request, result: Err(fault) })
-}
-
-/// Which request it is.
-#[must_use]
-pub const fn sent_request(request: &BoothRequest) -> SentRequest {
-    match request {
-        BoothRequest::Put { number, .. } => SentRequest::Put { number: *number },
-        BoothRequest::Heartbeat { number, .. } => SentRequest::Heartbeat { number: *number },
-    }
+    dice.one_in(2).then_some(LinkAnswer { kind, number, result: Err(fault) })
 }

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use paros_protocol::{DeviceToken, HEARTBEAT_PATH, LinkTimes, PARCEL_PATH};
 
-use super::link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
+use super::link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, RequestKind};
 
 const OCTETS: &str = "application/octet-stream";
 const JSON: &str = "application/json";
@@ -72,7 +72,7 @@ pub trait BoothCaller {
 pub struct ThreadedLink {
     puts: Sender<BoothRequest>,
     heartbeats: Sender<BoothRequest>,
-    answers: Receiver<(SentRequest, Result<HttpAnswer, LinkError>)>,
+    answers: Receiver<(RequestKind, u32, Result<HttpAnswer, LinkError>)>,
     last_error: Option<LinkError>,
     log: Option<fn(fmt::Arguments<'_>)>,
     told: Option<LinkFault>,
@@ -105,15 +105,16 @@ impl<'a> HttpRequest<'a> {
     /// A request of an outbox, by the headset's token.
     #[must_use]
     pub fn of_outbox(request: &'a BoothRequest, token: &DeviceToken, times: LinkTimes) -> Self {
-        let mut asked = match request {
-            BoothRequest::Put { id, body, .. } => HttpRequest {
+        let body = &request.body[..];
+        let mut asked = match request.kind {
+            RequestKind::Put(id) => HttpRequest {
                 method: HttpMethod::Put,
                 headers: vec![("Content-Type", OCTETS.to_owned())],
                 timeout: times.of_parcel(body.len()),
                 ..HttpRequest::post(&format!("{PARCEL_PATH}{id}"), body)
             },
-            BoothRequest::Heartbeat { body, .. } => {
-                HttpRequest { timeout: times.small, ..HttpRequest::post(HEARTBEAT_PATH, &body[..]) }
+            RequestKind::Heartbeat => {
+                HttpRequest { timeout: times.small, ..HttpRequest::post(HEARTBEAT_PATH, body) }
             }
         };
         asked.headers.push(("Authorization", format!("Bearer {}", token.reveal())));
@@ -139,7 +140,7 @@ impl ThreadedLink {
                 for request in requests {
                     let result = caller.call(&HttpRequest::of_outbox(&request, &token, times));
                     // Nobody listens any more where the link was dropped.
-                    if tell.send((request.sent(), result)).is_err() {
+                    if tell.send((request.kind, request.number, result)).is_err() {
                         break;
                     }
                 }
@@ -165,23 +166,23 @@ impl ThreadedLink {
 
 impl BoothLink for ThreadedLink {
     fn send(&mut self, request: BoothRequest) {
-        let queue = match &request {
-            BoothRequest::Put { .. } => &self.puts,
-            BoothRequest::Heartbeat { .. } => &self.heartbeats,
+        let queue = match request.kind {
+            RequestKind::Put(_) => &self.puts,
+            RequestKind::Heartbeat => &self.heartbeats,
         };
         // The threads end after this.
         let _ = queue.send(request);
     }
 
     fn poll(&mut self) -> Option<LinkAnswer> {
-        let (request, result) = self.answers.try_recv().ok()?;
+        let (kind, number, result) = self.answers.try_recv().ok()?;
         self.last_error = result.as_ref().err().cloned();
         let fault = self.last_error.as_ref().map(|error| error.fault);
         if let (Some(log), Some(error), true) = (self.log, &self.last_error, fault != self.told) {
             log(format_args!("{error}"));
         }
         self.told = fault;
-        Some(LinkAnswer { request, result: result.map_err(|error| error.fault) })
+        Some(LinkAnswer { kind, number, result: result.map_err(|error| error.fault) })
     }
 }
 
@@ -235,7 +236,7 @@ mod tests {
         let mut link = link.with_log(log);
         let mut ask = || {
             let body = b"{}".to_vec();
-            link.send(BoothRequest::Heartbeat { number: 1, body });
+            link.send(BoothRequest { kind: RequestKind::Heartbeat, number: 1, body });
             let begun = Instant::now();
             loop {
                 if let Some(answer) = link.poll() {

@@ -32,7 +32,7 @@ pub use events::{BoothContact, OutboxEvent, OutboxHost, OutboxOwner, RemoteComma
 pub use folder::{DiskFolder, OutboxFolder};
 pub use heartbeats::CONFIRM_MS;
 pub use http::{BoothAddress, BoothCaller, HttpMethod, HttpRequest, LinkError, ThreadedLink};
-pub use link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
+pub use link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, RequestKind};
 pub use outgoing::{SendPlan, connect};
 pub use sender::Sender;
 pub use spool::{MAX_SPOOL_ENTRIES, OutboxSettings, Spool, SpoolEntry, SpoolError};

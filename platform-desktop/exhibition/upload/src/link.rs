@@ -25,46 +25,32 @@ impl<L: BoothLink + ?Sized> BoothLink for Box<L> {
 
 /// A request to the booth.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub enum BoothRequest {
-    /// `PUT /v1/sculptures/{id}`.
-    Put {
-        /// The request's own number.
-        number: u32,
-        /// The sculpture.
-        id: SculptureId,
-        /// The body: the parcel's file.
-        body: Vec<u8>,
-    },
-    /// `POST /v1/heartbeat`.
-    Heartbeat {
-        /// The heartbeat's own number.
-        number: u32,
-        /// The body.
-        body: Vec<u8>,
-    },
+pub struct BoothRequest {
+    /// The kind.
+    pub kind: RequestKind,
+    /// The request's own number among those of its kind.
+    pub number: u32,
+    /// The body.
+    pub body: Vec<u8>,
 }
 
-/// Which request an answer is to.
+/// The kind of a request.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum SentRequest {
-    /// A `PUT`.
-    Put {
-        /// Of the request.
-        number: u32,
-    },
-    /// A heartbeat.
-    Heartbeat {
-        /// Of the request.
-        number: u32,
-    },
+pub enum RequestKind {
+    /// `PUT /v1/sculptures/{id}`: a parcel's file.
+    Put(SculptureId),
+    /// `POST /v1/heartbeat`.
+    Heartbeat,
 }
 
-/// What came of a request.
+/// The result of a request.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct LinkAnswer {
-    /// Which it was.
-    pub request: SentRequest,
-    /// What was answered.
+    /// The request's kind.
+    pub kind: RequestKind,
+    /// The request's number.
+    pub number: u32,
+    /// The answer, or why there is none.
     pub result: Result<HttpAnswer, LinkFault>,
 }
 
@@ -88,15 +74,4 @@ pub enum LinkFault {
     TimedOut,
     /// Who is there isn't the booth: its certificate isn't of the site.
     Untrusted,
-}
-
-impl BoothRequest {
-    /// Which request an answer to it is to.
-    #[must_use]
-    pub const fn sent(&self) -> SentRequest {
-        match self {
-            BoothRequest::Put { number, .. } => SentRequest::Put { number: *number },
-            BoothRequest::Heartbeat { number, .. } => SentRequest::Heartbeat { number: *number },
-        }
-    }
 }

@@ -12,7 +12,7 @@ use super::badge_lease::BadgeLease;
 use super::events::{BoothContact, OutboxEvent, OutboxHost, OutboxOwner};
 use super::folder::OutboxFolder;
 use super::heartbeats::HeartbeatClock;
-use super::link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest};
+use super::link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, RequestKind};
 use super::spool::{OutboxSettings, Spool, SpoolEntry, SpoolError};
 
 /// Milliseconds after the first failed request; doubled after each further one.
@@ -221,13 +221,12 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
     }
 
     fn take_answer(&mut self, answer: &LinkAnswer, host: &mut impl OutboxHost) {
-        match answer.request {
-            SentRequest::Put { number } => {
-                self.take_put_answer(number, &answer.result, host.random());
-            }
-            SentRequest::Heartbeat { number } => {
+        let LinkAnswer { kind, number, ref result } = *answer;
+        match kind {
+            RequestKind::Put(_) => self.take_put_answer(number, result, host.random()),
+            RequestKind::Heartbeat => {
                 let session_id = host.status().session_id;
-                self.take_heartbeat_result(number, &answer.result, session_id);
+                self.take_heartbeat_result(number, result, session_id);
             }
         }
     }
@@ -263,7 +262,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         let timeout = LinkTimes::default().of_parcel(body.len()) + Duration::from_secs(5);
         let late_ms = now_ms + u64::try_from(timeout.as_millis()).unwrap_or(u64::MAX);
         self.uploads.in_flight = Some(InFlight { number, id, late_ms });
-        self.link.send(BoothRequest::Put { number, id, body });
+        self.link.send(BoothRequest { kind: RequestKind::Put(id), number, body });
     }
 
     /// Takes the answer to a parcel. An answer that is none of the booth's, as a portal's page, is a failure.
@@ -360,7 +359,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         let (status, random) = (host.status(), host.random());
         let heartbeat = self.begin_heartbeat(status, random);
         let (number, body) = (heartbeat.number, heartbeat.to_json());
-        self.link.send(BoothRequest::Heartbeat { number, body });
+        self.link.send(BoothRequest { kind: RequestKind::Heartbeat, number, body });
     }
 
     pub(super) fn push_event(&mut self, event: OutboxEvent) {

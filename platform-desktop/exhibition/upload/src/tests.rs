@@ -16,7 +16,7 @@ use paros_protocol::{
 
 use super::{
     BoothContact, BoothLink, BoothRequest, DiskFolder, HttpAnswer, LinkAnswer, LinkFault,
-    MAX_SPOOL_ENTRIES, OutboxEvent, OutboxHost, OutboxOwner, OutboxSettings, Sender, SentRequest,
+    MAX_SPOOL_ENTRIES, OutboxEvent, OutboxHost, OutboxOwner, OutboxSettings, RequestKind, Sender,
     SpoolError,
 };
 
@@ -154,13 +154,12 @@ fn answer(
         host.now_ms += 1000;
         sender.step(host);
         let link = sender.link();
-        let is_put = |request: &BoothRequest| matches!(request, BoothRequest::Put { .. });
+        let is_put = |request: &BoothRequest| matches!(request.kind, RequestKind::Put(_));
         let put = link.sent.drain(..).find(is_put);
-        if let Some(BoothRequest::Put { number, id, body: file }) = put {
+        if let Some(BoothRequest { kind: kind @ RequestKind::Put(id), number, body: file }) = put {
             assert_eq!(file, parcel(id.0[0]).into_file(), "the file as it is");
             let result = Ok(HttpAnswer { status, retry_after: None, body: body.into() });
-            let request = SentRequest::Put { number };
-            link.answers.push_back(LinkAnswer { request, result });
+            link.answers.push_back(LinkAnswer { kind, number, result });
             sender.step(host);
             return id;
         }
@@ -274,7 +273,7 @@ fn each_answer_has_its_file() {
         sender.link().sent.clear();
         host.now_ms += 3 * 3600 * 1000 - 100;
         sender.step(&mut host);
-        let is_put = |request: &BoothRequest| matches!(request, BoothRequest::Put { .. });
+        let is_put = |request: &BoothRequest| matches!(request.kind, RequestKind::Put(_));
         assert!(!sender.link().sent.iter().any(is_put), "too early");
         if times == 0 {
             drop(sender);
@@ -343,13 +342,10 @@ fn failures_are_followed_by_longer_and_longer_waits_up_to_a_minute() {
     // A booth that says when is asked then, and nothing has failed.
     host.now_ms += 30_000;
     sender.step(&mut host);
-    let put = sender.link().sent.drain(..).find_map(|request| match request {
-        BoothRequest::Put { number, .. } => Some(number),
-        BoothRequest::Heartbeat { .. } => None,
-    });
-    let request = SentRequest::Put { number: put.expect("it is time") };
+    let is_put = |request: &BoothRequest| matches!(request.kind, RequestKind::Put(_));
+    let put = sender.link().sent.drain(..).find(is_put).expect("it is time");
     let result = Ok(HttpAnswer { status: 503, retry_after: Some(10), body: Vec::new() });
-    sender.link().answers.push_back(LinkAnswer { request, result });
+    sender.link().answers.push_back(LinkAnswer { kind: put.kind, number: put.number, result });
     sender.step(&mut host);
     let begun = host.now_ms;
     answer(&mut sender, &mut host, 200, KEPT);

@@ -13,7 +13,7 @@ use super::{Courier, CourierLink, CourierPlan};
 use crate::enrolment::{Enrolment, NewDevice};
 use crate::{
     BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, OutboxOwner, OutboxSettings,
-    SentRequest,
+    RequestKind,
 };
 
 pub(crate) const OWNER: OutboxOwner = OutboxOwner { site: SiteId([7; 16]), headset: 17 };
@@ -57,13 +57,12 @@ impl BoothLink for Booth {
     fn send(&mut self, request: BoothRequest) {
         let ok = |body| Ok(HttpAnswer { status: 200, retry_after: None, body });
         let is_down = self.is_down.load(Ordering::Relaxed);
-        let (request, result) = match request {
-            BoothRequest::Put { number, .. } => {
-                (SentRequest::Put { number }, ok(ParcelOutcome::Kept.body().into()))
-            }
-            BoothRequest::Heartbeat { number, body } => {
+        let BoothRequest { kind, number, body } = request;
+        let result = match kind {
+            RequestKind::Put(_) => ok(ParcelOutcome::Kept.body().into()),
+            RequestKind::Heartbeat => {
                 let beat = Heartbeat::from_json(&body[..]).expect("a heartbeat");
-                (SentRequest::Heartbeat { number }, ok(self.answer_heartbeat(&beat)))
+                ok(self.answer_heartbeat(&beat))
             }
         };
         let result = match (is_down, self.status.load(Ordering::Relaxed)) {
@@ -71,7 +70,7 @@ impl BoothLink for Booth {
             (false, 200) => result,
             (false, status) => Ok(HttpAnswer { status, retry_after: None, body: Vec::new() }),
         };
-        self.answers.push_back(LinkAnswer { request, result });
+        self.answers.push_back(LinkAnswer { kind, number, result });
     }
 
     fn poll(&mut self) -> Option<LinkAnswer> {

@@ -29,10 +29,8 @@ fn next_beat(sender: &mut Sender<DiskFolder, Link>, host: &mut Host) -> Heartbea
         host.now_ms += 1000;
         sender.step(host);
         let sent = mem::take(&mut sender.link().sent);
-        let beat = sent.into_iter().find_map(|request| match request {
-            BoothRequest::Heartbeat { body, .. } => Some(body),
-            BoothRequest::Put { .. } => None,
-        });
+        let is_beat = |request: &BoothRequest| request.kind == RequestKind::Heartbeat;
+        let beat = sent.into_iter().find(is_beat).map(|request| request.body);
         if let Some(body) = beat {
             return Heartbeat::from_json(&body[..]).expect("its own");
         }
@@ -41,10 +39,10 @@ fn next_beat(sender: &mut Sender<DiskFolder, Link>, host: &mut Host) -> Heartbea
 }
 
 fn give(sender: &mut Sender<DiskFolder, Link>, host: &mut Host, answer: &HeartbeatAnswer) {
-    let request = SentRequest::Heartbeat { number: answer.number };
+    let (kind, number) = (RequestKind::Heartbeat, answer.number);
     let body = answer.to_json();
     let result = Ok(HttpAnswer { status: 200, retry_after: None, body });
-    sender.link().answers.push_back(LinkAnswer { request, result });
+    sender.link().answers.push_back(LinkAnswer { kind, number, result });
     sender.step(host);
 }
 
@@ -69,9 +67,9 @@ fn a_heartbeat_without_an_answer_is_followed_by_rarer_ones() {
     for _ in 0..6 {
         let beat = next_beat(&mut sender, &mut host);
         times.push(host.now_ms / 1000);
-        let request = SentRequest::Heartbeat { number: beat.number };
+        let (kind, number) = (RequestKind::Heartbeat, beat.number);
         let result = Err(LinkFault::Unreachable);
-        sender.link().answers.push_back(LinkAnswer { request, result });
+        sender.link().answers.push_back(LinkAnswer { kind, number, result });
         assert_eq!(sender.contact(), BoothContact::Silent);
     }
     assert_eq!(times, [1, 3, 5, 9, 14, 19]);

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use paros_protocol::{DeviceToken, LinkTimes, SculptureId};
 use paros_upload::{
-    BoothAddress, BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, SentRequest,
+    BoothAddress, BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, RequestKind,
 };
 
 pub(crate) use server::{Answer, Server};
@@ -22,12 +22,14 @@ pub(crate) trait Opener<L>: Fn(&BoothAddress, LinkTimes) -> L {}
 
 impl<L, F: Fn(&BoothAddress, LinkTimes) -> L> Opener<L> for F {}
 
+const PUT: RequestKind = RequestKind::Put(SculptureId([0x1f; 16]));
+
 pub(crate) fn put() -> BoothRequest {
-    BoothRequest::Put { number: 7, id: SculptureId([0x1f; 16]), body: b"a parcel".to_vec() }
+    BoothRequest { kind: PUT, number: 7, body: b"a parcel".to_vec() }
 }
 
 pub(crate) fn heartbeat() -> BoothRequest {
-    BoothRequest::Heartbeat { number: 8, body: b"a heartbeat".to_vec() }
+    BoothRequest { kind: RequestKind::Heartbeat, number: 8, body: b"a heartbeat".to_vec() }
 }
 
 pub(crate) fn ask(link: &mut impl BoothLink, request: BoothRequest) -> LinkAnswer {
@@ -58,8 +60,7 @@ pub(crate) fn check_requests_and_answers<L: BoothLink>(open: impl Opener<L>) {
     let mut link = open_to(&open, &server);
     let answer = ask(&mut link, put());
     let expected = HttpAnswer { status: 429, retry_after: Some(17), body: b"busy".to_vec() };
-    let request = SentRequest::Put { number: 7 };
-    assert_eq!(answer, LinkAnswer { request, result: Ok(expected) });
+    assert_eq!(answer, LinkAnswer { kind: PUT, number: 7, result: Ok(expected) });
     let sent = server.requests.recv().expect("a request");
     let path = format!("put /v1/sculptures/{} http/1.1\r\n", "1f".repeat(16));
     assert!(sent.starts_with(&path), "{sent}");
@@ -72,7 +73,8 @@ pub(crate) fn check_requests_and_answers<L: BoothLink>(open: impl Opener<L>) {
         assert!(sent.contains(&format!("\r\n{header}\r\n")), "{header}: {sent}");
     }
     assert!(sent.ends_with("\r\n\r\na parcel"), "{sent}");
-    assert_eq!(ask(&mut link, heartbeat()).request, SentRequest::Heartbeat { number: 8 });
+    let answer = ask(&mut link, heartbeat());
+    assert_eq!((answer.kind, answer.number), (RequestKind::Heartbeat, 8));
     let sent = server.requests.recv().expect("a request");
     assert!(sent.starts_with("post /v1/heartbeat http/1.1\r\n"), "{sent}");
     assert!(sent.ends_with("\r\n\r\na heartbeat"), "{sent}");
