@@ -105,7 +105,7 @@ pub struct Heartbeat {
     pub badges: BadgeReport,
     /// The last command that was taken, and its outcome; `None` if none was taken in this start.
     pub last_command: Option<CommandReport>,
-    /// Up to 32 sculptures that the booth doesn't have: first those whose status it hasn't noted. Then sent ones, to hear
+    /// Up to 64 sculptures that the booth doesn't have: first those whose status it hasn't noted. Then sent ones, to hear
     /// whether the booth still has them. No id is there twice.
     pub announcements: Vec<Announcement>,
 }
@@ -150,7 +150,7 @@ impl UploadStatus {
 fn check_announcements(list: &[Announcement], field: &'static str) -> Result<(), ProtocolError> {
     let is_new = |at: usize| list[..at].iter().all(|other| other.id != list[at].id);
     let is_right = list.len() <= MAX_ANNOUNCEMENTS && (0..list.len()).all(is_new);
-    expect(is_right, field, "up to 32 sculptures with different ids")
+    expect(is_right, field, "up to 64 sculptures with different ids")
 }
 
 impl Default for HeadsetStatus {

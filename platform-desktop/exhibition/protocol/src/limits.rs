@@ -2,8 +2,9 @@
 
 use crate::ContentHash;
 
-/// Announcements of a heartbeat: all of half a day without the booth. More take turns.
-pub const MAX_ANNOUNCEMENTS: usize = 32;
+/// Announcements of a heartbeat: a day of 50 visits without the booth. More take turns. The answer repeats them: 64 take 6 KB
+/// of [`MAX_ANSWER_BYTES`].
+pub const MAX_ANNOUNCEMENTS: usize = 64;
 
 /// Blocks of badges' numbers that a headset holds: 65 to 128 numbers, more than a day of 50 visits. While one is used up,
 /// the other is there.

@@ -73,7 +73,7 @@ fn any_announcements(dice: &mut RandomSource) -> Vec<Announcement> {
         badge: any_badge(dice),
         status: pick(dice, &UploadStatus::ALL),
     };
-    (0..dice.next_bits() % 33).map(|_| any(dice)).collect()
+    (0..dice.next_bits() % 65).map(|_| any(dice)).collect()
 }
 
 /// Up to two different blocks.
@@ -264,12 +264,15 @@ fn a_link_reads_the_longest_answer() {
     let dice = &mut RandomSource::new(1);
     let answer = loop {
         let answer = any_answer(dice);
-        if answer.noted.len() == 32 && answer.badges.len() == 2 && answer.command.is_some() {
+        if answer.noted.len() == limits::MAX_ANNOUNCEMENTS
+            && answer.badges.len() == 2
+            && answer.command.is_some()
+        {
             break answer;
         }
     };
     let length = answer.to_json().len();
-    assert!((2000..limits::MAX_ANSWER_BYTES).contains(&length), "{length}");
+    assert!((5000..limits::MAX_ANSWER_BYTES).contains(&length), "{length}");
 }
 
 #[test]
@@ -373,8 +376,8 @@ fn values_that_nobody_writes_are_refused() {
     let many = |list: Vec<Announcement>| Heartbeat { announcements: list, ..beat.clone() };
     assert!(many(vec![announced; 2]).check().is_err(), "an id is there twice");
     let other = |k: u8| Announcement { id: SculptureId([k; 16]), ..announced };
-    assert!(many((1..=32).map(other).collect()).check().is_ok());
-    assert!(many((1..=33).map(other).collect()).check().is_err());
+    assert!(many((1..=64).map(other).collect()).check().is_ok());
+    assert!(many((1..=65).map(other).collect()).check().is_err());
     let answer = HeartbeatAnswer {
         command: Some(command),
         badges: vec![held, HeldBlock { block: 2, ..held }],
