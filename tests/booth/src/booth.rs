@@ -6,9 +6,10 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use paros_booth_rules::records::{Announcement, Command, Device, Sculpture, Tombstone};
 use paros_booth_rules::{
-    Access, Booth, BoothPlan, BoothTime, Deletion, KeptName, MemoryStore, ParcelFiles, Query,
-    Refusal, SiteKeys, Store, StoreError, Transaction, hash_of, view,
+    Access, Booth, BoothPlan, BoothTime, Deletion, KeptName, ParcelFiles, Refusal, SiteKeys, Store,
+    StoreError, Transaction, hash_of, view,
 };
+use paros_booth_sqlite::SqliteStore;
 use paros_models::random_visitor::RandomSource;
 use paros_protocol::{
     ContentHash, DeviceHint, DeviceName, DeviceToken, EnrolmentToken, FleetEnrolment, Heartbeat,
@@ -41,13 +42,13 @@ struct SimFiles(Mutex<Inside>);
 
 #[derive(Debug)]
 struct SimStore {
-    inner: MemoryStore,
+    inner: SqliteStore,
     files: Arc<SimFiles>,
 }
 
 /// What a booth had at some time.
 pub struct SimBackup {
-    store: MemoryStore,
+    store: SqliteStore,
     kept: BTreeMap<KeptName, Vec<u8>>,
     copied_at: BoothTime,
 }
@@ -126,7 +127,8 @@ impl SimBooth {
             fails_of: 0,
         };
         let files = Arc::new(SimFiles(Mutex::new(inside)));
-        let store = Arc::new(SimStore { inner: MemoryStore::new(), files: files.clone() });
+        let inner = SqliteStore::in_memory().expect("memory");
+        let store = Arc::new(SimStore { inner, files: files.clone() });
         let booth = make_booth(&store, &files);
         let token = EnrolmentToken([77; 32]);
         let ends = BoothTime(OPENING.0 * 2);
@@ -140,7 +142,7 @@ impl SimBooth {
     /// Never: memory doesn't fail.
     #[must_use]
     pub fn back_up(&self, copied_at: BoothTime) -> SimBackup {
-        let store = self.store.inner.copy();
+        let store = SqliteStore::copy_in_memory(&self.store.inner).expect("memory");
         SimBackup { store, kept: self.files.lock().kept.clone(), copied_at }
     }
 
@@ -196,10 +198,7 @@ impl SimBooth {
     /// Where the store fails.
     pub fn list_all(&self) -> (Vec<Sculpture>, Vec<Tombstone>) {
         let list = |tx: &mut (dyn Transaction + '_)| {
-            Ok::<_, StoreError>((
-                tx.find(&Query::all::<Sculpture>())?,
-                tx.find(&Query::all::<Tombstone>())?,
-            ))
+            Ok::<_, StoreError>((tx.find("ORDER BY id", &[])?, tx.find("ORDER BY id", &[])?))
         };
         view(&self.store.inner, list).expect("a store in memory")
     }
@@ -209,9 +208,8 @@ impl SimBooth {
     /// # Panics
     /// Where the store fails.
     pub fn list_missing(&self) -> Vec<(u32, [u8; 16])> {
-        let all = Query::all::<Announcement>();
-        let list = |tx: &mut (dyn Transaction + '_)| tx.find(&all);
-        let missing: Vec<Announcement> = view(&self.store.inner, list).expect("a store in memory");
+        let all = view(&self.store.inner, |tx| tx.find("ORDER BY headset, sculpture", &[]));
+        let missing: Vec<Announcement> = all.expect("a store in memory");
         missing.iter().map(|missing| (missing.headset, missing.sculpture)).collect()
     }
 
@@ -220,10 +218,8 @@ impl SimBooth {
     /// # Panics
     /// Where there is none.
     pub fn find_command(&self, headset: u32, id: u64) -> Command {
-        let of_headset = Query::all::<Command>().equal("headset", &headset).equal("command", &id);
-        let found = view(&self.store.inner, |tx| tx.find::<Command>(&of_headset));
-        let found: Vec<Command> = found.expect("a store in memory");
-        found.into_iter().next().expect("a command that was given")
+        let found = view(&self.store.inner, |tx| tx.get(&[&headset, &id]));
+        found.expect("a store in memory").expect("a command that was given")
     }
 
     /// Answers a request of a device.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use paros_booth_rules::{Booth, BoothPlan, Refusal, Store};
+use paros_booth_sqlite::SqliteStore;
 use tokio::runtime::Handle;
 
 use crate::error::Error;
@@ -20,7 +21,6 @@ use crate::random::random_bytes;
 use crate::rate::RateLimiter;
 use crate::settings::SiteFacts;
 use crate::shared::SharedOptions;
-use crate::sqlite_store::SqliteStore;
 use crate::staff::LoginGate;
 use crate::worker::Waker;
 

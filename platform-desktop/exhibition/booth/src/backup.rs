@@ -9,7 +9,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use paros_protocol::{ContentHash, SculptureId};
-use rusqlite::Connection;
+use rusqlite::{Connection, OpenFlags};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
@@ -17,7 +17,6 @@ use crate::clock::booth_time;
 use crate::deletion_log::DELETIONS;
 use crate::error::Error;
 use crate::own_file::OwnPart;
-use crate::sqlite_store::open_plain;
 
 /// What the archive begins with, up to its version, and up to the time of the copy in milliseconds.
 pub(crate) const ABOUT_START: &str = "backup of a Paros booth, version ";
@@ -71,7 +70,8 @@ pub(crate) fn back_up(folder: &Path, to: &Path) -> Result<String, Error> {
 /// files.
 fn copy_database(from: &Path, to: &Path) -> Result<Vec<String>, Error> {
     let fail = |error: rusqlite::Error| Error::at(from, error);
-    let source = open_plain(from)?;
+    let existing = OpenFlags::SQLITE_OPEN_READ_WRITE;
+    let source = Connection::open_with_flags(from, existing).map_err(fail)?;
     // Into a file that is empty, so that it has the mode that this one has.
     source.execute("VACUUM INTO ?", [to.to_string_lossy()]).map_err(fail)?;
     let copy = Connection::open(to).map_err(fail)?;

@@ -35,7 +35,6 @@ mod picture;
 mod places;
 mod postgres_link;
 mod postgres_schema;
-mod postgres_sql;
 mod postgres_store;
 mod printing;
 mod public;
@@ -45,12 +44,10 @@ mod restore;
 mod routes;
 mod run;
 mod s3_files;
-mod schema;
 mod server;
 mod settings;
 mod shared;
 mod spool_import;
-mod sqlite_store;
 mod staff;
 mod staff_certificate;
 mod threemf;
@@ -70,7 +67,6 @@ pub use printing::SlicerOptions;
 pub use public::PublicOptions;
 pub use s3_files::S3Files;
 pub use shared::{DatabaseUrl, SharedOptions};
-pub use sqlite_store::SqliteStore;
 pub use staff_certificate::StaffCertificateOptions;
 
 /// Does what the command line asks. Returns output as whole lines.

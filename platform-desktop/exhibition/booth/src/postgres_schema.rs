@@ -1,20 +1,10 @@
 //! The tables of PostgreSQL, and beside them a table of one row that has their version, and whose they are.
 
-use paros_booth_rules::StoreError;
+use paros_booth_rules::records::{SCHEMA, SCHEMA_VERSION};
 use postgres::{Client, GenericClient};
-
-use crate::schema::{Dialect, VERSION, refuse_version, write_script};
 
 /// The lock that processes take which make tables at once: "paros".
 const SCHEMA_LOCK: i64 = 0x70_6172_6f73;
-
-const DIALECT: Dialect = Dialect {
-    number: "BIGINT",
-    bytes: "BYTEA",
-    // Compared byte by byte, as everywhere else.
-    text: "TEXT COLLATE \"C\"",
-    table_end: "",
-};
 
 /// Whose records a database has, and where their files are: what all processes have to agree upon.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -27,11 +17,12 @@ pub(crate) struct SiteRow {
     pub(crate) files: String,
 }
 
-/// Makes the tables of a database that has none.
-///
-/// # Errors
-/// The tables have another version, or what PostgreSQL says. The tables are as they were then.
-pub(crate) fn make_tables(client: &mut Client) -> Result<(), SchemaError> {
+/// PostgreSQL's words for those of the schema. Text is compared byte by byte, as in SQLite.
+const WORDS: [(&str, &str); 4] =
+    [("INTEGER", "BIGINT"), ("BLOB", "BYTEA"), ("TEXT", "TEXT COLLATE \"C\""), (" STRICT", "")];
+
+/// Makes the tables of a database that has none. Returns the version of the tables that are there.
+pub(crate) fn make_tables(client: &mut Client) -> Result<i64, postgres::Error> {
     let mut transaction = client.transaction()?;
     transaction.execute("SELECT pg_advisory_xact_lock($1)", &[&SCHEMA_LOCK])?;
     transaction.batch_execute(
@@ -39,16 +30,14 @@ pub(crate) fn make_tables(client: &mut Client) -> Result<(), SchemaError> {
             is_only BOOLEAN PRIMARY KEY DEFAULT true CHECK (is_only), version BIGINT NOT NULL,
             site BYTEA, ca_hash BYTEA, files TEXT)",
     )?;
-    let row = transaction.query_opt("SELECT version FROM paros_booth", &[])?;
-    match row.map(|row| row.try_get::<_, i64>(0)).transpose()? {
-        Some(VERSION) => Ok(()),
-        Some(other) => Err(SchemaError::Other(StoreError::Failed(refuse_version(other).into()))),
-        None => {
-            transaction.batch_execute(&write_script(&DIALECT))?;
-            transaction.execute("INSERT INTO paros_booth (version) VALUES ($1)", &[&VERSION])?;
-            Ok(transaction.commit()?)
-        }
+    if let Some(row) = transaction.query_opt("SELECT version FROM paros_booth", &[])? {
+        return row.try_get(0);
     }
+    let replace = |schema: String, (here, there): &(&str, &str)| schema.replace(here, there);
+    transaction.batch_execute(&WORDS.iter().fold(SCHEMA.to_owned(), replace))?;
+    transaction.execute("INSERT INTO paros_booth (version) VALUES ($1)", &[&SCHEMA_VERSION])?;
+    transaction.commit()?;
+    Ok(SCHEMA_VERSION)
 }
 
 /// The site whose records these are, if one has claimed them.
@@ -67,28 +56,4 @@ pub(crate) fn claim_site(client: &mut Client, site: &SiteRow) -> Result<SiteRow,
         WHERE site IS NULL";
     client.execute(claim, &[name, ca_hash, files])?;
     Ok(read_site(client)?.unwrap_or_else(|| site.clone()))
-}
-
-/// Why tables could not be made.
-pub(crate) enum SchemaError {
-    /// What PostgreSQL says.
-    Database(postgres::Error),
-    /// Anything else.
-    Other(StoreError),
-}
-
-impl SchemaError {
-    /// As a store's error, where PostgreSQL's are made one.
-    pub(crate) fn or_else(self, make: impl FnOnce(postgres::Error) -> StoreError) -> StoreError {
-        match self {
-            SchemaError::Database(error) => make(error),
-            SchemaError::Other(error) => error,
-        }
-    }
-}
-
-impl From<postgres::Error> for SchemaError {
-    fn from(error: postgres::Error) -> Self {
-        SchemaError::Database(error)
-    }
 }

@@ -3,22 +3,20 @@
 use std::collections::HashMap;
 use std::error::Error as _;
 use std::fmt;
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
 use bytes::BytesMut;
-use paros_booth_rules::{Access, Query, Row, Store, StoreError, Table, Transaction, Value};
+use paros_booth_rules::records::SCHEMA_VERSION;
+use paros_booth_rules::{Access, Row, Store, StoreError, Transaction, Value, has_nul};
 use postgres::error::SqlState;
 use postgres::types::{IsNull, ToSql, Type, to_sql_checked};
 use postgres::{Client, Statement};
 
 use crate::postgres_link::PostgresAddress;
 use crate::postgres_schema::{SiteRow, claim_site, make_tables, read_site};
-use crate::postgres_sql::{has_nul, key_is, read_row, write_conditions, write_order};
 use crate::random::random_bytes;
-use crate::schema::write_put;
-use crate::sqlite_store::{columns, lock, name};
 
 /// The longest pause after a conflict: a transaction takes a few milliseconds, and two that tried again at once would
 /// be in conflict again.
@@ -59,9 +57,9 @@ impl PostgresStore {
     pub fn open(address: PostgresAddress) -> Result<Self, StoreError> {
         let store = PostgresStore { address, idle: Mutex::default(), writers: Mutex::default() };
         let mut link = store.connect()?;
-        make_tables(&mut link.client).map_err(|error| error.or_else(store_error))?;
+        let version = make_tables(&mut link.client).map_err(store_error)?;
         store.give_back(link);
-        Ok(store)
+        if version == SCHEMA_VERSION { Ok(store) } else { Err(StoreError::OtherVersion(version)) }
     }
 
     /// The site whose records these are; `None` where no booth has claimed them yet.
@@ -128,16 +126,6 @@ impl Store for PostgresStore {
 }
 
 impl PostgresTransaction<'_> {
-    fn query(&mut self, sql: &str, values: &[&Value]) -> Result<Vec<postgres::Row>, StoreError> {
-        let Some(link) = &mut self.link else {
-            return Err(StoreError::Failed("a conflict ended this transaction".into()));
-        };
-        let bound: Vec<PostgresValue<'_>> = values.iter().copied().map(PostgresValue).collect();
-        let bound: Vec<_> = bound.iter().map(|value| value as &(dyn ToSql + Sync)).collect();
-        let found = link.prepare(sql).and_then(|statement| link.client.query(&statement, &bound));
-        found.map_err(|error| self.fail(error))
-    }
-
     /// Notes that the database said no.
     fn fail(&mut self, error: postgres::Error) -> StoreError {
         let error = store_error(error);
@@ -162,57 +150,19 @@ impl PostgresTransaction<'_> {
 }
 
 impl Transaction for PostgresTransaction<'_> {
-    fn get_row(&mut self, table: &'static Table, key: &[Value]) -> Result<Option<Row>, StoreError> {
-        if key.iter().any(has_nul) {
-            return Ok(None);
-        }
-        let key_is = key_is(table);
-        let sql = format!("SELECT {} FROM {} WHERE {key_is}", columns(table), name(table));
-        let rows = self.query(&sql, &key.iter().collect::<Vec<_>>())?;
-        rows.first().map(|row| read_row(table, row)).transpose()
-    }
-
-    fn find_rows(&mut self, query: &Query) -> Result<Vec<Row>, StoreError> {
-        let Some((condition, mut values)) = write_conditions(query)? else {
+    fn query(&mut self, sql: &str, values: &[Value]) -> Result<Vec<Row>, StoreError> {
+        let Some(link) = &mut self.link else {
+            return Err(StoreError::Failed("a conflict ended this transaction".into()));
+        };
+        if values.iter().any(has_nul) {
             return Ok(Vec::new());
-        };
-        let limit = Value::Number(i64::try_from(query.limit).unwrap_or(i64::MAX));
-        values.push(&limit);
-        let table = query.table;
-        let sql = format!(
-            "SELECT {} FROM {} WHERE {condition} ORDER BY {} LIMIT ${}",
-            columns(table),
-            name(table),
-            write_order(query)?,
-            values.len()
-        );
-        let rows = self.query(&sql, &values)?;
-        rows.iter().map(|row| read_row(table, row)).collect()
-    }
-
-    fn count_rows(&mut self, query: &Query) -> Result<u64, StoreError> {
-        let Some((condition, values)) = write_conditions(query)? else {
-            return Ok(0);
-        };
-        let sql = format!("SELECT count(*) FROM {} WHERE {condition}", name(query.table));
-        let rows = self.query(&sql, &values)?;
-        let count = rows.first().map(|row| row.try_get::<_, i64>(0)).transpose();
-        Ok(count.map_err(store_error)?.unwrap_or(0).cast_unsigned())
-    }
-
-    fn put_row(&mut self, table: &'static Table, row: Row) -> Result<(), StoreError> {
-        if !table.fits(&row) {
-            return Err(StoreError::Failed(format!("table {}: no row of it", table.name).into()));
         }
-        self.query(&write_put(table, '$'), &row.iter().collect::<Vec<_>>()).map(drop)
-    }
-
-    fn remove_row(&mut self, table: &'static Table, key: &[Value]) -> Result<(), StoreError> {
-        if key.iter().any(has_nul) {
-            return Ok(());
-        }
-        let sql = format!("DELETE FROM {} WHERE {}", name(table), key_is(table));
-        self.query(&sql, &key.iter().collect::<Vec<_>>()).map(drop)
+        let bound: Vec<PostgresValue<'_>> = values.iter().map(PostgresValue).collect();
+        let bound: Vec<_> = bound.iter().map(|value| value as &(dyn ToSql + Sync)).collect();
+        let found = link.prepare(sql).and_then(|statement| link.client.query(&statement, &bound));
+        let read = |row: &postgres::Row| (0..row.len()).map(|k| read_value(row, k)).collect();
+        let rows = found.and_then(|rows| rows.iter().map(read).collect());
+        rows.map_err(|error| self.fail(error))
     }
 
     fn commit(mut self: Box<Self>) -> Result<(), StoreError> {
@@ -250,10 +200,19 @@ impl PostgresConnection {
         if let Some(statement) = self.statements.get(sql) {
             return Ok(statement.clone());
         }
-        let statement = self.client.prepare(sql)?;
+        let statement = self.client.prepare(&sql.replace('?', "$"))?;
         self.statements.insert(sql.to_owned(), statement.clone());
         Ok(statement)
     }
+}
+
+fn read_value(row: &postgres::Row, column: usize) -> Result<Value, postgres::Error> {
+    let value = match *row.columns()[column].type_() {
+        Type::INT8 => row.try_get::<_, Option<i64>>(column)?.map(Value::Number),
+        Type::BYTEA => row.try_get::<_, Option<Vec<u8>>>(column)?.map(Value::Bytes),
+        _ => row.try_get::<_, Option<String>>(column)?.map(Value::Text),
+    };
+    Ok(value.unwrap_or(Value::Null))
 }
 
 /// A value as PostgreSQL takes it.
@@ -307,7 +266,7 @@ impl fmt::Debug for PostgresValue<'_> {
 }
 
 /// What the database says, as a store's error.
-pub(crate) fn store_error(error: postgres::Error) -> StoreError {
+fn store_error(error: postgres::Error) -> StoreError {
     let conflicts = [
         SqlState::T_R_SERIALIZATION_FAILURE,
         SqlState::T_R_DEADLOCK_DETECTED,
@@ -323,6 +282,10 @@ pub(crate) fn store_error(error: postgres::Error) -> StoreError {
 fn is_link_broken(error: &postgres::Error, client: &Client) -> bool {
     let is_ending = error.code().is_some_and(|code| code.code().starts_with("57P"));
     is_ending || error.code().is_none() || client.is_closed()
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn pause() {

@@ -14,8 +14,8 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post, put};
 use axum::{Router, middleware};
 use futures_util::StreamExt as _;
+use paros_booth_rules::Refusal;
 use paros_booth_rules::records::{Device, ExportState, Sculpture};
-use paros_booth_rules::{Query, Refusal};
 use paros_protocol::limits::MAX_PARCEL_FILE_BYTES;
 use paros_protocol::{
     DeviceToken, FLEET_ENROLMENT_PATH, FleetEnrolment, HEARTBEAT_PATH, Heartbeat, LinkTimes,
@@ -279,14 +279,14 @@ async fn tell_health(State(app): State<Arc<BoothApp>>) -> Answer {
 /// `GET /metrics`.
 async fn tell_metrics(State(app): State<Arc<BoothApp>>) -> Answer {
     let text = app.run(|app| {
-        let kept = app.booth.count(&Query::all::<Sculpture>())?;
-        let queued = Query::all::<Sculpture>().equal("export", &ExportState::Queued);
-        let devices = app.booth.count(&Query::all::<Device>().absent("revoked_at"))?;
+        let kept = app.booth.count::<Sculpture>("", &[])?;
+        let queued = app.booth.count::<Sculpture>("WHERE export = ?1", &[&ExportState::Queued])?;
+        let devices = app.booth.count::<Device>("WHERE revoked_at IS NULL", &[])?;
         let free = app.booth.count_badges()?.free;
         Ok(app.metrics.write(&[
             ("paros_booth_sculptures", "Sculptures kept.", kept),
             ("paros_booth_kept_bytes", "Bytes of kept files.", app.files.used_bytes()),
-            ("paros_booth_exports_queued", "Meshes to make.", app.booth.count(&queued)?),
+            ("paros_booth_exports_queued", "Meshes to make.", queued),
             ("paros_booth_headsets", "Headsets enrolled.", devices),
             ("paros_booth_badge_blocks_free", "Blocks of 64 badges to be leased.", free),
         ]))

@@ -3,11 +3,10 @@
 use crate::audit::{Subject, note};
 use crate::booth::Booth;
 use crate::reason::Reason;
-use crate::records::{Account, StaffSession};
+use crate::records::Account;
 use crate::refusal::Refusal;
-use crate::staff::sessions_of;
+use crate::staff::end_sessions;
 use crate::time::BoothTime;
-use crate::value::Field as _;
 
 impl Booth {
     /// Gives an account another password, of which the shell has checked the one before. All its logins end: who knows the
@@ -22,14 +21,12 @@ impl Booth {
         now: BoothTime,
     ) -> Result<(), Refusal> {
         self.update(|tx| {
-            let account: Option<Account> = tx.get(&[name.to_owned().to_value()])?;
+            let account: Option<Account> = tx.get(&[&name])?;
             let account = account.filter(|account| !account.is_disabled);
             let mut account = account.ok_or(Refusal::NotFound(Reason::NoAccount))?;
             password_hash.clone_into(&mut account.password_hash);
             tx.put(&account)?;
-            for session in sessions_of(tx, name)? {
-                tx.remove::<StaffSession>(&[session.token_hash.to_value()])?;
-            }
+            end_sessions(tx, name)?;
             Ok(note(tx, now, Some(name), "change password", Subject::default())?)
         })
     }

@@ -4,9 +4,8 @@ use crate::booth::{Booth, Tx};
 use crate::limits::SWEEP_BATCH;
 use crate::records::AuditEntry;
 use crate::refusal::Refusal;
-use crate::store::{Query, RowOrder, StoreError};
+use crate::store::StoreError;
 use crate::time::BoothTime;
-use crate::value::Field as _;
 
 /// What an entry is about.
 #[derive(Clone, Copy, Default, Debug)]
@@ -34,30 +33,16 @@ impl Booth {
         before: BoothTime,
         limit: usize,
     ) -> Result<Vec<AuditEntry>, Refusal> {
-        let query = Query::all::<AuditEntry>().below("at", &before);
-        self.view(|tx| tx.find(&query.ordered("at", RowOrder::Descending).first(limit)))
+        let newest = "WHERE at < ?1 ORDER BY at DESC, number LIMIT ?2";
+        self.view(|tx| tx.find(newest, &[&before, &limit]))
     }
 }
 
-/// Takes the badge out of what was done with a sculpture: it is another's soon.
-pub(crate) fn forget_badge(tx: &mut Tx<'_>, sculpture: &[u8; 16]) -> Result<(), StoreError> {
-    let of_sculpture = Query::all::<AuditEntry>().equal("sculpture", &Some(*sculpture));
-    for mut entry in tx.find::<AuditEntry>(&of_sculpture)? {
-        if entry.badge.take().is_some() {
-            tx.put(&entry)?;
-        }
-    }
-    Ok(())
-}
-
-/// Removes the oldest entries that are from before a time, and returns how many.
-pub(crate) fn drop_old_entries(tx: &mut Tx<'_>, before: BoothTime) -> Result<usize, StoreError> {
-    let old = Query::all::<AuditEntry>().below("at", &before).first(SWEEP_BATCH);
-    let old: Vec<AuditEntry> = tx.find(&old)?;
-    for entry in &old {
-        tx.remove::<AuditEntry>(&[entry.at.to_value(), entry.number.to_value()])?;
-    }
-    Ok(old.len())
+/// Removes the oldest entries that are from before a time.
+pub(crate) fn drop_old_entries(tx: &mut Tx<'_>, before: BoothTime) -> Result<(), StoreError> {
+    let oldest = "DELETE FROM audit WHERE (at, number) IN
+        (SELECT at, number FROM audit WHERE at < ?1 ORDER BY at LIMIT ?2)";
+    tx.run(oldest, &[&before, &SWEEP_BATCH]).map(drop)
 }
 
 /// Notes that something was done; by nobody where the booth did it by itself.
@@ -70,7 +55,7 @@ pub(crate) fn note(
 ) -> Result<(), StoreError> {
     // The first number of this time that is free.
     let mut number = 0u64;
-    while tx.get::<AuditEntry>(&[now.to_value(), number.to_value()])?.is_some() {
+    while tx.get::<AuditEntry>(&[&now, &number])?.is_some() {
         number += 1;
     }
     let Subject { headset, sculpture, badge } = subject;

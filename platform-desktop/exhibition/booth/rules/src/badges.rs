@@ -16,9 +16,8 @@ use crate::booth::{Booth, Tx};
 use crate::limits::{DAY_BLOCKS, LATE_DAYS, MAX_HEADSET_DAY_BLOCKS, SWEEP_BATCH};
 use crate::records::{BadgeBlock, BadgeCursor, Device, Sculpture};
 use crate::refusal::Refusal;
-use crate::store::{Query, StoreError};
+use crate::store::StoreError;
 use crate::time::{BoothTime, DAY};
-use crate::value::Field as _;
 
 /// Colours whose numbers are leased.
 const LEASED_COLOURS: usize = 7;
@@ -81,8 +80,8 @@ impl Booth {
     /// Those of the store.
     pub fn count_badges(&self) -> Result<BadgeTotals, Refusal> {
         self.view(|tx| {
-            let known = tx.count_rows(&Query::all::<BadgeBlock>())?;
-            let leased = tx.count_rows(&Query::all::<BadgeBlock>().absent("free_on"))?;
+            let known = tx.count::<BadgeBlock>("", &[])?;
+            let leased = tx.count::<BadgeBlock>("WHERE free_on IS NULL", &[])?;
             let free = (LEASED_BLOCKS as u64).saturating_sub(known);
             Ok(BadgeTotals { free, leased, resting: known - leased })
         })
@@ -122,7 +121,7 @@ impl Booth {
         // Tomorrow's may be there from another process. What lies further ahead is of a clock that was wrong.
         let (today, tomorrow) = (now.day(), now.day().saturating_add(1));
         if !(today..=tomorrow).contains(&cursor.day) {
-            (cursor.day, cursor.left) = (today, DAY_BLOCKS);
+            (cursor.day, cursor.left_today) = (today, DAY_BLOCKS);
         }
         let is_closed = (tomorrow..=rested_on(now)).contains(&cursor.closed_until);
         if is_closed || cursor.copied_at.is_some() || cursor.is_used_up {
@@ -133,7 +132,7 @@ impl Booth {
         let mut own_left =
             MAX_HEADSET_DAY_BLOCKS.saturating_sub(count_of_day(tx, headset, now)? + new);
         let before = cursor.clone();
-        while plan.held.len() < MAX_HELD_BLOCKS && own_left > 0 && cursor.left > 0 {
+        while plan.held.len() < MAX_HELD_BLOCKS && own_left > 0 && cursor.left_today > 0 {
             let planned: BTreeSet<u16> = plan.blocks.iter().map(|block| block.block).collect();
             let Some(block) = find_free(tx, planned, &mut cursor.turn)? else {
                 // Not every heartbeat looks again.
@@ -144,7 +143,7 @@ impl Booth {
             let leased = BadgeBlock::leased(lease, (headset, epoch), now);
             plan.held.push(leased.held());
             plan.blocks.push(leased);
-            (cursor.left, own_left) = (cursor.left - 1, own_left - 1);
+            (cursor.left_today, own_left) = (cursor.left_today - 1, own_left - 1);
         }
         plan.cursor = (cursor != before).then_some(cursor);
         Ok(())
@@ -181,7 +180,7 @@ impl Booth {
         plan: &mut BadgePlan,
     ) -> Result<(), StoreError> {
         let shown = (reported.block, reported.serial);
-        let mut known: Option<BadgeBlock> = tx.get(&[reported.block.to_value()])?;
+        let mut known: Option<BadgeBlock> = tx.get(&[&reported.block])?;
         if self.is_later_lease(known.as_ref(), shown) {
             known = Some(BadgeBlock::leased(shown, (headset, epoch), now));
         }
@@ -214,7 +213,7 @@ impl Booth {
         let UploadFacts { badge, badge_serial, .. } = facts;
         let (Some(badge), Some(serial)) = (badge, badge_serial) else { return Ok(None) };
         let Some((block, _)) = badge.block_and_place() else { return Ok(None) };
-        let mut lease: Option<BadgeBlock> = tx.get(&[block.to_value()])?;
+        let mut lease: Option<BadgeBlock> = tx.get(&[&block])?;
         if self.is_later_lease(lease.as_ref(), (block, *serial)) {
             // It rests: nobody said that a headset holds it still. No report has the epoch 0.
             let mut adopted = BadgeBlock::leased((block, *serial), (headset, 0), now);
@@ -222,10 +221,9 @@ impl Booth {
             tx.put(&adopted)?;
             lease = Some(adopted);
         }
-        let claimed = Query::all::<Sculpture>().equal("claimed_badge", &badge.get());
+        let claimed = tx.count::<Sculpture>("WHERE claimed_badge = ?1", &[&badge.get()])?;
         let is_leased = lease.is_some_and(|lease| lease.serial == serial.0);
-        let is_own = is_leased && tx.find_first::<Sculpture>(claimed)?.is_none();
-        Ok(is_own.then_some(badge.get()))
+        Ok((is_leased && claimed == 0).then_some(badge.get()))
     }
 
     /// Does what is due once a day: what a restore left to be passed over, blocks of silent headsets, which rest, and blocks
@@ -247,11 +245,10 @@ impl Booth {
             }
             Ok(is_due)
         })?;
-        let rested = Query::all::<BadgeBlock>().below("free_on", &now.day().saturating_add(1));
-        let rested = rested.first(SWEEP_BATCH);
+        let rested = "WHERE free_on <= ?1 ORDER BY block LIMIT ?2";
         while is_due
             && self.update(|tx| {
-                let blocks: Vec<BadgeBlock> = tx.find(&rested)?;
+                let blocks: Vec<BadgeBlock> = tx.find(rested, &[&now.day(), &SWEEP_BATCH])?;
                 let count = blocks.len();
                 blocks.into_iter().try_for_each(|block| free_unless_claimed(tx, block, now))?;
                 Ok(count == SWEEP_BATCH)
@@ -263,8 +260,8 @@ impl Booth {
     /// Puts blocks to rest whose headsets have said nothing for longer than sculptures are kept and may be late.
     fn rest_silent(&self, tx: &mut Tx<'_>, now: BoothTime) -> Result<(), StoreError> {
         let silence = DAY * (u32::from(self.plan.retention_days) + LATE_DAYS);
-        for mut block in tx.find::<BadgeBlock>(&Query::all::<BadgeBlock>().absent("free_on"))? {
-            let device: Option<Device> = tx.get(&[block.headset.to_value()])?;
+        for mut block in tx.find::<BadgeBlock>("WHERE free_on IS NULL", &[])? {
+            let device: Option<Device> = tx.get(&[&block.headset])?;
             let heard_at = device.and_then(|device| device.seen_at).unwrap_or(block.leased_at);
             if now.since(heard_at.max(block.leased_at)) > silence {
                 rest(&mut block, now);
@@ -283,8 +280,8 @@ fn take_unreported(
     now: BoothTime,
     plan: &mut BadgePlan,
 ) -> Result<(), StoreError> {
-    let leased = Query::all::<BadgeBlock>().equal("headset", &headset).absent("free_on");
-    for block in tx.find::<BadgeBlock>(&leased)? {
+    let leased = "WHERE headset = ?1 AND free_on IS NULL ORDER BY block";
+    for block in tx.find::<BadgeBlock>(leased, &[&headset])? {
         if report.blocks.iter().any(|reported| reported.block == block.block) {
             continue;
         }
@@ -304,8 +301,8 @@ pub(crate) fn retire_headset(
     headset: u32,
     now: BoothTime,
 ) -> Result<(), StoreError> {
-    let leased = Query::all::<BadgeBlock>().equal("headset", &headset).absent("free_on");
-    rest_all(tx, &leased, now)
+    let rest = "UPDATE badge_blocks SET free_on = ?1 WHERE headset = ?2 AND free_on IS NULL";
+    tx.run(rest, &[&rested_on(now), &headset]).map(drop)
 }
 
 /// Begins the leasing of a booth that came back from a copy. A clock that is before the copy says nothing of what was leased
@@ -317,8 +314,8 @@ pub(crate) fn restore_badges(
 ) -> Result<(), StoreError> {
     let mut cursor = get_cursor(tx)?;
     // Their headsets may have heard of them since, and used them up.
-    let unheard = Query::all::<BadgeBlock>().absent("free_on").absent("next");
-    rest_all(tx, &unheard, now)?;
+    let rest = "UPDATE badge_blocks SET free_on = ?1 WHERE free_on IS NULL AND next IS NULL";
+    tx.run(rest, &[&rested_on(now)])?;
     cursor.restored_at = now;
     if now < copied_at {
         cursor.copied_at = Some(copied_at);
@@ -341,7 +338,7 @@ fn pass_over(
     let days = now.day().saturating_sub(copied_at.day());
     let mut left = u64::from(DAY_BLOCKS) * (2 * u64::from(days) + 1);
     let known: BTreeMap<u16, u32> = tx
-        .find::<BadgeBlock>(&Query::all::<BadgeBlock>())?
+        .find::<BadgeBlock>("", &[])?
         .iter()
         .map(|block| (block.block, block.free_on.unwrap_or(rested_on(copied_at))))
         .collect();
@@ -354,9 +351,10 @@ fn pass_over(
         left -= u64::from(is_maybe_leased(block_of_turn(cursor.turn)));
         cursor.turn = next_turn(cursor.turn);
     }
-    (cursor.day, cursor.left) = (now.day(), DAY_BLOCKS);
+    (cursor.day, cursor.left_today) = (now.day(), DAY_BLOCKS);
     if left > 0 {
-        rest_all(tx, &Query::all::<BadgeBlock>().absent("free_on"), now)?;
+        let rest = "UPDATE badge_blocks SET free_on = ?1 WHERE free_on IS NULL";
+        tx.run(rest, &[&rested_on(now)])?;
         cursor.closed_until = rested_on(now);
     }
     Ok(())
@@ -370,8 +368,8 @@ pub(crate) fn store_epoch(tx: &mut Tx<'_>) -> Result<u64, StoreError> {
 /// Blocks that a headset got in the last 24 hours.
 fn count_of_day(tx: &mut Tx<'_>, headset: u32, now: BoothTime) -> Result<usize, StoreError> {
     let day_ago = BoothTime(now.0.saturating_sub(DAY.as_millis() as u64));
-    let of_headset = Query::all::<BadgeBlock>().equal("headset", &headset);
-    Ok(tx.count_rows(&of_headset.at_least("leased_at", &day_ago))? as usize)
+    let of_day = "WHERE headset = ?1 AND leased_at >= ?2";
+    Ok(tx.count::<BadgeBlock>(of_day, &[&headset, &day_ago])? as usize)
 }
 
 /// The next block without a row, and not planned.
@@ -382,14 +380,13 @@ fn find_free(
 ) -> Result<Option<u16>, StoreError> {
     for tried in 0..LEASED_BLOCKS {
         if tried == ASKED_ONE_BY_ONE {
-            let all = tx.find::<BadgeBlock>(&Query::all::<BadgeBlock>())?;
+            let all = tx.find::<BadgeBlock>("", &[])?;
             taken.extend(all.iter().map(|block| block.block));
         }
         let block = block_of_turn(*turn);
         *turn = next_turn(*turn);
-        let is_known = |tx: &mut Tx<'_>| {
-            Ok::<_, StoreError>(tx.get::<BadgeBlock>(&[block.to_value()])?.is_some())
-        };
+        let is_known =
+            |tx: &mut Tx<'_>| Ok::<_, StoreError>(tx.get::<BadgeBlock>(&[&block])?.is_some());
         if !taken.contains(&block) && (tried >= ASKED_ONE_BY_ONE || !is_known(tx)?) {
             return Ok(Some(block));
         }
@@ -398,7 +395,7 @@ fn find_free(
 }
 
 fn get_cursor(tx: &mut Tx<'_>) -> Result<BadgeCursor, StoreError> {
-    Ok(tx.get(&[0u8.to_value()])?.unwrap_or_default())
+    Ok(tx.get(&[&0u8])?.unwrap_or_default())
 }
 
 /// Removes a block's row, unless a sculpture that is kept has one of its numbers: then it is looked at again after that one's
@@ -409,26 +406,17 @@ fn free_unless_claimed(
     now: BoothTime,
 ) -> Result<(), StoreError> {
     let first = u32::from(block.block) * BLOCK_NUMBERS as u32;
-    let claims = Query::all::<Sculpture>()
-        .at_least("claimed_badge", &first)
-        .below("claimed_badge", &(first + BLOCK_NUMBERS as u32));
-    let last = tx.find::<Sculpture>(&claims)?.iter().map(|kept| kept.keep_day).max();
+    let claims = "WHERE claimed_badge >= ?1 AND claimed_badge < ?2 ORDER BY keep_day DESC";
+    let after = first + BLOCK_NUMBERS as u32;
+    let last = tx.find_first::<Sculpture>(claims, &[&first, &after])?.map(|kept| kept.keep_day);
     match last {
-        None => tx.remove::<BadgeBlock>(&[block.block.to_value()]),
+        None => tx.run("DELETE FROM badge_blocks WHERE block = ?1", &[&block.block]).map(drop),
         Some(last) => {
             // What is past its last day is swept soon.
             block.free_on = Some(last.max(now.day()).saturating_add(1));
             tx.put(&block)
         }
     }
-}
-
-fn rest_all(tx: &mut Tx<'_>, query: &Query, now: BoothTime) -> Result<(), StoreError> {
-    for mut block in tx.find::<BadgeBlock>(query)? {
-        rest(&mut block, now);
-        tx.put(&block)?;
-    }
-    Ok(())
 }
 
 fn rest(block: &mut BadgeBlock, now: BoothTime) {

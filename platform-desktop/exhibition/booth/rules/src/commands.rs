@@ -9,9 +9,7 @@ use crate::limits::{COMMAND_LIFE, MAX_WAITING_COMMANDS};
 use crate::reason::Reason;
 use crate::records::{Command, CommandState, Device};
 use crate::refusal::Refusal;
-use crate::store::{Query, RowOrder};
 use crate::time::BoothTime;
-use crate::value::Field as _;
 
 impl Booth {
     /// Asks a headset to do something, in the visit that it was last heard of. The command waits for its next
@@ -27,20 +25,20 @@ impl Booth {
         now: BoothTime,
     ) -> Result<u64, Refusal> {
         self.update(|tx| {
-            let device: Option<Device> = tx.get(&[headset.to_value()])?;
+            let device: Option<Device> = tx.get(&[&headset])?;
             let device = device.ok_or(Refusal::NotFound(Reason::NoHeadset))?;
             let last = device_status(&device)?.ok_or(Refusal::Conflict(Reason::NeverCame))?;
             let session_id = last.status.session_id;
             if kind.is_for_visit() && session_id == 0 {
                 return Err(Refusal::Conflict(Reason::NotWorn));
             }
-            let of_headset = Query::all::<Command>().equal("headset", &headset);
-            let waiting = of_headset.clone().equal("state", &CommandState::Waiting);
-            if tx.count_rows(&waiting)? >= MAX_WAITING_COMMANDS {
+            let of_headset = "WHERE headset = ?1 AND state = ?2";
+            let waiting = tx.count::<Command>(of_headset, &[&headset, &CommandState::Waiting])?;
+            if waiting >= MAX_WAITING_COMMANDS {
                 return Err(Refusal::Busy { what: "commands wait", retry_after: 10 });
             }
             let newest: Option<Command> =
-                tx.find_first(of_headset.ordered("command", RowOrder::Descending))?;
+                tx.find_first("WHERE headset = ?1 ORDER BY command DESC", &[&headset])?;
             // By the clock, so that they grow on where a copy of the records doesn't know the last ones: a headset takes
             // none that is before its last.
             let command = newest.map_or(0, |newest| newest.command.saturating_add(1)).max(now.0);
@@ -69,11 +67,8 @@ impl Booth {
         limit: usize,
         now: BoothTime,
     ) -> Result<Vec<Command>, Refusal> {
-        let newest = Query::all::<Command>()
-            .equal("headset", &headset)
-            .ordered("command", RowOrder::Descending)
-            .first(limit);
-        let mut commands: Vec<Command> = self.view(|tx| tx.find(&newest))?;
+        let newest = "WHERE headset = ?1 ORDER BY command DESC LIMIT ?2";
+        let mut commands: Vec<Command> = self.view(|tx| tx.find(newest, &[&headset, &limit]))?;
         for command in &mut commands {
             let is_open = matches!(command.state, CommandState::Waiting | CommandState::Sent);
             // The headset may be silent; what it did in time it reports later.

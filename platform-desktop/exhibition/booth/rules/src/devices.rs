@@ -10,9 +10,8 @@ use crate::limits::{MAX_HEADSETS, SILENCE_OF_WIPED};
 use crate::reason::Reason;
 use crate::records::Device;
 use crate::refusal::Refusal;
-use crate::store::{Query, StoreError};
+use crate::store::StoreError;
 use crate::time::BoothTime;
-use crate::value::Field as _;
 
 /// Said to a headset that staff shut out.
 const SHUT_OUT: Refusal = Refusal::Forbidden(Reason::ShutOut);
@@ -33,8 +32,7 @@ impl Booth {
     /// enrol anew, as where the booth came back from a backup of before it did. Those of the store.
     pub fn authenticate(&self, token: &DeviceToken) -> Result<Device, Refusal> {
         let hash = hash_of(&token.0);
-        let with_token = Query::all::<Device>().equal("token_hash", &hash.0);
-        let devices = self.view(|tx| tx.find::<Device>(&with_token))?;
+        let devices = self.view(|tx| tx.find::<Device>("WHERE token_hash = ?1", &[&hash.0]))?;
         // What the index found is compared as a whole once more, in a time that tells nothing.
         let is_its = |device: &Device| bool::from(device.token_hash.ct_eq(&hash.0));
         let mut devices = devices.into_iter().filter(is_its).peekable();
@@ -48,7 +46,7 @@ impl Booth {
     /// # Errors
     /// Those of the store.
     pub fn list_devices(&self) -> Result<Vec<Device>, Refusal> {
-        self.view(|tx| tx.find(&Query::all::<Device>()))
+        self.view(|tx| tx.find("ORDER BY headset", &[]))
     }
 
     /// Shuts a headset out that was lost, broken or sent home, and puts its blocks of badges to rest.
@@ -62,7 +60,7 @@ impl Booth {
         now: BoothTime,
     ) -> Result<(), Refusal> {
         self.update(|tx| {
-            let device: Option<Device> = tx.get(&[headset.to_value()])?;
+            let device: Option<Device> = tx.get(&[&headset])?;
             let mut device = device.ok_or(Refusal::NotFound(Reason::NoHeadset))?;
             device.revoked_at = Some(now);
             tx.put(&device)?;
@@ -78,8 +76,7 @@ pub(crate) fn find_by_token(
     tx: &mut Tx<'_>,
     token_hash: &ContentHash,
 ) -> Result<Option<Device>, StoreError> {
-    let query = Query::all::<Device>().equal("token_hash", &token_hash.0).absent("revoked_at");
-    tx.find_first(query)
+    tx.find_first("WHERE token_hash = ?1 AND revoked_at IS NULL", &[&token_hash.0])
 }
 
 /// The headset that a device with this hint may be, after its data was wiped: the only one that isn't shut out, and
@@ -89,8 +86,8 @@ pub(crate) fn find_wiped(
     hint: &DeviceHint,
     now: BoothTime,
 ) -> Result<Option<Device>, StoreError> {
-    let query = Query::all::<Device>().equal("hint", &hint.0).absent("revoked_at").first(2);
-    let mut found: Vec<Device> = tx.find(&query)?;
+    let mut found: Vec<Device> =
+        tx.find("WHERE hint = ?1 AND revoked_at IS NULL LIMIT 2", &[&hint.0])?;
     let is_silent = |device: &Device| {
         device.seen_at.is_none_or(|seen_at| now.since(seen_at) > SILENCE_OF_WIPED)
     };
@@ -105,7 +102,7 @@ pub(crate) fn enrol(
     now: BoothTime,
 ) -> Result<u32, Refusal> {
     let known: Option<Device> = match number {
-        Some(number) => tx.get(&[number.to_value()])?,
+        Some(number) => tx.get(&[&number])?,
         None => None,
     };
     let headset = match &known {
@@ -129,12 +126,11 @@ pub(crate) fn enrol(
 
 /// The number after the greatest, so that none is ever another headset's.
 fn next_number(tx: &mut Tx<'_>) -> Result<u32, Refusal> {
-    let active = tx.count_rows(&Query::all::<Device>().absent("revoked_at"))?;
+    let active = tx.count::<Device>("WHERE revoked_at IS NULL", &[])?;
     if active >= MAX_HEADSETS {
         return Err(Refusal::Conflict(Reason::HeadsetsFull));
     }
-    let query = Query::all::<Device>().ordered("headset", crate::store::RowOrder::Descending);
-    let last: Option<Device> = tx.find_first(query)?;
+    let last: Option<Device> = tx.find_first("ORDER BY headset DESC", &[])?;
     let number = last.map_or(Some(1), |device| device.headset.checked_add(1));
     number.ok_or(Refusal::Conflict(Reason::NumbersFull))
 }

@@ -8,9 +8,7 @@ use crate::devices::{NewDevice, enrol, find_by_token, find_wiped};
 use crate::reason::Reason;
 use crate::records::EnrolToken;
 use crate::refusal::Refusal;
-use crate::store::Query;
 use crate::time::BoothTime;
-use crate::value::Field as _;
 
 impl Booth {
     /// Makes a token known that lets `uses` devices in, until it expires. It is 256 random bits.
@@ -43,7 +41,7 @@ impl Booth {
     /// # Errors
     /// Those of the store.
     pub fn list_enrol_tokens(&self) -> Result<Vec<EnrolToken>, Refusal> {
-        self.view(|tx| tx.find(&Query::all::<EnrolToken>()))
+        self.view(|tx| tx.find("ORDER BY token_hash", &[]))
     }
 
     /// Takes a token back. Headsets that it let in stay.
@@ -57,7 +55,7 @@ impl Booth {
         now: BoothTime,
     ) -> Result<(), Refusal> {
         self.update(|tx| {
-            let token: Option<EnrolToken> = tx.get(&[token_hash.to_value()])?;
+            let token: Option<EnrolToken> = tx.get(&[token_hash])?;
             let mut token = token.ok_or(Refusal::NotFound(Reason::NoEnrolToken))?;
             token.is_revoked = true;
             tx.put(&token)?;
@@ -103,7 +101,7 @@ fn find_valid_token(
     token: &EnrolmentToken,
     now: BoothTime,
 ) -> Result<EnrolToken, Refusal> {
-    let token: Option<EnrolToken> = tx.get(&[hash_of(&token.0).0.to_value()])?;
+    let token: Option<EnrolToken> = tx.get(&[&hash_of(&token.0).0])?;
     let is_valid = |token: &EnrolToken| !token.is_revoked && now < token.expires_at;
     token.filter(is_valid).ok_or(Refusal::UnknownToken)
 }

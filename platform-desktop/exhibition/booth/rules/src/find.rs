@@ -6,11 +6,12 @@ use paros_protocol::SculptureId;
 use crate::booth::{Booth, Tx};
 use crate::limits::{MAX_LISTED, MAX_NEAREST};
 use crate::reason::Reason;
+use crate::record::Record;
 use crate::records::{Announcement, Device, Sculpture};
 use crate::refusal::Refusal;
-use crate::store::{Query, RowOrder, StoreError};
+use crate::store::StoreError;
 use crate::time::BoothTime;
-use crate::value::Field as _;
+use crate::value::ToValue;
 use crate::words::HeardBadge;
 
 /// What a badge leads to.
@@ -92,7 +93,7 @@ impl Booth {
     /// # Errors
     /// [`Refusal::NotFound`], or those of the store.
     pub fn find_sculpture(&self, id: &SculptureId, now: BoothTime) -> Result<Sculpture, Refusal> {
-        let found: Option<Sculpture> = self.view(|tx| tx.get(&[id.0.to_value()]))?;
+        let found: Option<Sculpture> = self.view(|tx| tx.get(&[&id.0]))?;
         found.filter(|found| found.keep_day >= now.day()).ok_or(NO_SCULPTURE)
     }
 
@@ -101,8 +102,8 @@ impl Booth {
     /// # Errors
     /// Those of the store.
     pub fn list_newest(&self, count: usize, now: BoothTime) -> Result<Vec<Sculpture>, Refusal> {
-        let shown = Query::all::<Sculpture>().absent("withdrawn_at");
-        self.list_sculptures(shown.ordered("received_at", RowOrder::Descending), count, now)
+        let shown = "WHERE withdrawn_at IS NULL ORDER BY received_at DESC, id LIMIT ?1";
+        self.list_sculptures(shown, count, now)
     }
 
     /// The sculptures that are withdrawn, the last one first.
@@ -110,8 +111,8 @@ impl Booth {
     /// # Errors
     /// Those of the store.
     pub fn list_withdrawn(&self, count: usize, now: BoothTime) -> Result<Vec<Sculpture>, Refusal> {
-        let withdrawn = Query::all::<Sculpture>().present("withdrawn_at");
-        self.list_sculptures(withdrawn.ordered("withdrawn_at", RowOrder::Descending), count, now)
+        let withdrawn = "WHERE withdrawn_at IS NOT NULL ORDER BY withdrawn_at DESC, id LIMIT ?1";
+        self.list_sculptures(withdrawn, count, now)
     }
 
     /// The sculptures that were announced and haven't come, the newest first.
@@ -119,11 +120,11 @@ impl Booth {
     /// # Errors
     /// Those of the store.
     pub fn list_missing(&self, count: usize) -> Result<Vec<MissingSculpture>, Refusal> {
-        let newest = Query::all::<Announcement>().ordered("heard_at", RowOrder::Descending);
+        let newest = "ORDER BY heard_at DESC, headset, sculpture LIMIT ?1";
         self.view(|tx| {
             let mut missing = Vec::new();
-            for announcement in tx.find::<Announcement>(&newest.first(count.min(MAX_LISTED)))? {
-                let device: Option<Device> = tx.get(&[announcement.headset.to_value()])?;
+            for announcement in tx.find::<Announcement>(newest, &[&count.min(MAX_LISTED)])? {
+                let device: Option<Device> = tx.get(&[&announcement.headset])?;
                 let wiped_at = device.and_then(|device| device.wiped_at);
                 let is_lost = wiped_at.is_some_and(|wiped_at| wiped_at > announcement.heard_at);
                 missing.push(MissingSculpture { announcement, is_lost });
@@ -132,22 +133,22 @@ impl Booth {
         })
     }
 
-    /// How many records a query finds.
+    /// Counts records: `rest` is what follows `SELECT count(*) FROM table`.
     ///
     /// # Errors
     /// Those of the store.
-    pub fn count(&self, query: &Query) -> Result<u64, Refusal> {
-        self.view(|tx| tx.count_rows(query))
+    pub fn count<R: Record>(&self, rest: &str, values: &[&dyn ToValue]) -> Result<u64, Refusal> {
+        self.view(|tx| tx.count::<R>(rest, values))
     }
 
     fn list_sculptures(
         &self,
-        query: Query,
+        query: &str,
         count: usize,
         now: BoothTime,
     ) -> Result<Vec<Sculpture>, Refusal> {
         let mut found: Vec<Sculpture> =
-            self.view(|tx| tx.find(&query.first(count.min(MAX_LISTED))))?;
+            self.view(|tx| tx.find(query, &[&count.min(MAX_LISTED)]))?;
         found.retain(|sculpture| sculpture.keep_day >= now.day());
         Ok(found)
     }
@@ -160,13 +161,10 @@ fn find_matches(
     number: BadgeNumber,
     now: BoothTime,
 ) -> Result<BadgeMatches, StoreError> {
-    let shown = Query::all::<Sculpture>()
-        .equal("badge", &number.get())
-        .absent("withdrawn_at")
-        .ordered("received_at", RowOrder::Descending);
-    let mut kept: Vec<Sculpture> = tx.find(&shown)?;
+    let shown = "WHERE badge = ?1 AND withdrawn_at IS NULL ORDER BY received_at DESC, id";
+    let mut kept: Vec<Sculpture> = tx.find(shown, &[&number.get()])?;
     kept.retain(|sculpture| sculpture.keep_day >= now.day());
     kept.sort_by_key(Sculpture::is_badge_lapsed);
-    let announced = Query::all::<Announcement>().equal("badge", &number.get());
-    Ok(BadgeMatches { kept, missing: tx.find(&announced)? })
+    let announced = "WHERE badge = ?1 ORDER BY headset, sculpture";
+    Ok(BadgeMatches { kept, missing: tx.find(announced, &[&number.get()])? })
 }

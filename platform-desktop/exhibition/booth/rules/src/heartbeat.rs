@@ -15,9 +15,8 @@ use crate::limits::{COMMAND_LIFE, MAX_ANNOUNCED, STATUS_LIFE};
 use crate::reason::Reason;
 use crate::records::{Announcement, Command, CommandState, Device, Sculpture, Tombstone};
 use crate::refusal::Refusal;
-use crate::store::{Query, StoreError};
+use crate::store::StoreError;
 use crate::time::BoothTime;
-use crate::value::Field as _;
 
 /// What a heartbeat leads to.
 #[derive(Default)]
@@ -81,7 +80,7 @@ impl Booth {
         // As it is now: it may have been shut out since, or enrolled anew.
         let is_same =
             |known: &Device| known.revoked_at.is_none() && known.token_hash == device.token_hash;
-        let known: Option<Device> = tx.get(&[device.headset.to_value()])?;
+        let known: Option<Device> = tx.get(&[&device.headset])?;
         if let Some(device) = known.filter(is_same) {
             plan.device = plan_status(device, beat, now)?;
             plan.badges = self.plan_badges(tx, beat.headset, &beat.badges, now)?;
@@ -165,8 +164,8 @@ fn plan_commands(
     now: BoothTime,
     plan: &mut HeartbeatPlan,
 ) -> Result<(), StoreError> {
-    let of_headset = Query::all::<Command>().equal("headset", &beat.headset);
-    for mut command in tx.find::<Command>(&of_headset)? {
+    let of_headset = "WHERE headset = ?1 ORDER BY command";
+    for mut command in tx.find::<Command>(of_headset, &[&beat.headset])? {
         let before = command.state;
         command.state = state_after(&command, beat, now);
         let lives = matches!(command.state, CommandState::Waiting | CommandState::Sent);
@@ -232,30 +231,29 @@ fn plan_announcements(
 ) -> Result<(), StoreError> {
     let mut count = None;
     for announced in &beat.announcements {
-        let key = [announced.id.0.to_value()];
-        let [headset, id] = [beat.headset.to_value(), announced.id.0.to_value()];
-        let known: Option<Announcement> = tx.get(&[headset, id])?;
+        let id = announced.id.0;
+        let known: Option<Announcement> = tx.get(&[&beat.headset, &id])?;
         let is_sent = announced.status == UploadStatus::Sent;
         // What is on the list of missing sculptures hasn't come.
         let is_looked_up = known.is_none() || is_sent;
-        let is_kept = is_looked_up && tx.get::<Sculpture>(&key)?.is_some();
-        let is_deleted = is_looked_up && !is_kept && tx.get::<Tombstone>(&key)?.is_some();
+        let is_kept = is_looked_up && tx.get::<Sculpture>(&[&id])?.is_some();
+        let is_deleted = is_looked_up && !is_kept && tx.get::<Tombstone>(&[&id])?.is_some();
         // Lost in a restore, or deleted: sent again it is kept, or answered so.
         let status = if is_sent && !is_kept { UploadStatus::Kept } else { announced.status };
         let badge = announced.badge.map(BadgeNumber::get);
         let note = Announcement {
             headset: beat.headset,
-            sculpture: announced.id.0,
+            sculpture: id,
             badge: badge.or_else(|| known.as_ref().and_then(|known| known.badge)),
             heard_at: known.as_ref().map_or(now, |known| known.heard_at),
             status: status as u8,
         };
         if !is_kept && !is_deleted && known.as_ref() != Some(&note) {
             if known.is_none() {
-                let of_headset = Query::all::<Announcement>().equal("headset", &beat.headset);
+                let of_headset = "WHERE headset = ?1";
                 let count = match &mut count {
                     Some(count) => count,
-                    none => none.insert(tx.count_rows(&of_headset)?),
+                    none => none.insert(tx.count::<Announcement>(of_headset, &[&beat.headset])?),
                 };
                 if *count >= MAX_ANNOUNCED {
                     continue;

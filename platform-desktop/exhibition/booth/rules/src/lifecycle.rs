@@ -4,19 +4,20 @@ use std::io::ErrorKind;
 
 use paros_protocol::{ContentHash, SculptureId};
 
-use crate::audit::{Subject, drop_old_entries, forget_badge, note};
+use crate::audit::{Subject, drop_old_entries, note};
 use crate::booth::{Booth, Tx};
 use crate::deletions::Deletion;
 use crate::find::NO_SCULPTURE;
 use crate::limits::{AUDIT_DAYS, MAX_WORKERS, SWEEP_BATCH};
 use crate::mail::withdraw_mails;
 use crate::parcel_files::{KeptName, KeptPart};
-use crate::prints::{remove_prints, withdraw_prints};
-use crate::records::{Announcement, ExportState, MailOrder, Sculpture, Tombstone, WorkKind};
+use crate::prints::withdraw_prints;
+use crate::records::{ExportState, Sculpture, Tombstone, WorkKind};
 use crate::refusal::Refusal;
-use crate::store::{Query, RowOrder, StoreError};
+use crate::store::StoreError;
 use crate::time::{BoothTime, DAY};
-use crate::value::Field as _;
+use crate::upload::remove_announcements;
+use crate::value::ToValue;
 use crate::work::{drop_old_leases, end_work};
 
 /// What a sweep did.
@@ -99,7 +100,7 @@ impl Booth {
         now: BoothTime,
     ) -> Result<(), Refusal> {
         self.update(|tx| {
-            let sculpture: Sculpture = tx.get(&[id.0.to_value()])?.ok_or(NO_SCULPTURE)?;
+            let sculpture: Sculpture = tx.get(&[&id.0])?.ok_or(NO_SCULPTURE)?;
             self.bury(tx, &sculpture, now)?;
             Ok(note(tx, now, account, action, subject_of_buried(&sculpture))?)
         })?;
@@ -119,20 +120,15 @@ impl Booth {
         self.remove_buried_files()?;
         self.files.forget_deletions_before(days_before(now, self.plan.horizon_days))?;
         (report.tombstones, report.announcements) = self.update(|tx| {
-            let ended = Query::all::<Tombstone>()
-                .below("ends_on", &now.day().saturating_add(1))
-                .equal("has_files", &false);
-            let ended: Vec<Tombstone> = tx.find(&ended.first(SWEEP_BATCH))?;
-            for tombstone in &ended {
-                tx.remove::<Tombstone>(&[tombstone.id.to_value()])?;
-            }
+            let ended = "DELETE FROM tombstones WHERE id IN
+                (SELECT id FROM tombstones WHERE ends_on <= ?1 AND has_files = 0 LIMIT ?2)
+                RETURNING id";
+            let ended = tx.run(ended, &[&now.day(), &SWEEP_BATCH])?;
             let horizon = days_before(now, self.plan.horizon_days);
-            let old = Query::all::<Announcement>().below("heard_at", &horizon);
-            let old: Vec<Announcement> = tx.find(&old.first(SWEEP_BATCH))?;
-            for announcement in &old {
-                let key = [announcement.headset.to_value(), announcement.sculpture.to_value()];
-                tx.remove::<Announcement>(&key)?;
-            }
+            let old = "DELETE FROM announcements WHERE (headset, sculpture) IN
+                (SELECT headset, sculpture FROM announcements WHERE heard_at < ?1 LIMIT ?2)
+                RETURNING headset";
+            let old = tx.run(old, &[&horizon, &SWEEP_BATCH])?;
             drop_old_entries(tx, days_before(now, AUDIT_DAYS))?;
             drop_old_leases(tx, now)?;
             Ok((ended.len(), old.len()))
@@ -141,20 +137,20 @@ impl Booth {
         Ok(report)
     }
 
-    /// The sculpture that waits longest for its mesh to be compared, of those that no other process is at.
+    /// The sculpture that waits longest for its mesh to be checked, of those that no other process is at.
     ///
     /// # Errors
     /// Those of the store.
     pub fn next_export(&self, now: BoothTime) -> Result<Option<Sculpture>, Refusal> {
-        let queued = Query::all::<Sculpture>()
-            .equal("export", &ExportState::Queued)
-            .ordered("received_at", RowOrder::Ascending)
-            .first(MAX_WORKERS);
-        if self.view(|tx| tx.find_first::<Sculpture>(queued.clone()))?.is_none() {
+        let find_queued = |tx: &mut Tx<'_>| {
+            let queued = "WHERE export = ?1 ORDER BY received_at, id LIMIT ?2";
+            tx.find::<Sculpture>(queued, &[&ExportState::Queued, &MAX_WORKERS])
+        };
+        if self.view(find_queued)?.is_empty() {
             return Ok(None);
         }
         self.update(|tx| {
-            for sculpture in tx.find::<Sculpture>(&queued)? {
+            for sculpture in find_queued(tx)? {
                 if self.begin_work(tx, WorkKind::Export, &sculpture.id, now)? {
                     return Ok(Some(sculpture));
                 }
@@ -169,10 +165,7 @@ impl Booth {
     /// Those of the store.
     pub fn note_export(&self, id: &SculptureId, state: ExportState) -> Result<(), Refusal> {
         self.update(|tx| {
-            if let Some(mut sculpture) = tx.get::<Sculpture>(&[id.0.to_value()])? {
-                sculpture.export = state;
-                tx.put(&sculpture)?;
-            }
+            tx.run("UPDATE sculptures SET export = ?1 WHERE id = ?2", &[&state, &id.0])?;
             Ok(end_work(tx, WorkKind::Export, &id.0)?)
         })
     }
@@ -193,8 +186,7 @@ impl Booth {
     pub fn keep_picture(&self, sculpture: &Sculpture, png: &[u8]) -> Result<(), Refusal> {
         let name = kept_name(&sculpture.id, &sculpture.hash, KeptPart::Picture);
         self.files.keep(&name, png)?;
-        let key = [sculpture.id.to_value()];
-        if self.view(|tx| tx.get::<Sculpture>(&key))?.is_none() {
+        if self.view(|tx| tx.get::<Sculpture>(&[&sculpture.id]))?.is_none() {
             self.files.remove_kept(&name)?;
         }
         Ok(())
@@ -255,16 +247,13 @@ impl Booth {
         sculpture: &Sculpture,
         now: BoothTime,
     ) -> Result<(), StoreError> {
-        let key = [sculpture.id.to_value()];
-        tx.remove::<Sculpture>(&key)?;
-        for order in
-            tx.find::<MailOrder>(&Query::all::<MailOrder>().equal("sculpture", &sculpture.id))?
-        {
-            tx.remove::<MailOrder>(&[order.order.to_value()])?;
-        }
-        remove_prints(tx, &sculpture.id)?;
-        forget_badge(tx, &sculpture.id)?;
-        tx.remove::<Announcement>(&[sculpture.headset.to_value(), sculpture.id.to_value()])?;
+        let id: &[&dyn ToValue] = &[&sculpture.id];
+        tx.run("DELETE FROM sculptures WHERE id = ?1", id)?;
+        tx.run("DELETE FROM mail_orders WHERE sculpture = ?1", id)?;
+        tx.run("DELETE FROM print_orders WHERE sculpture = ?1", id)?;
+        // The badge is another's soon.
+        tx.run("UPDATE audit SET badge = NULL WHERE sculpture = ?1", id)?;
+        remove_announcements(tx, &sculpture.id)?;
         tx.put(&self.make_tombstone(&Deletion {
             id: SculptureId(sculpture.id),
             headset: sculpture.headset,
@@ -289,45 +278,35 @@ impl Booth {
     }
 
     fn bury_old(&self, now: BoothTime) -> Result<usize, Refusal> {
-        let past = Query::all::<Sculpture>().below("keep_day", &now.day()).first(SWEEP_BATCH);
+        let old = "WHERE keep_day < ?1 OR withdrawn_at < ?2 ORDER BY id LIMIT ?3";
         let withdrawn_before = days_before(now, self.plan.withdrawn_days);
-        let withdrawn =
-            Query::all::<Sculpture>().below("withdrawn_at", &withdrawn_before).first(SWEEP_BATCH);
         let mut count = 0;
-        for query in [past, withdrawn] {
-            loop {
-                let buried = self.update(|tx| {
-                    let old: Vec<Sculpture> = tx.find(&query)?;
-                    for sculpture in &old {
-                        self.bury(tx, sculpture, now)?;
-                        note(tx, now, None, "delete by age", subject_of_buried(sculpture))?;
-                    }
-                    Ok(old.len())
-                })?;
-                count += buried;
-                if buried < SWEEP_BATCH {
-                    break;
+        loop {
+            let buried = self.update(|tx| {
+                let values: [&dyn ToValue; 3] = [&now.day(), &withdrawn_before, &SWEEP_BATCH];
+                let old: Vec<Sculpture> = tx.find(old, &values)?;
+                for sculpture in &old {
+                    self.bury(tx, sculpture, now)?;
+                    note(tx, now, None, "delete by age", subject_of_buried(sculpture))?;
                 }
+                Ok(old.len())
+            })?;
+            count += buried;
+            if buried < SWEEP_BATCH {
+                return Ok(count);
             }
         }
-        Ok(count)
     }
 
     fn drop_old_traces(&self, now: BoothTime) -> Result<usize, Refusal> {
         let before = days_before(now, self.plan.trace_days);
-        let old = Query::all::<Sculpture>()
-            .equal("has_trace", &true)
-            .below("received_at", &before)
-            .first(SWEEP_BATCH);
-        let old: Vec<Sculpture> = self.view(|tx| tx.find(&old))?;
+        let old = "WHERE received_at < ?1 AND has_trace = 1 ORDER BY id LIMIT ?2";
+        let old: Vec<Sculpture> = self.view(|tx| tx.find(old, &[&before, &SWEEP_BATCH]))?;
         for Sculpture { id, hash, .. } in &old {
             // The file first: a record that says there is none is never wrong.
             self.files.remove_kept(&kept_name(id, hash, KeptPart::Trace))?;
             self.update(|tx| {
-                if let Some(mut sculpture) = tx.get::<Sculpture>(&[id.to_value()])? {
-                    sculpture.has_trace = false;
-                    tx.put(&sculpture)?;
-                }
+                tx.run("UPDATE sculptures SET has_trace = 0 WHERE id = ?1", &[id])?;
                 Ok(())
             })?;
         }
@@ -336,8 +315,8 @@ impl Booth {
 
     /// Logs what was deleted, and removes its files. A copy of the booth that lacks a file lacks no line of the log then.
     pub(crate) fn remove_buried_files(&self) -> Result<(), Refusal> {
-        let query = Query::all::<Tombstone>().equal("has_files", &true);
-        let buried: Vec<Tombstone> = self.view(|tx| tx.find(&query))?;
+        let buried: Vec<Tombstone> =
+            self.view(|tx| tx.find("WHERE has_files = 1 ORDER BY id", &[]))?;
         if buried.is_empty() {
             return Ok(());
         }
@@ -372,7 +351,7 @@ pub(crate) fn get_kept(
     id: &SculptureId,
     now: BoothTime,
 ) -> Result<Sculpture, Refusal> {
-    let found: Option<Sculpture> = tx.get(&[id.0.to_value()])?;
+    let found: Option<Sculpture> = tx.get(&[&id.0])?;
     found.filter(|found| found.keep_day >= now.day()).ok_or(NO_SCULPTURE)
 }
 

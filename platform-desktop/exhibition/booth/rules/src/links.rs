@@ -12,7 +12,6 @@ use crate::reason::Reason;
 use crate::records::Sculpture;
 use crate::refusal::Refusal;
 use crate::time::BoothTime;
-use crate::value::Field as _;
 
 /// What a visitor's link carries beside the sculpture's id. It is never logged.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -112,7 +111,7 @@ impl Booth {
         change: impl Fn(&mut Sculpture),
     ) -> Result<(), Refusal> {
         self.update(|tx| {
-            let mut sculpture: Sculpture = tx.get(&[id.0.to_value()])?.ok_or(NO_SCULPTURE)?;
+            let mut sculpture: Sculpture = tx.get(&[&id.0])?.ok_or(NO_SCULPTURE)?;
             change(&mut sculpture);
             tx.put(&sculpture)?;
             let subject = Subject { sculpture: Some(id.0), ..Subject::default() };

@@ -17,9 +17,8 @@ use crate::limits::{
 use crate::reason::{Expected, Reason};
 use crate::records::{MailOrder, MailState, Sculpture, WorkKind};
 use crate::refusal::Refusal;
-use crate::store::{Query, RowOrder, StoreError};
+use crate::store::StoreError;
 use crate::time::BoothTime;
-use crate::value::Field as _;
 use crate::work::end_work;
 
 /// A mail whose time it is.
@@ -72,9 +71,8 @@ impl Booth {
             if sculpture.withdrawn_at.is_some() {
                 return Err(NO_SCULPTURE);
             }
-            let key = [order.to_value()];
-            let is_full = tx.count_rows(&orders_of(&id.0))? >= MAX_MAILS_OF_ONE;
-            if is_full || tx.get::<MailOrder>(&key)?.is_some() {
+            let count = tx.count::<MailOrder>("WHERE sculpture = ?1", &[&id.0])?;
+            if count >= MAX_MAILS_OF_ONE || tx.get::<MailOrder>(&[&order])?.is_some() {
                 return Err(Refusal::Conflict(Reason::MailsFull));
             }
             tx.put(&MailOrder {
@@ -98,7 +96,8 @@ impl Booth {
     /// # Errors
     /// Those of the store.
     pub fn list_mails(&self, id: &SculptureId) -> Result<Vec<MailOrder>, Refusal> {
-        self.view(|tx| tx.find(&orders_of(&id.0).ordered("asked_at", RowOrder::Descending)))
+        let newest_first = r#"WHERE sculpture = ?1 ORDER BY asked_at DESC, "order""#;
+        self.view(|tx| tx.find(newest_first, &[&id.0]))
     }
 
     /// The mail that is due for longest, of those that no other process sends. Those whose sculpture isn't shown any
@@ -107,16 +106,11 @@ impl Booth {
     /// # Errors
     /// Those of the store.
     pub fn next_mail(&self, now: BoothTime) -> Result<Option<MailJob>, Refusal> {
-        let due = Query::all::<MailOrder>()
-            .equal("state", &MailState::Queued)
-            .below("next_try_at", &BoothTime(now.0.saturating_add(1)))
-            .ordered("next_try_at", RowOrder::Ascending)
-            .first(MAX_WORKERS);
         loop {
-            if self.view(|tx| tx.find_first::<MailOrder>(due.clone()))?.is_none() {
+            if self.view(|tx| find_due(tx, now))?.is_empty() {
                 return Ok(None);
             }
-            let Some(order) = self.update(|tx| self.begin_mail(tx, &due, now))? else {
+            let Some(order) = self.update(|tx| self.begin_mail(tx, now))? else {
                 return Ok(None);
             };
             let id = SculptureId(order.sculpture);
@@ -135,14 +129,9 @@ impl Booth {
         }
     }
 
-    /// Takes the first of some mails upon this process that no other one sends.
-    fn begin_mail(
-        &self,
-        tx: &mut Tx<'_>,
-        due: &Query,
-        now: BoothTime,
-    ) -> Result<Option<MailOrder>, Refusal> {
-        for order in tx.find::<MailOrder>(due)? {
+    /// Takes the first due mail upon this process that no other one sends.
+    fn begin_mail(&self, tx: &mut Tx<'_>, now: BoothTime) -> Result<Option<MailOrder>, Refusal> {
+        for order in find_due(tx, now)? {
             if self.begin_work(tx, WorkKind::Mail, &order.order.to_le_bytes(), now)? {
                 return Ok(Some(order));
             }
@@ -162,7 +151,7 @@ impl Booth {
     ) -> Result<(), Refusal> {
         self.update(|tx| {
             end_work(tx, WorkKind::Mail, &order.to_le_bytes())?;
-            let found: Option<MailOrder> = tx.get(&[order.to_value()])?;
+            let found: Option<MailOrder> = tx.get(&[&order])?;
             let Some(mut order) = found.filter(|order| order.state == MailState::Queued) else {
                 return Ok(());
             };
@@ -187,7 +176,7 @@ const WITHDRAWN: &str = "the sculpture was withdrawn";
 
 /// Ends what is still to be sent of a sculpture, as its visitor wants it hidden.
 pub(crate) fn withdraw_mails(tx: &mut Tx<'_>, sculpture: &[u8; 16]) -> Result<(), StoreError> {
-    for mut order in tx.find::<MailOrder>(&orders_of(sculpture))? {
+    for mut order in tx.find::<MailOrder>("WHERE sculpture = ?1", &[sculpture])? {
         if order.state == MailState::Queued {
             end_order(&mut order, MailState::Failed, WITHDRAWN);
         }
@@ -200,8 +189,7 @@ pub(crate) fn withdraw_mails(tx: &mut Tx<'_>, sculpture: &[u8; 16]) -> Result<()
 
 /// Ends all that is still to be sent. Returns how many mails that are.
 pub(crate) fn fail_queued_mails(tx: &mut Tx<'_>, why: &str) -> Result<usize, StoreError> {
-    let queued = Query::all::<MailOrder>().equal("state", &MailState::Queued);
-    let mut queued: Vec<MailOrder> = tx.find(&queued)?;
+    let mut queued: Vec<MailOrder> = tx.find("WHERE state = ?1", &[&MailState::Queued])?;
     for order in &mut queued {
         end_order(order, MailState::Failed, why);
         tx.put(order)?;
@@ -209,8 +197,10 @@ pub(crate) fn fail_queued_mails(tx: &mut Tx<'_>, why: &str) -> Result<usize, Sto
     Ok(queued.len())
 }
 
-fn orders_of(sculpture: &[u8; 16]) -> Query {
-    Query::all::<MailOrder>().equal("sculpture", sculpture)
+/// The mails that are due, as many as other processes may be sending and one more.
+fn find_due(tx: &mut Tx<'_>, now: BoothTime) -> Result<Vec<MailOrder>, StoreError> {
+    let due = r#"WHERE state = ?1 AND next_try_at <= ?2 ORDER BY next_try_at, "order" LIMIT ?3"#;
+    tx.find(due, &[&MailState::Queued, &now, &MAX_WORKERS])
 }
 
 /// An order that is over has no address, but one that was taken by a visitor who agreed.

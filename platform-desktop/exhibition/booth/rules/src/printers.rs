@@ -9,9 +9,10 @@ use crate::prints::{PrintJob, PrintStep, get_order, take_step};
 use crate::reason::Reason;
 use crate::records::{EstimateState, PrintOrder, PrintState, Sculpture, WorkKind};
 use crate::refusal::Refusal;
-use crate::store::Query;
 use crate::time::BoothTime;
-use crate::value::Field as _;
+
+/// Finds the prints of a printer.
+const AT_PRINTER: &str = r#"WHERE printer = ?1 ORDER BY "order""#;
 
 /// What a printer says of the booth's print.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -57,7 +58,7 @@ impl Booth {
             if order.state != PrintState::Sliced || order.estimate != EstimateState::Known {
                 return Err(Refusal::Conflict(Reason::NotSliced));
             }
-            if tx.find::<PrintOrder>(&orders_at(printer))?.iter().any(holds_printer) {
+            if tx.find::<PrintOrder>(AT_PRINTER, &[&printer])?.iter().any(holds_printer) {
                 return Err(Refusal::Conflict(Reason::PrinterTaken));
             }
             order.printer = Some(printer.to_owned());
@@ -78,7 +79,7 @@ impl Booth {
         now: BoothTime,
     ) -> Result<Option<PrinterTask>, Refusal> {
         self.update(|tx| {
-            let orders = tx.find::<PrintOrder>(&orders_at(printer))?;
+            let orders = tx.find::<PrintOrder>(AT_PRINTER, &[&printer])?;
             // Two that stop a print at once stop the next one too.
             if !orders.is_empty()
                 && !self.begin_work(tx, WorkKind::Printer, printer.as_bytes(), now)?
@@ -95,8 +96,7 @@ impl Booth {
                         tx.put(&order)?;
                     }
                     (PrintState::Sliced, None) => {
-                        let key = [order.sculpture.to_value()];
-                        if let Some(sculpture) = tx.get::<Sculpture>(&key)? {
+                        if let Some(sculpture) = tx.get::<Sculpture>(&[&order.sculpture])? {
                             return Ok(Some(PrinterTask::Send(PrintJob { order, sculpture })));
                         }
                     }
@@ -116,7 +116,7 @@ impl Booth {
     /// Those of the store.
     pub fn begin_print(&self, order: u64, job: &str, now: BoothTime) -> Result<bool, Refusal> {
         self.update(|tx| {
-            let found: Option<PrintOrder> = tx.get(&[order.to_value()])?;
+            let found: Option<PrintOrder> = tx.get(&[&order])?;
             let is_to_be_sent = |order: &PrintOrder| {
                 order.state == PrintState::Sliced && order.printer.is_some() && order.job.is_none()
             };
@@ -169,7 +169,7 @@ impl Booth {
     /// Those of the store.
     pub fn release_printer(&self, order: u64) -> Result<(), Refusal> {
         self.update(|tx| {
-            if let Some(mut order) = tx.get::<PrintOrder>(&[order.to_value()])? {
+            if let Some(mut order) = tx.get::<PrintOrder>(&[&order])? {
                 (order.printer, order.job) = (None, None);
                 tx.put(&order)?;
             }
@@ -185,7 +185,7 @@ impl Booth {
         now: BoothTime,
     ) -> Result<(), Refusal> {
         self.update(|tx| {
-            let found: Option<PrintOrder> = tx.get(&[order.to_value()])?;
+            let found: Option<PrintOrder> = tx.get(&[&order])?;
             let is_at_it =
                 |order: &PrintOrder| order.state == PrintState::Printing && order.job.is_some();
             let Some(mut order) = found.filter(is_at_it).filter(&is_due) else { return Ok(()) };
@@ -202,8 +202,4 @@ fn holds_printer(order: &PrintOrder) -> bool {
         PrintState::Cancelled => order.job.is_some(),
         PrintState::Ordered | PrintState::Done | PrintState::Failed => false,
     }
-}
-
-fn orders_at(printer: &str) -> Query {
-    Query::all::<PrintOrder>().equal("printer", &printer.to_owned())
 }

@@ -11,9 +11,9 @@ use crate::print_wish::{PrintSize, PrintWish, check_minutes_can_be_found};
 use crate::reason::Reason;
 use crate::records::{EstimateState, PrintOrder, PrintState, Sculpture, WorkKind};
 use crate::refusal::Refusal;
-use crate::store::{Query, RowOrder, StoreError};
+use crate::store::StoreError;
 use crate::time::BoothTime;
-use crate::value::Field as _;
+use crate::value::ToValue;
 use crate::work::end_work;
 
 pub(crate) const NO_ORDER: Refusal = Refusal::NotFound(Reason::NoPrint);
@@ -112,8 +112,8 @@ impl Booth {
             if sculpture.withdrawn_at.is_some() {
                 return Err(NO_SCULPTURE);
             }
-            let is_full = tx.count_rows(&orders_of(&id.0))? >= MAX_PRINTS_OF_ONE;
-            if is_full || tx.get::<PrintOrder>(&[order.to_value()])?.is_some() {
+            let count = tx.count::<PrintOrder>("WHERE sculpture = ?1", &[&id.0])?;
+            if count >= MAX_PRINTS_OF_ONE || tx.get::<PrintOrder>(&[&order])?.is_some() {
                 return Err(Refusal::Conflict(Reason::PrintsFull));
             }
             tx.put(&PrintOrder {
@@ -142,7 +142,8 @@ impl Booth {
     /// # Errors
     /// Those of the store.
     pub fn list_prints(&self, id: &SculptureId) -> Result<Vec<PrintOrder>, Refusal> {
-        self.view(|tx| tx.find(&orders_of(&id.0).ordered("asked_at", RowOrder::Descending)))
+        let newest_first = r#"WHERE sculpture = ?1 ORDER BY asked_at DESC, "order""#;
+        self.view(|tx| tx.find(newest_first, &[&id.0]))
     }
 
     /// All prints with their sculptures: those that are open, the oldest first; then the others, the newest first.
@@ -151,24 +152,18 @@ impl Booth {
     /// Those of the store.
     pub fn list_print_queue(&self) -> Result<Vec<PrintJob>, Refusal> {
         self.view(|tx| {
-            let all = Query::all::<PrintOrder>;
+            let open = r#"WHERE state = ?1 ORDER BY asked_at, "order" LIMIT ?2"#;
             let mut orders = Vec::new();
             for state in [PrintState::Printing, PrintState::Sliced, PrintState::Ordered] {
-                let of_state =
-                    all().equal("state", &state).ordered("asked_at", RowOrder::Ascending);
-                orders.extend(tx.find::<PrintOrder>(&of_state.first(MAX_LISTED))?);
+                orders.extend(tx.find::<PrintOrder>(open, &[&state, &MAX_LISTED])?);
             }
-            let mut ended = Vec::new();
-            for state in [PrintState::Done, PrintState::Failed, PrintState::Cancelled] {
-                let of_state =
-                    all().equal("state", &state).ordered("changed_at", RowOrder::Descending);
-                ended.extend(tx.find::<PrintOrder>(&of_state.first(MAX_LISTED / 4))?);
-            }
-            ended.sort_by_key(|order: &PrintOrder| std::cmp::Reverse(order.changed_at));
-            orders.extend(ended);
+            let ended = r#"WHERE state IN (?1, ?2, ?3) ORDER BY changed_at DESC, "order" LIMIT ?4"#;
+            let (done, failed) = (PrintState::Done, PrintState::Failed);
+            let values: [&dyn ToValue; 4] = [&done, &failed, &PrintState::Cancelled, &MAX_LISTED];
+            orders.extend(tx.find::<PrintOrder>(ended, &values)?);
             let mut jobs = Vec::new();
             for order in orders {
-                if let Some(sculpture) = tx.get::<Sculpture>(&[order.sculpture.to_value()])? {
+                if let Some(sculpture) = tx.get::<Sculpture>(&[&order.sculpture])? {
                     jobs.push(PrintJob { order, sculpture });
                 }
             }
@@ -182,8 +177,8 @@ impl Booth {
     /// [`Refusal::NotFound`], or those of the store.
     pub fn find_print(&self, order: u64) -> Result<PrintJob, Refusal> {
         let found = self.view(|tx| {
-            let Some(order) = tx.get::<PrintOrder>(&[order.to_value()])? else { return Ok(None) };
-            let sculpture = tx.get::<Sculpture>(&[order.sculpture.to_value()])?;
+            let Some(order) = tx.get::<PrintOrder>(&[&order])? else { return Ok(None) };
+            let sculpture = tx.get::<Sculpture>(&[&order.sculpture])?;
             Ok(sculpture.map(|sculpture| PrintJob { order, sculpture }))
         });
         found?.ok_or(NO_ORDER)
@@ -228,31 +223,15 @@ impl Booth {
     /// # Errors
     /// Those of the store.
     pub fn next_slice(&self, now: BoothTime) -> Result<Option<PrintJob>, Refusal> {
-        let waiting = |state: &PrintState| {
-            Query::all::<PrintOrder>()
-                .equal("state", state)
-                .equal("estimate", &EstimateState::Waiting)
-                .ordered("changed_at", RowOrder::Ascending)
-                .first(MAX_WORKERS)
-        };
-        // The second were begun by hand before their turn came.
-        let turns = [waiting(&PrintState::Ordered), waiting(&PrintState::Printing)];
-        let are_any = self.view(|tx| {
-            let [first, second] = turns.clone();
-            let of_first = tx.find_first::<PrintOrder>(first)?.is_some();
-            Ok(of_first || tx.find_first::<PrintOrder>(second)?.is_some())
-        });
-        if !are_any? {
+        if self.view(find_unsliced)?.is_empty() {
             return Ok(None);
         }
         self.update(|tx| {
-            for turn in &turns {
-                for order in tx.find::<PrintOrder>(turn)? {
-                    let sculpture = tx.get::<Sculpture>(&[order.sculpture.to_value()])?;
-                    let Some(sculpture) = sculpture else { continue };
-                    if self.begin_work(tx, WorkKind::Slice, &order.order.to_le_bytes(), now)? {
-                        return Ok(Some(PrintJob { order, sculpture }));
-                    }
+            for order in find_unsliced(tx)? {
+                let sculpture = tx.get::<Sculpture>(&[&order.sculpture])?;
+                let Some(sculpture) = sculpture else { continue };
+                if self.begin_work(tx, WorkKind::Slice, &order.order.to_le_bytes(), now)? {
+                    return Ok(Some(PrintJob { order, sculpture }));
                 }
             }
             Ok(None)
@@ -273,7 +252,7 @@ impl Booth {
     ) -> Result<(), Refusal> {
         self.update(|tx| {
             end_work(tx, WorkKind::Slice, &order.to_le_bytes())?;
-            let found: Option<PrintOrder> = tx.get(&[order.to_value()])?;
+            let found: Option<PrintOrder> = tx.get(&[&order])?;
             let is_waiting = |order: &PrintOrder| {
                 matches!(order.state, PrintState::Ordered | PrintState::Printing)
                     && order.estimate == EstimateState::Waiting
@@ -309,18 +288,10 @@ pub(crate) fn withdraw_prints(
     sculpture: &[u8; 16],
     now: BoothTime,
 ) -> Result<(), Refusal> {
-    for mut order in tx.find::<PrintOrder>(&orders_of(sculpture))? {
+    for mut order in tx.find::<PrintOrder>("WHERE sculpture = ?1", &[sculpture])? {
         if matches!(order.state, PrintState::Ordered | PrintState::Sliced) {
             take_step(tx, &mut order, PrintStep::Cancel, WITHDRAWN, now)?;
         }
-    }
-    Ok(())
-}
-
-/// Removes the orders of a sculpture that is deleted.
-pub(crate) fn remove_prints(tx: &mut Tx<'_>, sculpture: &[u8; 16]) -> Result<(), StoreError> {
-    for order in tx.find::<PrintOrder>(&orders_of(sculpture))? {
-        tx.remove::<PrintOrder>(&[order.order.to_value()])?;
     }
     Ok(())
 }
@@ -348,13 +319,17 @@ pub(crate) fn get_order(
     order: u64,
     now: BoothTime,
 ) -> Result<(PrintOrder, Sculpture), Refusal> {
-    let order: PrintOrder = tx.get(&[order.to_value()])?.ok_or(NO_ORDER)?;
+    let order: PrintOrder = tx.get(&[&order])?.ok_or(NO_ORDER)?;
     let sculpture = get_kept(tx, &SculptureId(order.sculpture), now)?;
     Ok((order, sculpture))
 }
 
-fn orders_of(sculpture: &[u8; 16]) -> Query {
-    Query::all::<PrintOrder>().equal("sculpture", sculpture)
+/// Finds prints that wait for the slicer: first those that wait to be printed, then those that were begun by hand.
+fn find_unsliced(tx: &mut Tx<'_>) -> Result<Vec<PrintOrder>, StoreError> {
+    let (ordered, printing) = (PrintState::Ordered, PrintState::Printing);
+    let waiting = r#"WHERE state IN (?1, ?2) AND estimate = ?3
+        ORDER BY state = ?2, changed_at, "order" LIMIT ?4"#;
+    tx.find(waiting, &[&ordered, &printing, &EstimateState::Waiting, &MAX_WORKERS])
 }
 
 const fn estimate_at_first(can_slice: bool) -> EstimateState {

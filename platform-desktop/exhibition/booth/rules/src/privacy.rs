@@ -9,9 +9,9 @@ use crate::lifecycle::subject_of_buried;
 use crate::limits::MAX_LISTED;
 use crate::records::{Announcement, AuditEntry, MailOrder, PrintOrder, Sculpture, Tombstone};
 use crate::refusal::Refusal;
-use crate::store::{Query, RowOrder, StoreError};
+use crate::store::StoreError;
 use crate::time::BoothTime;
-use crate::value::Field as _;
+use crate::value::ToValue;
 
 /// What is known under a badge.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
@@ -43,20 +43,19 @@ impl Booth {
     /// # Errors
     /// Those of the store.
     pub fn list_known(&self, badge: BadgeNumber) -> Result<BadgeRecords, Refusal> {
-        let number = badge.get();
         self.view(|tx| {
-            let kept = Query::all::<Sculpture>().equal("badge", &number);
-            let kept = kept.ordered("received_at", RowOrder::Descending).first(MAX_LISTED);
+            let values: [&dyn ToValue; 2] = [&badge.get(), &MAX_LISTED];
+            let kept = "WHERE badge = ?1 ORDER BY received_at DESC, id LIMIT ?2";
             let mut sculptures = Vec::new();
-            for sculpture in tx.find::<Sculpture>(&kept)? {
+            for sculpture in tx.find::<Sculpture>(kept, &values)? {
                 sculptures.push(list_of(tx, sculpture)?);
             }
-            let announced = Query::all::<Announcement>().equal("badge", &number);
-            let deleted = Query::all::<Tombstone>().equal("badge", &number);
+            let announced = "WHERE badge = ?1 ORDER BY headset, sculpture LIMIT ?2";
+            let deleted = "WHERE badge = ?1 ORDER BY id LIMIT ?2";
             Ok(BadgeRecords {
                 sculptures,
-                announced: tx.find(&announced.first(MAX_LISTED))?,
-                deleted: tx.find(&deleted.first(MAX_LISTED))?,
+                announced: tx.find(announced, &values)?,
+                deleted: tx.find(deleted, &values)?,
             })
         })
     }
@@ -72,17 +71,12 @@ impl Booth {
         now: BoothTime,
     ) -> Result<Vec<SculptureId>, Refusal> {
         let deleted = self.update(|tx| {
-            let kept: Vec<Sculpture> =
-                tx.find(&Query::all::<Sculpture>().equal("badge", &badge.get()))?;
+            let kept: Vec<Sculpture> = tx.find("WHERE badge = ?1 ORDER BY id", &[&badge.get()])?;
             for sculpture in &kept {
                 self.bury(tx, sculpture, now)?;
                 note(tx, now, Some(account), "delete", subject_of_buried(sculpture))?;
             }
-            let announced = Query::all::<Announcement>().equal("badge", &badge.get());
-            for announced in tx.find::<Announcement>(&announced)? {
-                let key = [announced.headset.to_value(), announced.sculpture.to_value()];
-                tx.remove::<Announcement>(&key)?;
-            }
+            tx.run("DELETE FROM announcements WHERE badge = ?1", &[&badge.get()])?;
             Ok(kept.iter().map(|sculpture| SculptureId(sculpture.id)).collect())
         })?;
         self.remove_buried_files()?;
@@ -91,13 +85,12 @@ impl Booth {
 }
 
 fn list_of(tx: &mut Tx<'_>, sculpture: Sculpture) -> Result<SculptureRecords, StoreError> {
-    let mails = Query::all::<MailOrder>().equal("sculpture", &sculpture.id);
-    let prints = Query::all::<PrintOrder>().equal("sculpture", &sculpture.id);
-    let audit = Query::all::<AuditEntry>().equal("sculpture", &Some(sculpture.id));
+    let orders = r#"WHERE sculpture = ?1 ORDER BY "order""#;
+    let audit = "WHERE sculpture = ?1 ORDER BY at, number LIMIT ?2";
     Ok(SculptureRecords {
-        mails: tx.find(&mails)?,
-        prints: tx.find(&prints)?,
-        audit: tx.find(&audit.ordered("at", RowOrder::Ascending).first(MAX_LISTED))?,
+        mails: tx.find(orders, &[&sculpture.id])?,
+        prints: tx.find(orders, &[&sculpture.id])?,
+        audit: tx.find(audit, &[&sculpture.id, &MAX_LISTED])?,
         sculpture,
     })
 }

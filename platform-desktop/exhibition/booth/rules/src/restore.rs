@@ -10,12 +10,11 @@ use crate::lifecycle::kept_name;
 use crate::mail::fail_queued_mails;
 use crate::parcel_files::KeptPart;
 use crate::reason::Reason;
-use crate::records::{Sculpture, StaffSession, Tombstone};
+use crate::records::{Sculpture, Tombstone};
 use crate::refusal::Refusal;
-use crate::store::{Query, StoreError};
+use crate::store::StoreError;
 use crate::time::BoothTime;
 use crate::upload::remove_announcements;
-use crate::value::Field as _;
 
 /// What was done to a copy.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -47,7 +46,7 @@ impl Booth {
     ) -> Result<RestoreReport, Refusal> {
         let report = self.update(|tx| {
             let mut report = RestoreReport {
-                sculptures: tx.count_rows(&Query::all::<Sculpture>())?,
+                sculptures: tx.count::<Sculpture>("", &[])?,
                 ..RestoreReport::default()
             };
             for deletion in deletions {
@@ -55,9 +54,7 @@ impl Booth {
             }
             restore_badges(tx, copied_at, now)?;
             report.mails = fail_queued_mails(tx, MAYBE_SENT)?;
-            for session in tx.find::<StaffSession>(&Query::all::<StaffSession>())? {
-                tx.remove::<StaffSession>(&[session.token_hash.to_value()])?;
-            }
+            tx.run("DELETE FROM staff_sessions", &[])?;
             self.check_files(tx)?;
             note(tx, now, None, "restore", Subject::default())?;
             Ok(report)
@@ -72,14 +69,14 @@ impl Booth {
         deletion: &Deletion,
         report: &mut RestoreReport,
     ) -> Result<(), StoreError> {
-        let key = [deletion.id.0.to_value()];
-        if let Some(sculpture) = tx.get::<Sculpture>(&key)? {
+        let id = deletion.id.0;
+        if let Some(sculpture) = tx.get::<Sculpture>(&[&id])? {
             report.deleted += 1;
             return self.bury(tx, &sculpture, deletion.deleted_at);
         }
         // In the copy it may not have come yet.
-        remove_announcements(tx, &deletion.id.0)?;
-        if tx.get::<Tombstone>(&key)?.is_none() {
+        remove_announcements(tx, &id)?;
+        if tx.get::<Tombstone>(&[&id])?.is_none() {
             report.tombstones += 1;
             tx.put(&self.make_tombstone(deletion))?;
         }
@@ -93,7 +90,7 @@ impl Booth {
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(false),
             Err(error) => Err(Refusal::Files(error)),
         };
-        for mut sculpture in tx.find::<Sculpture>(&Query::all::<Sculpture>())? {
+        for mut sculpture in tx.find::<Sculpture>("", &[])? {
             let name = |part| kept_name(&sculpture.id, &sculpture.hash, part);
             if !is_there(name(KeptPart::Sculpture))? {
                 return Err(Refusal::Conflict(Reason::FileMissing));

@@ -10,9 +10,8 @@ use crate::limits::{SESSION_IDLE, SESSION_LIFE};
 use crate::reason::{Expected, Reason};
 use crate::records::{Account, StaffRole, StaffSession};
 use crate::refusal::Refusal;
-use crate::store::{Query, StoreError};
+use crate::store::StoreError;
 use crate::time::BoothTime;
-use crate::value::Field as _;
 
 /// How much a session's last use may be behind: more often it isn't written down.
 const USE_STEP: Duration = Duration::from_secs(60);
@@ -65,7 +64,7 @@ impl Booth {
     /// # Errors
     /// Those of the store.
     pub fn has_accounts(&self) -> Result<bool, Refusal> {
-        Ok(self.count(&Query::all::<Account>())? > 0)
+        Ok(self.count::<Account>("", &[])? > 0)
     }
 
     /// Makes the first account, an admin's. The shell has checked the code that it printed.
@@ -80,7 +79,7 @@ impl Booth {
     ) -> Result<(), Refusal> {
         let account = make_account(name, password_hash, StaffRole::Admin)?;
         self.update(|tx| {
-            if tx.count_rows(&Query::all::<Account>())? > 0 {
+            if tx.count::<Account>("", &[])? > 0 {
                 return Err(Refusal::Conflict(Reason::FirstAccountThere));
             }
             tx.put(&account)?;
@@ -102,7 +101,7 @@ impl Booth {
     ) -> Result<(), Refusal> {
         let account = make_account(name, password_hash, role)?;
         self.update(|tx| {
-            if tx.get::<Account>(&[account.name.to_value()])?.is_some() {
+            if tx.get::<Account>(&[&account.name])?.is_some() {
                 return Err(Refusal::Conflict(Reason::NameTaken));
             }
             tx.put(&account)?;
@@ -123,19 +122,15 @@ impl Booth {
         now: BoothTime,
     ) -> Result<(), Refusal> {
         self.update(|tx| {
-            let account: Option<Account> = tx.get(&[name.to_owned().to_value()])?;
+            let account: Option<Account> = tx.get(&[&name])?;
             let mut account = account.ok_or(Refusal::NotFound(Reason::NoAccount))?;
             account.is_disabled = is_disabled;
             tx.put(&account)?;
-            let admins = Query::all::<Account>()
-                .equal("role", &StaffRole::Admin)
-                .equal("is_disabled", &false);
-            if tx.count_rows(&admins)? == 0 {
+            let admins = "WHERE role = ?1 AND is_disabled = 0";
+            if tx.count::<Account>(admins, &[&StaffRole::Admin])? == 0 {
                 return Err(Refusal::Conflict(Reason::LastAdmin));
             }
-            for session in sessions_of(tx, name)? {
-                tx.remove::<StaffSession>(&[session.token_hash.to_value()])?;
-            }
+            end_sessions(tx, name)?;
             let action = if is_disabled { "disable account" } else { "enable account" };
             Ok(note(tx, now, Some(by), &format!("{action} {name}"), Subject::default())?)
         })
@@ -146,7 +141,7 @@ impl Booth {
     /// # Errors
     /// Those of the store.
     pub fn list_accounts(&self) -> Result<Vec<Account>, Refusal> {
-        self.view(|tx| tx.find(&Query::all::<Account>()))
+        self.view(|tx| tx.find("ORDER BY name", &[]))
     }
 
     /// The hash of an account's password; `None` where there is none, or it is shut out.
@@ -154,7 +149,7 @@ impl Booth {
     /// # Errors
     /// Those of the store.
     pub fn password_hash(&self, name: &str) -> Result<Option<String>, Refusal> {
-        let account: Option<Account> = self.view(|tx| tx.get(&[name.to_owned().to_value()]))?;
+        let account: Option<Account> = self.view(|tx| tx.get(&[&name]))?;
         Ok(account.filter(|account| !account.is_disabled).map(|account| account.password_hash))
     }
 
@@ -164,10 +159,9 @@ impl Booth {
     /// Those of the store.
     pub fn log_in(&self, name: &str, bits: &SessionBits, now: BoothTime) -> Result<(), Refusal> {
         self.update(|tx| {
-            for session in sessions_of(tx, name)? {
-                if is_over(&session, now) {
-                    tx.remove::<StaffSession>(&[session.token_hash.to_value()])?;
-                }
+            let sessions: Vec<StaffSession> = tx.find("WHERE account = ?1", &[&name])?;
+            for session in sessions.iter().filter(|session| is_over(session, now)) {
+                end_session(tx, &session.token_hash)?;
             }
             tx.put(&StaffSession {
                 token_hash: hash_of(&bits.cookie).0,
@@ -185,11 +179,11 @@ impl Booth {
     /// # Errors
     /// [`Refusal::UnknownToken`] where nobody is, or not any more.
     pub fn find_login(&self, cookie: &[u8; 32], now: BoothTime) -> Result<LoggedIn, Refusal> {
-        let key = [hash_of(cookie).0.to_value()];
+        let token_hash = hash_of(cookie).0;
         let (session, account) = self.view(|tx| {
-            let session: Option<StaffSession> = tx.get(&key)?;
+            let session: Option<StaffSession> = tx.get(&[&token_hash])?;
             let account: Option<Account> = match &session {
-                Some(session) => tx.get(&[session.account.to_value()])?,
+                Some(session) => tx.get(&[&session.account])?,
                 None => None,
             };
             Ok((session, account))
@@ -201,9 +195,9 @@ impl Booth {
         };
         if now.since(session.used_at) >= USE_STEP {
             self.update(|tx| {
-                let Some(mut session) = tx.get::<StaffSession>(&key)? else { return Ok(()) };
-                session.used_at = now;
-                Ok(tx.put(&session)?)
+                let used = "UPDATE staff_sessions SET used_at = ?1 WHERE token_hash = ?2";
+                tx.run(used, &[&now, &token_hash])?;
+                Ok(())
             })?;
         }
         let form_token = session.form_token;
@@ -215,8 +209,7 @@ impl Booth {
     /// # Errors
     /// Those of the store.
     pub fn log_out(&self, cookie: &[u8; 32]) -> Result<(), Refusal> {
-        let key = [hash_of(cookie).0.to_value()];
-        self.update(|tx| Ok(tx.remove::<StaffSession>(&key)?))
+        self.update(|tx| Ok(end_session(tx, &hash_of(cookie).0)?))
     }
 }
 
@@ -229,8 +222,13 @@ fn make_account(name: &str, password_hash: &str, role: StaffRole) -> Result<Acco
     Ok(Account { name, password_hash, role, is_disabled: false })
 }
 
-pub(crate) fn sessions_of(tx: &mut Tx<'_>, name: &str) -> Result<Vec<StaffSession>, StoreError> {
-    tx.find(&Query::all::<StaffSession>().equal("account", &name.to_owned()))
+/// Ends all logins of an account.
+pub(crate) fn end_sessions(tx: &mut Tx<'_>, name: &str) -> Result<(), StoreError> {
+    tx.run("DELETE FROM staff_sessions WHERE account = ?1", &[&name]).map(drop)
+}
+
+fn end_session(tx: &mut Tx<'_>, token_hash: &[u8; 32]) -> Result<(), StoreError> {
+    tx.run("DELETE FROM staff_sessions WHERE token_hash = ?1", &[token_hash]).map(drop)
 }
 
 fn is_over(session: &StaffSession, now: BoothTime) -> bool {

@@ -1,109 +1,53 @@
-//! Where records are kept: a database of transactions, of which this crate needs to know no more than this.
+//! The database that records are stored in, as the rules see it: transactions of SQL statements.
+//!
+//! The statements are in the SQL that SQLite and PostgreSQL have in common, with parameters `?1`, `?2`. A text with a NUL
+//! is stored nowhere, as PostgreSQL has none: such a parameter matches no row, and [`put`](Transaction#method.put) refuses it.
 
-use crate::table::{Record, Row, Table};
-use crate::value::{Field, Value};
+use crate::record::{Record, Row};
+use crate::records::SCHEMA_VERSION;
+use crate::value::{ToValue, Value};
 
 /// How often [`update`] tries work that is in conflict with another transaction's.
 const MOST_TRIES: u32 = 16;
 
-/// A database with the tables of [`TABLES`](crate::records::TABLES).
+/// A database with the tables of [`SCHEMA`](crate::records::SCHEMA).
 pub trait Store: Send + Sync {
-    /// Begins a transaction. It sees what was committed before, and its own changes; nobody sees these before they are
-    /// committed. Dropped, it leaves no trace. Transactions that are committed are as if one came after the other.
+    /// Begins a transaction. Transactions are serializable: those that commit are as if one came after the other. A
+    /// transaction that is dropped is rolled back.
     ///
     /// # Errors
-    /// What the database says.
+    /// The database's error.
     fn begin(&self, access: Access) -> Result<Box<dyn Transaction + '_>, StoreError>;
 }
 
 /// What a transaction may do.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Access {
-    /// Look. Nothing is ever committed.
+    /// Read. Statements that write fail.
     Read,
-    /// Change.
+    /// Read and write.
     Write,
 }
 
 /// A transaction of a [`Store`].
 pub trait Transaction {
-    /// The row of a key.
+    /// Runs a statement, and returns the rows that it finds or has in its `RETURNING`.
     ///
     /// # Errors
-    /// What the database says.
-    fn get_row(&mut self, table: &'static Table, key: &[Value]) -> Result<Option<Row>, StoreError>;
+    /// The database's error, or that this transaction may only read.
+    fn query(&mut self, sql: &str, values: &[Value]) -> Result<Vec<Row>, StoreError>;
 
-    /// Rows, in the query's order.
+    /// Commits. The changes outlive a power cut from when this returns.
     ///
     /// # Errors
-    /// What the database says.
-    fn find_rows(&mut self, query: &Query) -> Result<Vec<Row>, StoreError>;
-
-    /// How many rows a query finds, without regard to its limit.
-    ///
-    /// # Errors
-    /// What the database says.
-    fn count_rows(&mut self, query: &Query) -> Result<u64, StoreError>;
-
-    /// Keeps a row, instead of that with its key if there is one.
-    ///
-    /// # Errors
-    /// What the database says, as that this transaction may only read.
-    fn put_row(&mut self, table: &'static Table, row: Row) -> Result<(), StoreError>;
-
-    /// Removes the row of a key, if there is one.
-    ///
-    /// # Errors
-    /// What the database says, as that this transaction may only read.
-    fn remove_row(&mut self, table: &'static Table, key: &[Value]) -> Result<(), StoreError>;
-
-    /// Makes all changes at once. They outlive a power cut from when this returns.
-    ///
-    /// # Errors
-    /// What the database says. Then nothing was changed; or, where the link to it broke, all or nothing.
+    /// The database's error. Then nothing was changed; or, where the link to it broke, all or nothing.
     fn commit(self: Box<Self>) -> Result<(), StoreError>;
 
-    /// Whether a call failed with [`StoreError::Conflict`], after which it can't be committed any more. Never, where
-    /// no other transaction changes anything meanwhile.
+    /// Returns `true` if a call failed with [`StoreError::Conflict`], after which the transaction can't be committed. Never
+    /// where no other transaction writes meanwhile.
     fn is_in_conflict(&self) -> bool {
         false
     }
-}
-
-/// Which rows to find.
-#[derive(Clone, Debug)]
-pub struct Query {
-    /// Where.
-    pub table: &'static Table,
-    /// All of these hold.
-    pub conditions: Vec<Condition>,
-    /// By which column the rows are ordered, and then by their key.
-    pub order: Option<(&'static str, RowOrder)>,
-    /// How many are found at most.
-    pub limit: usize,
-}
-
-/// What holds of a column: its name, and the value that it is compared with. Nothing compares with [`Value::Null`]
-/// but by [`Condition::Equal`].
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub enum Condition {
-    /// It is this, or holds nothing where this is [`Value::Null`].
-    Equal(&'static str, Value),
-    /// It is less than this.
-    Below(&'static str, Value),
-    /// It is this or more.
-    AtLeast(&'static str, Value),
-    /// It holds something.
-    Present(&'static str),
-}
-
-/// Which rows come first.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum RowOrder {
-    /// Those of the least.
-    Ascending,
-    /// Those of the greatest.
-    Descending,
 }
 
 /// Why a store failed.
@@ -112,120 +56,118 @@ pub enum StoreError {
     /// Another transaction changed what this one is about: it is tried again.
     #[error("others changed the same records too often")]
     Conflict,
-    /// A row that was kept is no record.
-    #[error("table {table}, column {column}: a value that was never kept there")]
+    /// A row that was stored is no record.
+    #[error("table {table}, column {column}: a value that was never stored there")]
     BadRow {
-        /// Where.
+        /// The table.
         table: &'static str,
-        /// What of it.
+        /// The column.
         column: &'static str,
     },
-    /// What the database says.
+    /// The tables have another version.
+    #[error(
+        "the database: its tables have version {0}, and this program reads version {SCHEMA_VERSION}; \
+         start it on a new folder or database, or run the program that made this one"
+    )]
+    OtherVersion(i64),
+    /// The database's error.
     #[error("the database: {0}")]
     Failed(Box<dyn std::error::Error + Send + Sync>),
 }
 
-impl Query {
-    /// All rows of records of a type.
-    #[must_use]
-    pub fn all<R: Record>() -> Self {
-        Query { table: R::TABLE, conditions: Vec::new(), order: None, limit: usize::MAX }
-    }
-
-    /// Those of them that have this in a column.
-    #[must_use]
-    pub fn equal(mut self, column: &'static str, value: &impl Field) -> Self {
-        self.conditions.push(Condition::Equal(column, value.to_value()));
-        self
-    }
-
-    /// Those of them that hold nothing in a column.
-    #[must_use]
-    pub fn absent(mut self, column: &'static str) -> Self {
-        self.conditions.push(Condition::Equal(column, Value::Null));
-        self
-    }
-
-    /// Those of them that hold something in a column.
-    #[must_use]
-    pub fn present(mut self, column: &'static str) -> Self {
-        self.conditions.push(Condition::Present(column));
-        self
-    }
-
-    /// Those of them that have less than this in a column.
-    #[must_use]
-    pub fn below(mut self, column: &'static str, value: &impl Field) -> Self {
-        self.conditions.push(Condition::Below(column, value.to_value()));
-        self
-    }
-
-    /// Those of them that have this or more in a column.
-    #[must_use]
-    pub fn at_least(mut self, column: &'static str, value: &impl Field) -> Self {
-        self.conditions.push(Condition::AtLeast(column, value.to_value()));
-        self
-    }
-
-    /// In this order.
-    #[must_use]
-    pub fn ordered(mut self, column: &'static str, order: RowOrder) -> Self {
-        self.order = Some((column, order));
-        self
-    }
-
-    /// The first `count` of them.
-    #[must_use]
-    pub fn first(mut self, count: usize) -> Self {
-        self.limit = count;
-        self
-    }
-}
-
 impl dyn Transaction + '_ {
-    /// The record of a key, which has the fields that the table's key has.
+    /// Runs a statement, and returns the rows that it finds or has in its `RETURNING`.
     ///
     /// # Errors
-    /// What the database says, or that the row is no such record.
-    pub fn get<R: Record>(&mut self, key: &[Value]) -> Result<Option<R>, StoreError> {
-        self.get_row(R::TABLE, key)?.as_deref().map(read_record).transpose()
+    /// The database's error.
+    pub fn run(&mut self, sql: &str, values: &[&dyn ToValue]) -> Result<Vec<Row>, StoreError> {
+        let values: Vec<Value> = values.iter().map(|value| value.to_value()).collect();
+        self.query(sql, &values)
     }
 
-    /// The records that a query finds. Its table is theirs.
+    /// Finds records: `rest` is what follows `SELECT ... FROM table`.
     ///
     /// # Errors
-    /// What the database says, or that a row is no such record.
-    pub fn find<R: Record>(&mut self, query: &Query) -> Result<Vec<R>, StoreError> {
-        self.find_rows(query)?.iter().map(|row| read_record(row)).collect()
+    /// The database's error, or that a row is no such record.
+    pub fn find<R: Record>(
+        &mut self,
+        rest: &str,
+        values: &[&dyn ToValue],
+    ) -> Result<Vec<R>, StoreError> {
+        let sql = format!("SELECT {} FROM {} {rest}", R::COLUMNS, R::TABLE);
+        let read =
+            |row| R::from_row(row).map_err(|column| StoreError::BadRow { table: R::TABLE, column });
+        self.run(&sql, values)?.into_iter().map(read).collect()
     }
 
-    /// The first record that a query finds.
+    /// Finds the first record: `rest` is what follows `SELECT ... FROM table`, without a limit.
     ///
     /// # Errors
-    /// What the database says, or that the row is no such record.
-    pub fn find_first<R: Record>(&mut self, query: Query) -> Result<Option<R>, StoreError> {
-        Ok(self.find(&query.first(1))?.pop())
+    /// The database's error, or that the row is no such record.
+    pub fn find_first<R: Record>(
+        &mut self,
+        rest: &str,
+        values: &[&dyn ToValue],
+    ) -> Result<Option<R>, StoreError> {
+        Ok(self.find(&format!("{rest} LIMIT 1"), values)?.pop())
     }
 
-    /// Keeps a record, instead of that with its key if there is one.
+    /// Counts records: `rest` is what follows `SELECT count(*) FROM table`.
     ///
     /// # Errors
-    /// What the database says.
+    /// The database's error.
+    pub fn count<R: Record>(
+        &mut self,
+        rest: &str,
+        values: &[&dyn ToValue],
+    ) -> Result<u64, StoreError> {
+        let rows = self.run(&format!("SELECT count(*) FROM {} {rest}", R::TABLE), values)?;
+        match rows.first().map(Vec::as_slice) {
+            Some([Value::Number(count)]) => Ok(count.cast_unsigned()),
+            _ => Ok(0),
+        }
+    }
+
+    /// Gets the record with a primary key.
+    ///
+    /// # Errors
+    /// The database's error, or that the row is no such record.
+    pub fn get<R: Record>(&mut self, key: &[&dyn ToValue]) -> Result<Option<R>, StoreError> {
+        let columns = R::COLUMNS.split(", ").take(R::KEY_COLUMNS).zip(1..);
+        let terms: Vec<String> = columns.map(|(name, k)| format!("{name} = ?{k}")).collect();
+        Ok(self.find(&format!("WHERE {}", terms.join(" AND ")), key)?.pop())
+    }
+
+    /// Inserts a record, or replaces the one with its primary key.
+    ///
+    /// # Errors
+    /// The database's error, that a value of a unique column is another record's, or that a text has a NUL in it.
     pub fn put<R: Record>(&mut self, record: &R) -> Result<(), StoreError> {
-        self.put_row(R::TABLE, record.to_row())
-    }
-
-    /// Removes the record of a key, if there is one.
-    ///
-    /// # Errors
-    /// What the database says.
-    pub fn remove<R: Record>(&mut self, key: &[Value]) -> Result<(), StoreError> {
-        self.remove_row(R::TABLE, key)
+        let row = record.to_row();
+        if row.iter().any(has_nul) {
+            return Err(StoreError::Failed(format!("{}: a text with a NUL", R::TABLE).into()));
+        }
+        let (table, columns) = (R::TABLE, R::COLUMNS);
+        let places: Vec<String> = (1..=row.len()).map(|k| format!("?{k}")).collect();
+        let key: Vec<&str> = columns.split(", ").take(R::KEY_COLUMNS).collect();
+        let sql = format!(
+            "INSERT INTO {table} ({columns}) VALUES ({}) \
+             ON CONFLICT ({}) DO UPDATE SET ({columns}) = (excluded.{})",
+            places.join(", "),
+            key.join(", "),
+            columns.replace(", ", ", excluded.")
+        );
+        self.query(&sql, &row).map(drop)
     }
 }
 
-/// Does work in a transaction, which is committed if the work succeeds, and tried again where another one was in
-/// its way.
+/// Returns `true` for a text that no row has.
+#[must_use]
+pub fn has_nul(value: &Value) -> bool {
+    matches!(value, Value::Text(text) if text.contains('\0'))
+}
+
+/// Does work in a transaction, which is committed if the work succeeds, and tried again after a conflict.
 ///
 /// # Errors
 /// The work's, or the store's. Then nothing was changed.
@@ -242,7 +184,7 @@ pub fn update<T, E: From<StoreError>>(
                 Err(StoreError::Conflict) if tries < MOST_TRIES => {}
                 Err(error) => return Err(error.into()),
             },
-            // What the work makes of a conflict doesn't count: it saw what it couldn't change.
+            // The work's result doesn't count after a conflict: it saw what it couldn't change.
             Err(_) if transaction.is_in_conflict() && tries < MOST_TRIES => {}
             Err(error) => return Err(error),
         }
@@ -250,7 +192,7 @@ pub fn update<T, E: From<StoreError>>(
     }
 }
 
-/// Looks at what a store holds.
+/// Does work in a transaction that only reads.
 ///
 /// # Errors
 /// The work's, or the store's.
@@ -259,8 +201,4 @@ pub fn view<T, E: From<StoreError>>(
     work: impl FnOnce(&mut (dyn Transaction + '_)) -> Result<T, E>,
 ) -> Result<T, E> {
     work(store.begin(Access::Read)?.as_mut())
-}
-
-fn read_record<R: Record>(row: &[Value]) -> Result<R, StoreError> {
-    R::from_row(row).map_err(|column| StoreError::BadRow { table: R::TABLE.name, column })
 }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::value::{ColumnKind, Field, Value};
+use crate::value::field;
 
 /// A day.
 pub(crate) const DAY: Duration = Duration::from_secs(DAY_SECONDS);
@@ -47,16 +47,7 @@ impl BoothTime {
     }
 }
 
-impl Field for BoothTime {
-    const KIND: ColumnKind = ColumnKind::Number;
-
-    fn to_value(&self) -> Value {
-        // The greatest time that is greater than all others in a database too.
-        Value::Number(i64::try_from(self.0).unwrap_or(i64::MAX))
-    }
-
-    fn from_value(value: &Value) -> Option<Self> {
-        let Value::Number(number) = value else { return None };
-        u64::try_from(*number).ok().map(BoothTime)
-    }
-}
+// The latest time is later than all others in a database too, whose integers are signed.
+field!(BoothTime as Number,
+    this => i64::try_from(this.0).unwrap_or(i64::MAX),
+    number => number.try_into().ok().map(BoothTime));

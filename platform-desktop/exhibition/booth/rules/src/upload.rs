@@ -8,11 +8,10 @@ use crate::audit::{Subject, note};
 use crate::booth::{Booth, Tx};
 use crate::parcel_files::{KeptName, KeptPart};
 use crate::reason::Reason;
-use crate::records::{Announcement, Device, ExportState, Sculpture, Tombstone};
+use crate::records::{Device, ExportState, Sculpture, Tombstone};
 use crate::refusal::Refusal;
-use crate::store::{Query, StoreError, view};
+use crate::store::{StoreError, view};
 use crate::time::BoothTime;
-use crate::value::Field as _;
 
 /// The outcome of a parcel that staff copied from a headset.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -86,7 +85,7 @@ impl Booth {
     /// # Errors
     /// No headset has it; those of the store.
     pub fn check_headset(&self, headset: u32) -> Result<(), Refusal> {
-        let device: Option<Device> = self.view(|tx| tx.get(&[headset.to_value()]))?;
+        let device: Option<Device> = self.view(|tx| tx.get(&[&headset]))?;
         device.map(drop).ok_or(Refusal::NotFound(Reason::NoHeadset))
     }
 
@@ -142,10 +141,9 @@ fn find_outcome(
     id: SculptureId,
     hash: ContentHash,
 ) -> Result<Option<ParcelOutcome>, Refusal> {
-    let key = [id.0.to_value()];
-    let (known, outcome) = if let Some(kept) = tx.get::<Sculpture>(&key)? {
+    let (known, outcome) = if let Some(kept) = tx.get::<Sculpture>(&[&id.0])? {
         (kept.hash, ParcelOutcome::Kept)
-    } else if let Some(deleted) = tx.get::<Tombstone>(&key)? {
+    } else if let Some(deleted) = tx.get::<Tombstone>(&[&id.0])? {
         (deleted.hash, ParcelOutcome::Deleted)
     } else {
         return Ok(None);
@@ -155,12 +153,7 @@ fn find_outcome(
 
 /// Removes the announcements of a sculpture, of whichever headset: a device may have enrolled again meanwhile.
 pub(crate) fn remove_announcements(tx: &mut Tx<'_>, id: &[u8; 16]) -> Result<(), StoreError> {
-    for announced in
-        tx.find::<Announcement>(&Query::all::<Announcement>().equal("sculpture", id))?
-    {
-        tx.remove::<Announcement>(&[announced.headset.to_value(), id.to_value()])?;
-    }
-    Ok(())
+    tx.run("DELETE FROM announcements WHERE sculpture = ?1", &[id]).map(drop)
 }
 
 /// Checks that a file is a parcel of a sculpture.

@@ -1,11 +1,11 @@
-//! What a column of a table holds, and how a field of a record becomes that and back.
+//! Values of a database's columns, and the types of fields that are stored as them.
 
-/// A value of a column. A database needs to know these four and nothing of records.
-#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+/// A value of a column.
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Value {
-    /// Nothing; less than all others.
+    /// NULL.
     Null,
-    /// A number. What is more than `i64` has is kept by its bits.
+    /// An integer. A `u64` is stored by its bits.
     Number(i64),
     /// Bytes.
     Bytes(Vec<u8>),
@@ -13,127 +13,67 @@ pub enum Value {
     Text(String),
 }
 
-/// What the values of a column are.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum ColumnKind {
-    /// [`Value::Number`].
-    Number,
-    /// [`Value::Bytes`].
-    Bytes,
-    /// [`Value::Text`].
-    Text,
+/// A type that can be a parameter of a statement.
+pub trait ToValue {
+    /// Returns the value that is stored.
+    fn to_value(&self) -> Value;
 }
 
 /// A type that a record may have a field of.
-pub trait Field: Sized {
-    /// Of its column.
-    const KIND: ColumnKind;
-    /// Whether its column may hold [`Value::Null`].
-    const IS_NULLABLE: bool = false;
-
-    /// The value that is kept.
-    fn to_value(&self) -> Value;
-
-    /// What was kept as this value; `None` where nothing was.
-    fn from_value(value: &Value) -> Option<Self>;
+pub trait Field: ToValue + Sized {
+    /// Reads a stored value; `None` if it isn't one of this type.
+    fn from_value(value: Value) -> Option<Self>;
 }
 
-macro_rules! small_numbers {
-    ($($t:ident)*) => {$(
-        impl Field for $t {
-            const KIND: ColumnKind = ColumnKind::Number;
-
-            fn to_value(&self) -> Value {
-                Value::Number(i64::from(*self))
-            }
-
-            fn from_value(value: &Value) -> Option<Self> {
-                let Value::Number(number) = value else { return None };
-                $t::try_from(*number).ok()
+/// Makes a type a [`Field`]: `field!(TYPE as CASE, this => STORED, stored => READ)`.
+macro_rules! field {
+    ($Type:ty as $Case:ident, $this:ident => $to:expr, $stored:ident => $from:expr) => {
+        impl $crate::value::ToValue for $Type {
+            fn to_value(&self) -> $crate::value::Value {
+                let $this = self;
+                $crate::value::Value::$Case($to)
             }
         }
-    )*};
-}
 
-small_numbers! { u8 u16 u32 }
-
-impl Field for u64 {
-    const KIND: ColumnKind = ColumnKind::Number;
-
-    fn to_value(&self) -> Value {
-        Value::Number(self.cast_signed())
-    }
-
-    fn from_value(value: &Value) -> Option<Self> {
-        let Value::Number(number) = value else { return None };
-        Some(number.cast_unsigned())
-    }
-}
-
-impl Field for bool {
-    const KIND: ColumnKind = ColumnKind::Number;
-
-    fn to_value(&self) -> Value {
-        Value::Number(i64::from(*self))
-    }
-
-    fn from_value(value: &Value) -> Option<Self> {
-        match value {
-            Value::Number(0) => Some(false),
-            Value::Number(1) => Some(true),
-            _ => None,
+        impl $crate::value::Field for $Type {
+            fn from_value(value: $crate::value::Value) -> Option<Self> {
+                match value {
+                    $crate::value::Value::$Case($stored) => $from,
+                    _ => None,
+                }
+            }
         }
-    }
+    };
 }
 
-impl Field for String {
-    const KIND: ColumnKind = ColumnKind::Text;
+field!(u8 as Number, this => i64::from(*this), number => number.try_into().ok());
+field!(u16 as Number, this => i64::from(*this), number => number.try_into().ok());
+field!(u32 as Number, this => i64::from(*this), number => number.try_into().ok());
+field!(u64 as Number, this => this.cast_signed(), number => Some(number.cast_unsigned()));
+field!(bool as Number, this => i64::from(*this), number => [false, true].get(usize::try_from(number).ok()?).copied());
+field!(String as Text, this => this.clone(), text => Some(text));
+field!(Vec<u8> as Bytes, this => this.clone(), bytes => Some(bytes));
 
+impl<const N: usize> ToValue for [u8; N] {
     fn to_value(&self) -> Value {
-        Value::Text(self.clone())
-    }
-
-    fn from_value(value: &Value) -> Option<Self> {
-        let Value::Text(text) = value else { return None };
-        Some(text.clone())
-    }
-}
-
-impl Field for Vec<u8> {
-    const KIND: ColumnKind = ColumnKind::Bytes;
-
-    fn to_value(&self) -> Value {
-        Value::Bytes(self.clone())
-    }
-
-    fn from_value(value: &Value) -> Option<Self> {
-        let Value::Bytes(bytes) = value else { return None };
-        Some(bytes.clone())
+        Value::Bytes(self.to_vec())
     }
 }
 
 impl<const N: usize> Field for [u8; N] {
-    const KIND: ColumnKind = ColumnKind::Bytes;
-
-    fn to_value(&self) -> Value {
-        Value::Bytes(self.to_vec())
+    fn from_value(value: Value) -> Option<Self> {
+        Vec::from_value(value)?.try_into().ok()
     }
+}
 
-    fn from_value(value: &Value) -> Option<Self> {
-        let Value::Bytes(bytes) = value else { return None };
-        bytes.as_slice().try_into().ok()
+impl<T: ToValue> ToValue for Option<T> {
+    fn to_value(&self) -> Value {
+        self.as_ref().map_or(Value::Null, ToValue::to_value)
     }
 }
 
 impl<T: Field> Field for Option<T> {
-    const KIND: ColumnKind = T::KIND;
-    const IS_NULLABLE: bool = true;
-
-    fn to_value(&self) -> Value {
-        self.as_ref().map_or(Value::Null, Field::to_value)
-    }
-
-    fn from_value(value: &Value) -> Option<Self> {
+    fn from_value(value: Value) -> Option<Self> {
         match value {
             Value::Null => Some(None),
             value => T::from_value(value).map(Some),
@@ -141,7 +81,26 @@ impl<T: Field> Field for Option<T> {
     }
 }
 
-/// An enum of single cases that is kept as its number, which never changes.
+impl ToValue for &str {
+    fn to_value(&self) -> Value {
+        Value::Text((*self).to_owned())
+    }
+}
+
+impl ToValue for &[u8] {
+    fn to_value(&self) -> Value {
+        Value::Bytes(self.to_vec())
+    }
+}
+
+/// A limit of rows.
+impl ToValue for usize {
+    fn to_value(&self) -> Value {
+        Value::Number(i64::try_from(*self).unwrap_or(i64::MAX))
+    }
+}
+
+/// An enum of single cases that is stored as its number, which never changes.
 macro_rules! stored_enum {
     (
         $(#[$about:meta])*
@@ -152,21 +111,11 @@ macro_rules! stored_enum {
         #[repr(u8)]
         pub enum $Name { $($(#[$about_case])* $Case = $number,)* }
 
-        impl $crate::value::Field for $Name {
-            const KIND: $crate::value::ColumnKind = $crate::value::ColumnKind::Number;
-
-            fn to_value(&self) -> $crate::value::Value {
-                $crate::value::Value::Number(*self as i64)
-            }
-
-            fn from_value(value: &$crate::value::Value) -> Option<Self> {
-                match value {
-                    $($crate::value::Value::Number($number) => Some($Name::$Case),)*
-                    _ => None,
-                }
-            }
-        }
+        $crate::value::field!($Name as Number, this => *this as i64, number => match number {
+            $($number => Some($Name::$Case),)*
+            _ => None,
+        });
     };
 }
 
-pub(crate) use stored_enum;
+pub(crate) use {field, stored_enum};

@@ -2,12 +2,11 @@
 //! one that dies the others take it over.
 
 use crate::booth::{Booth, Tx};
-use crate::limits::{SWEEP_BATCH, WORK_LIFE};
+use crate::limits::WORK_LIFE;
 use crate::records::{WorkKind, WorkLease};
 use crate::refusal::Refusal;
-use crate::store::{Query, StoreError};
+use crate::store::StoreError;
 use crate::time::BoothTime;
-use crate::value::Field as _;
 
 impl Booth {
     /// The same booth as one of several on the same records. `worker` is random bits.
@@ -23,9 +22,7 @@ impl Booth {
     /// Those of the store.
     pub fn drop_leases(&self) -> Result<(), Refusal> {
         self.update(|tx| {
-            for lease in tx.find::<WorkLease>(&Query::all::<WorkLease>())? {
-                end_work(tx, lease.kind, &lease.subject)?;
-            }
+            tx.run("DELETE FROM work_leases", &[])?;
             Ok(())
         })
     }
@@ -70,7 +67,7 @@ impl Booth {
         kind: WorkKind,
         subject: &[u8],
     ) -> Result<bool, StoreError> {
-        let lease: Option<WorkLease> = tx.get(&[kind.to_value(), subject.to_vec().to_value()])?;
+        let lease: Option<WorkLease> = tx.get(&[&kind, &subject])?;
         Ok(lease.is_some_and(|lease| lease.worker == self.worker))
     }
 
@@ -82,9 +79,8 @@ impl Booth {
         subject: &[u8],
         now: BoothTime,
     ) -> Result<bool, StoreError> {
-        let subject = subject.to_vec();
         let until = now.after(WORK_LIFE);
-        let lease: Option<WorkLease> = tx.get(&[kind.to_value(), subject.to_value()])?;
+        let lease: Option<WorkLease> = tx.get(&[&kind, &subject])?;
         // Clocks of machines differ a little; one that ends far later was taken by a clock that went wrong.
         let latest = until.after(WORK_LIFE);
         let is_anothers = |lease: &WorkLease| {
@@ -93,21 +89,17 @@ impl Booth {
         if lease.as_ref().is_some_and(is_anothers) {
             return Ok(false);
         }
-        tx.put(&WorkLease { kind, subject, worker: self.worker, until })?;
+        tx.put(&WorkLease { kind, subject: subject.to_vec(), worker: self.worker, until })?;
         Ok(true)
     }
 }
 
 /// Forgets leases that are over: of what is deleted nobody asks any more.
 pub(crate) fn drop_old_leases(tx: &mut Tx<'_>, now: BoothTime) -> Result<(), StoreError> {
-    let old = Query::all::<WorkLease>().below("until", &now).first(SWEEP_BATCH);
-    for lease in tx.find::<WorkLease>(&old)? {
-        end_work(tx, lease.kind, &lease.subject)?;
-    }
-    Ok(())
+    tx.run("DELETE FROM work_leases WHERE until < ?1", &[&now]).map(drop)
 }
 
 /// Ends some work, whoever did it.
 pub(crate) fn end_work(tx: &mut Tx<'_>, kind: WorkKind, subject: &[u8]) -> Result<(), StoreError> {
-    tx.remove::<WorkLease>(&[kind.to_value(), subject.to_vec().to_value()])
+    tx.run("DELETE FROM work_leases WHERE kind = ?1 AND subject = ?2", &[&kind, &subject]).map(drop)
 }

@@ -4,9 +4,8 @@ use super::common::*;
 use super::restore::restored;
 use paros_booth_rules::limits::{DAY_BLOCKS, LATE_DAYS, MAX_HEADSET_DAY_BLOCKS};
 use paros_booth_rules::records::{BadgeBlock, BadgeCursor, Device, Sculpture};
-use paros_booth_rules::{
-    BadgeTotals, BoothTime, Field as _, FoundByBadge, MemoryStore, Query, Transaction, update, view,
-};
+use paros_booth_rules::{BadgeTotals, BoothTime, FoundByBadge, Transaction, update, view};
+use paros_booth_sqlite::SqliteStore;
 use paros_core::badge::{BadgeNumber, LEASED_BLOCKS};
 
 /// The retention of a rig's plan, in days.
@@ -21,7 +20,7 @@ fn at_place(held: HeldBlock, next: u8) -> HeldBlock {
 }
 
 fn row(rig: &Rig, block: u16) -> Option<BadgeBlock> {
-    view(rig.store.as_ref(), |tx| tx.get(&[block.to_value()])).expect("a store")
+    view(rig.store.as_ref(), |tx| tx.get(&[&block])).expect("a store")
 }
 
 fn totals(rig: &Rig) -> (u64, u64) {
@@ -209,7 +208,7 @@ fn a_headset_gets_so_many_blocks_a_day_and_all_together_so_many() {
 }
 
 /// A booth that comes back from a backup of `copied_at`.
-fn restore(rig: &Rig, copy: MemoryStore, copied_at: BoothTime, now: BoothTime) -> Rig {
+fn restore(rig: &Rig, copy: SqliteStore, copied_at: BoothTime, now: BoothTime) -> Rig {
     let again = restored(copy, rig.files.clone());
     again.booth.make_restored(&[], copied_at, now).unwrap();
     again
@@ -371,7 +370,7 @@ fn an_upload_that_was_stuck_for_too_long_has_its_badge_lapsed() {
     assert!(row(&rig, held[0].block).is_none());
     // It has its turn again.
     let turn_back = |tx: &mut (dyn Transaction + '_)| {
-        let cursor: BadgeCursor = tx.get(&[0u8.to_value()])?.expect("blocks were leased");
+        let cursor: BadgeCursor = tx.get(&[&0u8])?.expect("blocks were leased");
         tx.put(&BadgeCursor { turn: 0, ..cursor })
     };
     update(rig.store.as_ref(), turn_back).unwrap();
@@ -383,6 +382,5 @@ fn an_upload_that_was_stuck_for_too_long_has_its_badge_lapsed() {
         None,
         "it is kept, and its badge is another's"
     );
-    let claimed = Query::all::<Sculpture>().present("claimed_badge");
-    assert_eq!(rig.booth.count(&claimed).unwrap(), 1);
+    assert_eq!(rig.booth.count::<Sculpture>("WHERE claimed_badge IS NOT NULL", &[]).unwrap(), 1);
 }

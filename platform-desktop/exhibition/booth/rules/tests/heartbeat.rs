@@ -1,9 +1,10 @@
 //! What headset and booth tell each other every two seconds.
 
 use super::common::*;
+use paros_booth_rules::BoothTime;
 use paros_booth_rules::limits::{COMMAND_LIFE, MAX_ANNOUNCED, MAX_WAITING_COMMANDS, STATUS_LIFE};
+use paros_booth_rules::records::AuditEntry;
 use paros_booth_rules::records::{CommandState, Device};
-use paros_booth_rules::{BoothTime, Query, RowOrder, view};
 use paros_core::badge::BadgeNumber;
 
 fn device_of(rig: &Rig, headset: u32) -> Device {
@@ -231,9 +232,6 @@ fn commands_go_one_by_one_and_so_many_wait() {
         beat = reporting(1, id, CommandOutcome::Done);
     }
     // Who asked is in the audit.
-    let newest = Query::all::<paros_booth_rules::records::AuditEntry>()
-        .equal("action", &"identify".to_string())
-        .ordered("number", RowOrder::Ascending);
-    let count = view(rig.store.as_ref(), |tx| tx.count_rows(&newest)).unwrap();
+    let count = rig.booth.count::<AuditEntry>("WHERE action = 'identify'", &[]).unwrap();
     assert_eq!(count, MAX_WAITING_COMMANDS);
 }

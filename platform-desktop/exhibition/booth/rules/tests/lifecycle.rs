@@ -2,7 +2,7 @@
 
 use super::common::*;
 use paros_booth_rules::records::{ExportState, MailOrder, MailState, Tombstone};
-use paros_booth_rules::{BoothPlan, KeptPart, Query, update, view};
+use paros_booth_rules::{BoothPlan, KeptPart, update};
 
 fn kept_parts(rig: &Rig) -> Vec<KeptPart> {
     rig.files.kept_names().into_iter().map(|name| name.part).collect()
@@ -51,7 +51,7 @@ fn what_is_deleted_leaves_a_tombstone_until_the_horizon() {
     rig.booth.delete(&parcel.id, "ana", START).unwrap();
     assert_eq!(status(rig.booth.find_sculpture(&parcel.id, START)), 404);
     assert_eq!(kept_parts(&rig), []);
-    let orders = view(rig.store.as_ref(), |tx| tx.count_rows(&Query::all::<MailOrder>())).unwrap();
+    let orders = rig.booth.count::<MailOrder>("", &[]).unwrap();
     assert_eq!(orders, 0, "an address stays");
     let late = rig.upload(&device, &parcel, days(49)).unwrap();
     assert_eq!(late, ParcelOutcome::Deleted);
@@ -86,8 +86,7 @@ fn a_sweep_takes_any_number() {
     }
     assert_eq!(rig.booth.sweep(days(40)).unwrap().deleted, 150);
     assert_eq!(kept_parts(&rig), []);
-    let with_files = Query::all::<Tombstone>().equal("has_files", &true);
-    assert_eq!(view(rig.store.as_ref(), |tx| tx.count_rows(&with_files)).unwrap(), 0);
+    assert_eq!(rig.booth.count::<Tombstone>("WHERE has_files = 1", &[]).unwrap(), 0);
 }
 
 #[test]

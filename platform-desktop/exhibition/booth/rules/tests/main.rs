@@ -1,4 +1,4 @@
-//! The booth's decisions over a store in memory. `platform-desktop/exhibition/booth/tests/databases` runs these modules over databases.
+//! The booth's decisions over a database in memory. `platform-desktop/exhibition/booth/tests/databases` runs these modules over databases.
 
 mod badges;
 mod common;
@@ -19,12 +19,13 @@ mod work;
 
 use std::sync::Arc;
 
-use paros_booth_rules::{MemoryStore, Store};
+use paros_booth_rules::Store;
+use paros_booth_sqlite::SqliteStore;
 
 /// Courses of events that a test tries.
 pub(crate) const PLAYS: u32 = 400;
 
 /// A store without rows.
 pub(crate) fn new_store() -> Arc<dyn Store> {
-    Arc::new(MemoryStore::new())
+    Arc::new(SqliteStore::in_memory().expect("memory"))
 }

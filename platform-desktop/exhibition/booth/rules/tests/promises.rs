@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::common::*;
 use paros_booth_rules::records::{Device, Sculpture, Tombstone};
-use paros_booth_rules::{BoothTime, KeptPart, Query, view};
+use paros_booth_rules::{BoothTime, KeptPart, view};
 use proptest::prelude::*;
 
 /// What happens next, to one of the sculptures.
@@ -125,13 +125,13 @@ impl Play {
     }
 
     fn count<R: paros_booth_rules::Record>(&self, k: u8) -> u64 {
-        let query = Query::all::<R>().equal("id", &self.parcels[usize::from(k)].id.0);
-        view(self.rig.store.as_ref(), |tx| tx.count_rows(&query)).unwrap()
+        let id = self.parcels[usize::from(k)].id.0;
+        view(self.rig.store.as_ref(), |tx| tx.count::<R>("WHERE id = ?1", &[&id])).unwrap()
     }
 
     fn check(&self) {
         let kept: Vec<Sculpture> =
-            view(self.rig.store.as_ref(), |tx| tx.find(&Query::all::<Sculpture>())).unwrap();
+            view(self.rig.store.as_ref(), |tx| tx.find("ORDER BY id", &[])).unwrap();
         for sculpture in &kept {
             assert_eq!(
                 self.rig.booth.read_kept(sculpture).expect("a record's file is there"),

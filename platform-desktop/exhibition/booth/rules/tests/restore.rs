@@ -6,12 +6,13 @@ use std::sync::Arc;
 use super::common::*;
 use paros_booth_rules::records::{MailOrder, MailState, Tombstone};
 use paros_booth_rules::{
-    Booth, BoothPlan, BoothTime, Deletion, KeptName, MemoryFiles, MemoryStore, ParcelFiles, Query,
-    SessionBits, SiteKeys, view,
+    Booth, BoothPlan, BoothTime, Deletion, KeptName, MemoryFiles, ParcelFiles, SessionBits,
+    SiteKeys, view,
 };
+use paros_booth_sqlite::SqliteStore;
 
 /// A booth of the same site on a copy, whose sculptures' files are the same.
-pub(crate) fn restored(store: MemoryStore, files: Arc<MemoryFiles>) -> Rig {
+pub(crate) fn restored(store: SqliteStore, files: Arc<MemoryFiles>) -> Rig {
     let keys = SiteKeys::new(SITE, ContentHash([6; 32]), [8; 32]);
     let plan = BoothPlan { retention_days: 30, ..BoothPlan::default() };
     let store = Arc::new(store);
@@ -51,7 +52,7 @@ fn what_was_deleted_since_is_deleted_and_the_rest_is_as_it_was() {
         assert_eq!(sent == ParcelOutcome::Kept, outcome, "{:?}", parcel.id);
     }
     let tombstones: Vec<Tombstone> =
-        view(again.store.as_ref(), |tx| tx.find(&Query::all::<Tombstone>())).unwrap();
+        view(again.store.as_ref(), |tx| tx.find("ORDER BY id", &[])).unwrap();
     let deleted_at: Vec<_> = tombstones.iter().map(|tombstone| tombstone.deleted_at).collect();
     assert_eq!(deleted_at, [seconds(5), seconds(7)], "their horizon began then");
     assert!(tombstones.iter().all(|tombstone| !tombstone.has_files));
@@ -66,7 +67,7 @@ fn a_copy_that_lacks_a_file_is_refused_unless_it_was_deleted() {
     rig.upload(&device, &parcel, START).unwrap();
     let copy = copy_of(rig.store.as_ref());
     rig.booth.delete(&parcel.id, "ana", START).unwrap();
-    let again = restored(copy.copy(), rig.files.clone());
+    let again = restored(copy_of(&copy), rig.files.clone());
     assert_eq!(status(again.booth.make_restored(&[], START, START)), 409);
     let report = again.booth.make_restored(&log_of(&rig), START, START).unwrap();
     assert_eq!(report.deleted, 1);

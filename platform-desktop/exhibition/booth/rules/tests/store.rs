@@ -1,21 +1,194 @@
-//! The store in memory does what every store does; and what is in conflict is tried again.
+//! Stores: what may differ between databases; and conflicts, after which work is tried again.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use paros_booth_rules::records::{WorkKind, WorkLease};
+use paros_booth_rules::records::{
+    Account, BadgeCursor, Device, EnrolToken, ExportState, MailOrder, MailState, Sculpture,
+    StaffRole, WorkKind, WorkLease,
+};
 use paros_booth_rules::{
-    Access, BoothTime, MemoryStore, Query, Reason, Refusal, Row, Store, StoreError, Table,
-    Transaction, Value, check_store, update, view,
+    Access, BoothTime, Reason, Refusal, Row, Store, StoreError, Transaction, Value, update, view,
 };
 
+fn must<T>(done: Result<T, StoreError>) -> T {
+    done.unwrap_or_else(|error| panic!("a store that works: {error}"))
+}
+
+fn sculpture(number: u8, claimed_badge: Option<u32>) -> Sculpture {
+    Sculpture {
+        id: [number; 16],
+        headset: 1,
+        hash: [7; 32],
+        badge: Some(1),
+        claimed_badge,
+        facts: vec![number, 0, 255],
+        received_at: BoothTime(1000),
+        keep_day: 100,
+        withdrawn_at: None,
+        has_trace: false,
+        export: ExportState::Queued,
+        link_generation: 0,
+        is_link_revoked: false,
+    }
+}
+
+fn token(number: u8, note: &str) -> EnrolToken {
+    EnrolToken {
+        token_hash: [number; 32],
+        note: note.into(),
+        expires_at: BoothTime(0),
+        uses_left: 0,
+        is_revoked: true,
+    }
+}
+
+fn all_sculptures(store: &dyn Store) -> Vec<Sculpture> {
+    must(view(store, |tx| tx.find("ORDER BY id", &[])))
+}
+
 #[test]
-fn the_store_in_memory_is_one() {
-    check_store(MemoryStore::new);
+fn the_least_and_the_greatest_values_are_kept() {
+    let store = crate::new_store();
+    for order in [0, 1, u64::MAX, u64::MAX / 2, u64::MAX / 2 + 1] {
+        let mail = MailOrder {
+            order,
+            sculpture: [255; 16],
+            address: None,
+            language: 255,
+            asked_at: BoothTime(i64::MAX as u64),
+            state: MailState::Queued,
+            tries: u32::MAX,
+            next_try_at: BoothTime(0),
+            why: String::new(),
+            keeps_address: false,
+        };
+        must(update(store.as_ref(), |tx| tx.put(&mail)));
+        assert_eq!(must(view(store.as_ref(), |tx| tx.get(&[&order]))), Some(mail));
+    }
+    let device = Device {
+        headset: 0,
+        token_hash: [0; 32],
+        hint: [0; 16],
+        name: String::new(),
+        enrolled_at: BoothTime(0),
+        revoked_at: None,
+        wiped_at: Some(BoothTime(0)),
+        seen_at: None,
+        status: (0..200_000u32).map(|k| k as u8).collect(),
+    };
+    must(update(store.as_ref(), |tx| tx.put(&device)));
+    assert_eq!(must(view(store.as_ref(), |tx| tx.get(&[&0u32]))), Some(device));
+}
+
+#[test]
+fn hostile_text_is_text_and_one_with_a_nul_is_nowhere() {
+    let store = crate::new_store();
+    for (k, text) in ["'; DROP TABLE devices; --", "\" OR 1=1", "<b>&amp;", "\u{fffd}%_\\?1", "ά"]
+        .into_iter()
+        .enumerate()
+    {
+        let token = token(k as u8, text);
+        must(update(store.as_ref(), |tx| tx.put(&token)));
+        let found = view(store.as_ref(), |tx| tx.find("WHERE note = ?1", &[&text]));
+        assert_eq!(must::<Vec<EnrolToken>>(found), [token], "{text}");
+    }
+    let put = update(store.as_ref(), |tx| tx.put(&token(9, "a\0b")));
+    assert!(put.is_err(), "a text with a NUL");
+    must(update(store.as_ref(), |tx| {
+        assert_eq!(tx.count::<EnrolToken>("WHERE note = ?1", &[&"a\0b"])?, 0);
+        assert_eq!(tx.get::<Account>(&[&"a\0b"])?, None);
+        tx.run("DELETE FROM accounts WHERE name = ?1", &[&"a\0b"])?;
+        assert_eq!(tx.count::<EnrolToken>("", &[])?, 5);
+        Ok::<_, StoreError>(())
+    }));
+}
+
+#[test]
+fn text_is_ordered_by_its_bytes() {
+    let store = crate::new_store();
+    let names = ["B", "Z", "a", "b", "z", "ά"];
+    for name in names.into_iter().rev() {
+        let (name, password_hash) = (name.to_owned(), String::new());
+        let account = Account { name, password_hash, role: StaffRole::Admin, is_disabled: false };
+        must(update(store.as_ref(), |tx| tx.put(&account)));
+    }
+    let sorted: Vec<Account> = must(view(store.as_ref(), |tx| tx.find("ORDER BY name", &[])));
+    assert!(sorted.iter().map(|account| account.name.as_str()).eq(names), "{sorted:?}");
+}
+
+#[test]
+fn a_transaction_that_is_not_committed_leaves_no_trace() {
+    let store = crate::new_store();
+    must(update(store.as_ref(), |tx| tx.put(&sculpture(1, Some(1)))));
+    let refused: Result<(), StoreError> = update(store.as_ref(), |tx| {
+        tx.put(&sculpture(2, Some(2)))?;
+        tx.put(&Sculpture { badge: None, ..sculpture(1, None) })?;
+        tx.run("DELETE FROM sculptures WHERE id = ?1", &[&[1u8; 16]])?;
+        // It sees its own changes.
+        assert_eq!(tx.find::<Sculpture>("", &[])?, [sculpture(2, Some(2))]);
+        Err(StoreError::Failed("work that fails".into()))
+    });
+    assert!(refused.is_err());
+    assert_eq!(all_sculptures(store.as_ref()), [sculpture(1, Some(1))]);
+    let put: Result<(), StoreError> = view(store.as_ref(), |tx| tx.put(&sculpture(3, None)));
+    assert!(put.is_err(), "a row was put while reading");
+    assert_eq!(all_sculptures(store.as_ref()).len(), 1);
+}
+
+#[test]
+fn values_of_another_kind_are_refused() {
+    let store = crate::new_store();
+    must(update(store.as_ref(), |tx| tx.put(&sculpture(1, None))));
+    for value in [Value::Null, Value::Text("three".into()), Value::Bytes(vec![3])] {
+        let set = "UPDATE sculptures SET headset = ?1";
+        let set = update(store.as_ref(), |tx| tx.query(set, std::slice::from_ref(&value)));
+        assert!(set.is_err(), "{value:?}");
+    }
+    assert_eq!(all_sculptures(store.as_ref()), [sculpture(1, None)]);
+}
+
+/// No two sculptures have claimed the same badge; any number has claimed none.
+#[test]
+fn a_claimed_badge_is_taken() {
+    let store = crate::new_store();
+    let put = |sculpture: &Sculpture| update(store.as_ref(), |tx| tx.put(sculpture));
+    must(put(&sculpture(1, Some(1))));
+    assert!(put(&sculpture(2, Some(1))).is_err(), "a claimed badge is claimed again");
+    assert_eq!(
+        all_sculptures(store.as_ref()),
+        [sculpture(1, Some(1))],
+        "the first one is as it was"
+    );
+    for (number, badge) in [(1, Some(1)), (3, None), (4, None), (1, None), (2, Some(1))] {
+        must(put(&sculpture(number, badge)));
+    }
+}
+
+/// Threads that each read a number and write one more: none is lost.
+#[test]
+fn threads_count_in_turn() {
+    const THREADS: u16 = 4;
+    const COUNTS: u16 = 10;
+    let store = crate::new_store();
+    must(update(store.as_ref(), |tx| tx.put(&BadgeCursor::new())));
+    let count_up = |tx: &mut (dyn Transaction + '_)| -> Result<(), StoreError> {
+        let mut cursor: BadgeCursor = tx.get(&[&0u8])?.expect("it was put");
+        cursor.turn += 1;
+        tx.put(&cursor)
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..THREADS {
+            scope.spawn(|| (0..COUNTS).for_each(|_| must(update(store.as_ref(), count_up))));
+        }
+    });
+    let cursor: Option<BadgeCursor> = must(view(store.as_ref(), |tx| tx.get(&[&0u8])));
+    assert_eq!(cursor.expect("it was put").turn, THREADS * COUNTS, "a change was lost");
 }
 
 /// A store in which so many transactions are in conflict with others, at the first row that they put.
 struct BusyStore {
-    inner: MemoryStore,
+    inner: Arc<dyn Store>,
     conflicts: AtomicU32,
 }
 
@@ -33,30 +206,14 @@ impl Store for BusyStore {
 }
 
 impl Transaction for BusyTransaction<'_> {
-    fn get_row(&mut self, table: &'static Table, key: &[Value]) -> Result<Option<Row>, StoreError> {
-        self.inner.get_row(table, key)
-    }
-
-    fn find_rows(&mut self, query: &Query) -> Result<Vec<Row>, StoreError> {
-        self.inner.find_rows(query)
-    }
-
-    fn count_rows(&mut self, query: &Query) -> Result<u64, StoreError> {
-        self.inner.count_rows(query)
-    }
-
-    fn put_row(&mut self, table: &'static Table, row: Row) -> Result<(), StoreError> {
+    fn query(&mut self, sql: &str, values: &[Value]) -> Result<Vec<Row>, StoreError> {
         let left = self.conflicts.load(Ordering::Relaxed);
-        if left > 0 {
+        if sql.starts_with("INSERT") && left > 0 {
             self.conflicts.store(left - 1, Ordering::Relaxed);
             self.is_in_conflict = true;
             return Err(StoreError::Conflict);
         }
-        self.inner.put_row(table, row)
-    }
-
-    fn remove_row(&mut self, table: &'static Table, key: &[Value]) -> Result<(), StoreError> {
-        self.inner.remove_row(table, key)
+        self.inner.query(sql, values)
     }
 
     fn commit(self: Box<Self>) -> Result<(), StoreError> {
@@ -68,9 +225,9 @@ impl Transaction for BusyTransaction<'_> {
     }
 }
 
-/// Puts a row, and says how often that was tried and what came of it.
+/// Puts a row, and returns how often that was tried, the result and the number of rows.
 fn put_once(conflicts: u32, passes_over: bool) -> (u32, Result<(), Refusal>, u64) {
-    let store = BusyStore { inner: MemoryStore::new(), conflicts: AtomicU32::new(conflicts) };
+    let store = BusyStore { inner: crate::new_store(), conflicts: AtomicU32::new(conflicts) };
     let (kind, subject, until) = (WorkKind::Export, vec![1], BoothTime(0));
     let row = WorkLease { kind, subject, worker: 1, until };
     let mut tries = 0;
@@ -83,9 +240,7 @@ fn put_once(conflicts: u32, passes_over: bool) -> (u32, Result<(), Refusal>, u64
             Ok(()) => Ok(()),
         }
     });
-    let rows =
-        view(&store, |tx| tx.count_rows(&Query::all::<WorkLease>())).expect("it is in memory");
-    (tries, done, rows)
+    (tries, done, must(view(&store, |tx| tx.count::<WorkLease>("", &[]))))
 }
 
 #[test]

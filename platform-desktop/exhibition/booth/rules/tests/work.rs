@@ -7,8 +7,7 @@ use super::common::*;
 use paros_booth_rules::limits::WORK_LIFE;
 use paros_booth_rules::records::{ExportState, WorkKind, WorkLease};
 use paros_booth_rules::{
-    Booth, BoothTime, MailOutcome, PrintSize, PrintStep, PrintWish, PrinterTask, Query,
-    SliceOutcome, view,
+    Booth, BoothTime, MailOutcome, PrintSize, PrintStep, PrintWish, PrinterTask, SliceOutcome,
 };
 
 /// A booth with so many sculptures, and two of its processes.
@@ -28,7 +27,7 @@ fn next_export(booth: &Booth, now: BoothTime) -> Option<u8> {
 }
 
 fn count_leases(rig: &Rig) -> u64 {
-    view(rig.store.as_ref(), |tx| tx.count_rows(&Query::all::<WorkLease>())).unwrap()
+    rig.booth.count::<WorkLease>("", &[]).unwrap()
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What is decided over a store in memory is decided over databases too; and a database of PostgreSQL, a bucket and a
+//! What is decided over a database in memory is decided over those of booths too; and a database of PostgreSQL, a bucket and a
 //! folder do what they have to.
 
 #[path = "../common/postgres_server.rs"]
@@ -14,8 +14,9 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use paros_booth::{PostgresAddress, PostgresStore, SqliteStore};
+use paros_booth::{PostgresAddress, PostgresStore};
 use paros_booth_rules::Store;
+use paros_booth_sqlite::SqliteStore;
 
 /// Courses of events that a test tries: a database takes its time.
 pub(crate) const PLAYS: u32 = 12;

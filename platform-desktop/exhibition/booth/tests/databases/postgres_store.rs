@@ -3,10 +3,8 @@
 use std::sync::OnceLock;
 
 use paros_booth::{PostgresAddress, PostgresStore};
-use paros_booth_rules::records::{BadgeCursor, Device, TABLES};
-use paros_booth_rules::{
-    Access, BoothTime, ColumnKind, Field as _, Query, Store, StoreError, check_store, update, view,
-};
+use paros_booth_rules::records::{BadgeCursor, Device};
+use paros_booth_rules::{Access, BoothTime, Store, StoreError, update, view};
 
 use crate::postgres_server::{PASSWORD, PostgresServer};
 
@@ -39,12 +37,6 @@ fn device(headset: u32) -> Device {
     }
 }
 
-#[test]
-fn postgres_is_a_store() {
-    let Some(server) = server() else { return };
-    check_store(|| open(&server.new_schema()));
-}
-
 /// The tests of the decisions, in a process of their own.
 #[test]
 fn the_rules_hold_over_postgres_too() {
@@ -68,51 +60,6 @@ fn the_rules_hold_over_postgres_too() {
 }
 
 #[test]
-fn the_tables_are_those_of_the_records() {
-    let Some(server) = server() else { return };
-    let address = server.new_schema();
-    open(&address);
-    let mut client = client(&address);
-    let made = "SELECT count(*) FROM pg_tables WHERE schemaname = current_schema()";
-    let made: i64 = client.query_one(made, &[]).unwrap().get(0);
-    assert_eq!(made as usize, TABLES.len() + 1);
-    for table in TABLES {
-        let columns =
-            "SELECT column_name::text, data_type::text, is_nullable = 'YES', collation_name::text
-            FROM information_schema.columns WHERE table_schema = current_schema()
-            AND table_name = $1 ORDER BY ordinal_position";
-        let found: Vec<(String, String, bool, Option<String>)> = client
-            .query(columns, &[&table.name])
-            .unwrap()
-            .iter()
-            .map(|row| (row.get(0), row.get(1), row.get(2), row.get(3)))
-            .collect();
-        let expected: Vec<_> = table
-            .columns
-            .iter()
-            .map(|column| {
-                let (kind, collation) = match column.kind {
-                    ColumnKind::Number => ("bigint", None),
-                    ColumnKind::Bytes => ("bytea", None),
-                    ColumnKind::Text => ("text", Some("C".to_owned())),
-                };
-                (column.name.to_owned(), kind.to_owned(), column.is_nullable, collation)
-            })
-            .collect();
-        assert_eq!(found, expected, "table {}", table.name);
-        let indexes = "SELECT count(*) FROM pg_indexes WHERE schemaname = current_schema()
-            AND tablename = $1";
-        let indexes: i64 = client.query_one(indexes, &[&table.name]).unwrap().get(0);
-        assert_eq!(
-            indexes as usize,
-            table.indexed.len() + table.unique.len() + 1,
-            "table {}",
-            table.name
-        );
-    }
-}
-
-#[test]
 fn two_that_start_at_once_make_the_tables_once() {
     let Some(server) = server() else { return };
     let address = server.new_schema();
@@ -122,7 +69,7 @@ fn two_that_start_at_once_make_the_tables_once() {
     });
     for (number, store) in (1..).zip(&stores) {
         update(store, |tx| tx.put(&device(number))).unwrap();
-        let found: Vec<Device> = view(store, |tx| tx.find(&Query::all::<Device>())).unwrap();
+        let found: Vec<Device> = view(store, |tx| tx.find("", &[])).unwrap();
         assert_eq!(found.len(), number as usize);
     }
 }
@@ -159,7 +106,7 @@ fn a_broken_link_is_made_anew() {
         end_all();
         update(&store, |tx| tx.put(&device(headset))).expect("a new link");
         end_all();
-        assert!(view(&store, |tx| tx.get::<Device>(&[headset.to_value()])).unwrap().is_some());
+        assert!(view(&store, |tx| tx.get::<Device>(&[&headset])).unwrap().is_some());
     }
     // In the middle of a transaction it fails, and leaves nothing.
     let cut = update(&store, |tx| {
@@ -168,7 +115,7 @@ fn a_broken_link_is_made_anew() {
         tx.put(&device(10))
     });
     assert!(cut.is_err());
-    assert_eq!(view(&store, |tx| tx.count_rows(&Query::all::<Device>())).unwrap(), 4);
+    assert_eq!(view(&store, |tx| tx.count::<Device>("", &[])).unwrap(), 4);
 }
 
 /// A row of a number, which tests change.
@@ -188,7 +135,7 @@ fn what_could_not_come_one_after_the_other_is_a_conflict() {
     let mut first = one.begin(Access::Write).unwrap();
     let mut second = two.begin(Access::Write).unwrap();
     let read = |tx: &mut (dyn paros_booth_rules::Transaction + '_), row: u8| {
-        tx.get::<BadgeCursor>(&[row.to_value()]).unwrap().expect("it was put").turn
+        tx.get::<BadgeCursor>(&[&row]).unwrap().expect("it was put").turn
     };
     assert_eq!((read(first.as_mut(), 1), read(second.as_mut(), 2)), (0, 0));
     first.put(&cursor(2, 1)).unwrap();
@@ -213,7 +160,7 @@ fn processes_count_in_turn() {
                 let store = open(&address);
                 for _ in 0..COUNTS {
                     let counted: Result<(), StoreError> = update(&store, |tx| {
-                        let found = tx.get::<BadgeCursor>(&[0u8.to_value()])?;
+                        let found = tx.get::<BadgeCursor>(&[&0u8])?;
                         let found = found.expect("it was put");
                         tx.put(&cursor(0, found.turn + 1))
                     });
@@ -222,7 +169,7 @@ fn processes_count_in_turn() {
             });
         }
     });
-    let found = view(&first, |tx| tx.get::<BadgeCursor>(&[0u8.to_value()])).unwrap();
+    let found = view(&first, |tx| tx.get::<BadgeCursor>(&[&0u8])).unwrap();
     assert_eq!(usize::from(found.expect("it was put").turn), PROCESSES * COUNTS);
 }
 
@@ -235,11 +182,11 @@ fn nothing_is_committed_after_a_failure() {
     let done: Result<(), StoreError> = update(&store, |tx| {
         tx.put(&device(1))?;
         // A value of another kind.
-        let _ = tx.get_row(TABLES[0], &["one".to_owned().to_value()]);
+        let _ = tx.get::<Device>(&[&"one"]);
         Ok(())
     });
     assert!(done.is_err());
-    assert_eq!(view(&store, |tx| tx.count_rows(&Query::all::<Device>())).unwrap(), 0);
+    assert_eq!(view(&store, |tx| tx.count::<Device>("", &[])).unwrap(), 0);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The tests of the decisions, which their own crate runs over a store in memory: here over `crate::new_store`.
+//! The tests of the decisions, which their own crate runs over a database in memory: here over `crate::new_store`.
 #[path = "../../rules/tests/badges.rs"]
 mod badges;
 #[path = "../../rules/tests/common/mod.rs"]
@@ -25,6 +25,8 @@ mod promises;
 mod restore;
 #[path = "../../rules/tests/staff.rs"]
 mod staff;
+#[path = "../../rules/tests/store.rs"]
+mod store;
 #[path = "../../rules/tests/upload.rs"]
 mod upload;
 #[path = "../../rules/tests/work.rs"]

@@ -2,12 +2,12 @@
 
 use paros_protocol::{BlockSerial, HeldBlock};
 
-use crate::table::record;
+use crate::record::record;
 use crate::time::BoothTime;
 
 record! {
     /// A block of 64 numbers that is leased, or rests after a lease. A block without a row is free.
-    pub struct BadgeBlock in "badge_blocks", key 1, indexed ["headset", "free_on"] {
+    pub struct BadgeBlock in "badge_blocks", key 1 {
         /// The block.
         pub block: u16,
         /// The headset that it is leased to, or was.
@@ -28,7 +28,7 @@ record! {
 
 record! {
     /// Where the leasing of blocks stands: a single row.
-    pub struct BadgeCursor in "badge_cursor", key 1, indexed [] {
+    pub struct BadgeCursor in "badge_cursor", key 1 {
         /// Always 0.
         pub row: u8,
         /// The turn of the block that is looked at next.
@@ -36,7 +36,7 @@ record! {
         /// The day of the last lease.
         pub day: u32,
         /// Blocks that may yet be leased on that day.
-        pub left: u16,
+        pub left_today: u16,
         /// Until this day no block is leased.
         pub closed_until: u32,
         /// For a booth that came back from a backup, and hasn't passed over what may have been leased since: when the backup
@@ -59,7 +59,7 @@ impl BadgeCursor {
             row: 0,
             turn: 0,
             day: 0,
-            left: 0,
+            left_today: 0,
             closed_until: 0,
             copied_at: None,
             is_used_up: false,

@@ -1,12 +1,12 @@
 //! Headsets, how they come to be known, and what they and the booth tell each other.
 
-use crate::table::record;
+use crate::record::record;
 use crate::time::BoothTime;
 use crate::value::stored_enum;
 
 record! {
     /// A headset that is enrolled.
-    pub struct Device in "devices", key 1, indexed ["token_hash", "hint"] {
+    pub struct Device in "devices", key 1 {
         /// Its number, which it keeps when its app's data is wiped.
         pub headset: u32,
         /// SHA-256 of its token.
@@ -30,7 +30,7 @@ record! {
 
 record! {
     /// What lets headsets enrol without staff.
-    pub struct EnrolToken in "enrol_tokens", key 1, indexed [] {
+    pub struct EnrolToken in "enrol_tokens", key 1 {
         /// SHA-256 of it.
         pub token_hash: [u8; 32],
         /// For people.
@@ -62,7 +62,7 @@ stored_enum! {
 
 record! {
     /// What staff want a headset to do.
-    pub struct Command in "commands", key 2, indexed [] {
+    pub struct Command in "commands", key 2 {
         /// Whose it is.
         pub headset: u32,
         /// Its number, which grows with each of a headset.
@@ -82,7 +82,7 @@ record! {
 
 record! {
     /// A sculpture that a headset said it had finished.
-    pub struct Announcement in "announcements", key 2, indexed ["badge", "sculpture"] {
+    pub struct Announcement in "announcements", key 2 {
         /// Who said it.
         pub headset: u32,
         /// The sculpture.

@@ -14,22 +14,8 @@ pub use prints::{EstimateState, PrintOrder, PrintState};
 pub use sculptures::{ExportState, Sculpture, Tombstone};
 pub use work::{WorkKind, WorkLease};
 
-use crate::table::{Record, Table};
+/// The version of the tables. A change of a record raises it.
+pub const SCHEMA_VERSION: i64 = 1;
 
-/// All tables that a store has.
-pub const TABLES: [&Table; 14] = [
-    Device::TABLE,
-    EnrolToken::TABLE,
-    Command::TABLE,
-    Announcement::TABLE,
-    BadgeBlock::TABLE,
-    BadgeCursor::TABLE,
-    Sculpture::TABLE,
-    Tombstone::TABLE,
-    Account::TABLE,
-    StaffSession::TABLE,
-    MailOrder::TABLE,
-    PrintOrder::TABLE,
-    AuditEntry::TABLE,
-    WorkLease::TABLE,
-];
+/// The statements that make the tables, for SQLite.
+pub const SCHEMA: &str = include_str!("schema.sql");

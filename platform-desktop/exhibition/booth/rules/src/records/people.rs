@@ -1,6 +1,6 @@
 //! Staff, what visitors asked for, and who did what.
 
-use crate::table::record;
+use crate::record::record;
 use crate::time::BoothTime;
 use crate::value::stored_enum;
 
@@ -16,7 +16,7 @@ stored_enum! {
 
 record! {
     /// A person who works at the booth.
-    pub struct Account in "accounts", key 1, indexed [] {
+    pub struct Account in "accounts", key 1 {
         /// What they log in as.
         pub name: String,
         /// Of their password: a string that says by which function it was made.
@@ -30,7 +30,7 @@ record! {
 
 record! {
     /// A browser in which somebody is logged in.
-    pub struct StaffSession in "staff_sessions", key 1, indexed ["account"] {
+    pub struct StaffSession in "staff_sessions", key 1 {
         /// SHA-256 of its cookie.
         pub token_hash: [u8; 32],
         /// Who.
@@ -58,7 +58,7 @@ stored_enum! {
 
 record! {
     /// A sculpture that somebody wants by e-mail.
-    pub struct MailOrder in "mail_orders", key 1, indexed ["sculpture", "state"] {
+    pub struct MailOrder in "mail_orders", key 1 {
         /// Its random number.
         pub order: u64,
         /// What to send.
@@ -84,7 +84,7 @@ record! {
 
 record! {
     /// Something that was done. It names no address.
-    pub struct AuditEntry in "audit", key 2, indexed ["sculpture", "at"] {
+    pub struct AuditEntry in "audit", key 2 {
         /// When.
         pub at: BoothTime,
         /// Random bits, which tell it from others of that time.

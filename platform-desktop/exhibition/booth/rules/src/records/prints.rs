@@ -1,6 +1,6 @@
 //! What is to be printed.
 
-use crate::table::record;
+use crate::record::record;
 use crate::time::BoothTime;
 use crate::value::stored_enum;
 
@@ -36,7 +36,7 @@ stored_enum! {
 
 record! {
     /// A sculpture that somebody wants printed.
-    pub struct PrintOrder in "print_orders", key 1, indexed ["sculpture", "state"] {
+    pub struct PrintOrder in "print_orders", key 1 {
         /// Its random number.
         pub order: u64,
         /// What to print.

@@ -3,7 +3,7 @@
 use paros_core::badge::{BadgeNumber, Language};
 use paros_protocol::UploadFacts;
 
-use crate::table::record;
+use crate::record::record;
 use crate::time::BoothTime;
 use crate::value::stored_enum;
 
@@ -21,7 +21,7 @@ stored_enum! {
 
 record! {
     /// A sculpture that is kept.
-    pub struct Sculpture in "sculptures", key 1, indexed ["badge", "received_at", "export", "keep_day"], unique ["claimed_badge"] {
+    pub struct Sculpture in "sculptures", key 1 {
         /// Its random id.
         pub id: [u8; 16],
         /// Who made it.
@@ -54,7 +54,7 @@ record! {
 
 record! {
     /// A sculpture that was deleted.
-    pub struct Tombstone in "tombstones", key 1, indexed ["badge", "ends_on"] {
+    pub struct Tombstone in "tombstones", key 1 {
         /// Its id.
         pub id: [u8; 16],
         /// Who made it.

@@ -1,13 +1,13 @@
 //! Work that several processes share.
 
-use crate::table::record;
+use crate::record::record;
 use crate::time::BoothTime;
 use crate::value::stored_enum;
 
 stored_enum! {
     /// A kind of work that one process does at a time.
     pub enum WorkKind {
-        /// To compare a sculpture's mesh: by the sculpture's id.
+        /// To check a sculpture's mesh: by the sculpture's id.
         Export = 0,
         /// To send a mail: by its order's number.
         Mail = 1,
@@ -20,7 +20,7 @@ stored_enum! {
 
 record! {
     /// That a process does some work, and the others leave it alone.
-    pub struct WorkLease in "work_leases", key 2, indexed [] {
+    pub struct WorkLease in "work_leases", key 2 {
         /// What is done.
         pub kind: WorkKind,
         /// To what.

@@ -3,11 +3,11 @@
 
 use std::sync::Arc;
 
-use paros_booth_rules::records::{Device, TABLES};
+use paros_booth_rules::records::Device;
 use paros_booth_rules::{
-    Access, Booth, BoothPlan, BoothTime, MemoryFiles, MemoryStore, Query, Refusal, SiteKeys, Store,
-    hash_of,
+    Booth, BoothPlan, BoothTime, MemoryFiles, Refusal, SiteKeys, Store, hash_of,
 };
+use paros_booth_sqlite::SqliteStore;
 use paros_core::badge::BadgeNumber;
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
@@ -28,18 +28,8 @@ pub(crate) fn days(count: u64) -> BoothTime {
 }
 
 /// All that a store holds, in memory.
-pub(crate) fn copy_of(store: &dyn Store) -> MemoryStore {
-    let copy = MemoryStore::new();
-    let mut from = store.begin(Access::Read).expect("a store");
-    let mut to = copy.begin(Access::Write).expect("a store");
-    for table in TABLES {
-        let all = Query { table, conditions: Vec::new(), order: None, limit: usize::MAX };
-        for row in from.find_rows(&all).expect("rows") {
-            to.put_row(table, row).expect("room");
-        }
-    }
-    to.commit().expect("room");
-    copy
+pub(crate) fn copy_of(store: &dyn Store) -> SqliteStore {
+    SqliteStore::copy_in_memory(store).expect("memory")
 }
 
 pub(crate) struct Rig {
