@@ -19,7 +19,7 @@ use tokio_rustls::rustls::version::TLS13;
 
 use crate::error::Error;
 use crate::keys::{BoothKeys, ca_params};
-use crate::staff_certificate::has_name;
+use crate::staff_certificate::{StaffCertificate, has_name};
 
 /// How long a leaf is valid. Browsers of tablets take none that is valid for longer than 825 days.
 const LEAF_LIFE: Duration = Duration::from_secs(800 * 86_400);
@@ -31,7 +31,7 @@ const LEAF_AGE: Duration = Duration::from_secs(400 * 86_400);
 pub(crate) struct LeafKeeper {
     keys: BoothKeys,
     /// Another's, for who asks by its names.
-    of_staff: Option<Arc<CertifiedKey>>,
+    of_staff: StaffCertificate,
     leaf: RwLock<Leaf>,
 }
 
@@ -48,7 +48,7 @@ impl LeafKeeper {
     /// A name that is none, or what the libraries say.
     pub(crate) fn new(
         keys: BoothKeys,
-        of_staff: Option<Arc<CertifiedKey>>,
+        of_staff: StaffCertificate,
         names: Vec<String>,
         now: SystemTime,
     ) -> Result<Arc<Self>, Error> {
@@ -74,11 +74,16 @@ impl LeafKeeper {
         Ok(is_due)
     }
 
-    /// Makes a new leaf. Connections that are open stay.
+    /// Makes a new leaf, and loads the staff's certificate again. Connections that are open stay.
     ///
     /// # Errors
-    /// As of [`LeafKeeper::new`]; the leaf stays as it is.
-    pub(crate) fn renew(&self, names: &[String], now: SystemTime) -> Result<(), Error> {
+    /// As of [`LeafKeeper::new`] and [`StaffCertificate::load`]; what there is stays as it is.
+    pub(crate) fn reload(&self, names: &[String], now: SystemTime) -> Result<(), Error> {
+        self.of_staff.reload()?;
+        self.renew(names, now)
+    }
+
+    fn renew(&self, names: &[String], now: SystemTime) -> Result<(), Error> {
         let certified = make_leaf(&self.keys, names, now)?;
         let leaf = Leaf { certified, names: names.to_vec(), made_at: now };
         *self.leaf.write().unwrap_or_else(PoisonError::into_inner) = leaf;
@@ -106,10 +111,10 @@ impl LeafKeeper {
 
 impl ResolvesServerCert for LeafKeeper {
     fn resolve(&self, hello: ClientHello<'_>) -> Option<Arc<CertifiedKey>> {
-        let of_staff = self.of_staff.as_ref();
+        let of_staff = self.of_staff.current();
         let named =
             hello.server_name().and_then(|name| of_staff.filter(|cert| has_name(cert, name)));
-        Some(named.cloned().unwrap_or_else(|| self.current()))
+        Some(named.unwrap_or_else(|| self.current()))
     }
 }
 
@@ -171,6 +176,7 @@ mod tests {
 
     use super::{LEAF_AGE, LEAF_LIFE, LeafKeeper};
     use crate::keys::BoothKeys;
+    use crate::staff_certificate::StaffCertificate;
 
     #[test]
     fn a_leaf_is_made_anew_long_before_it_ends_and_for_other_addresses() {
@@ -179,7 +185,8 @@ mod tests {
         fs::remove_dir_all(&folder).expect("they were made");
         let names = ["192.0.2.7".to_owned()];
         let start = SystemTime::UNIX_EPOCH + Duration::from_secs(1_790_000_000);
-        let keeper = LeafKeeper::new(keys, None, names.to_vec(), start).expect("made");
+        let keeper = LeafKeeper::new(keys, StaffCertificate::default(), names.to_vec(), start)
+            .expect("made");
         let der = || keeper.current().cert[0].to_vec();
         let renew = |names: &[String], now| keeper.renew_if_due(names, now).expect("made");
         let first = der();

@@ -128,7 +128,7 @@ pub enum BoothTask {
         #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..=1000))]
         uses: u32,
         /// Days until it expires.
-        #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u16).range(1..=3650))]
+        #[arg(long, default_value_t = 365, value_parser = clap::value_parser!(u16).range(1..=3650))]
         days: u16,
     },
     /// Copy all that the booth keeps into one file, keys and all, while it serves. Addresses of visitors stay out.

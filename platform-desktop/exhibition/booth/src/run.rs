@@ -13,7 +13,6 @@ use tokio::net::TcpListener;
 use tokio::runtime::{Builder, Runtime};
 use tokio::signal::unix::{Signal, SignalKind, signal};
 use tokio_rustls::TlsAcceptor;
-use tokio_rustls::rustls::sign::CertifiedKey;
 use tracing::{info, warn};
 
 use crate::app::{BoothApp, OpenBooth, WHOLE_THREADS, WORK_THREADS, Wakers};
@@ -33,6 +32,7 @@ use crate::routes;
 use crate::server::{MakeRouter, serve};
 use crate::settings::{SiteFacts, list_settings};
 use crate::staff::LoginGate;
+use crate::staff_certificate::StaffCertificate;
 use crate::worker::{LOW_PRIORITY, WHOLE_PRIORITY, Worker, go_behind};
 
 /// How often what is past its time is deleted.
@@ -52,7 +52,7 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
         rayon::ThreadPoolBuilder::new().num_threads(1).start_handler(|_| go_behind(LOW_PRIORITY));
     let _ = pool.build_global();
     let public = PublicAddress::new(&options.public)?;
-    let of_staff = options.certificate.load()?;
+    let of_staff = StaffCertificate::load(&options.certificate)?;
     let mailer = Mailer::new(&options.mail, public.clone())?;
     let quota = u64::from(options.quota_gb) * 1_000_000_000;
     let (runtime, of_wholes) =
@@ -84,7 +84,11 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     };
     let first_code = draw_first_code(&open.booth)?;
     let logins = LoginGate::new(first_code.clone());
-    let facts = SiteFacts { ca_pem: open.keys.ca_pem.clone(), settings: list_settings(options) };
+    let facts = SiteFacts {
+        ca_pem: open.keys.ca_pem.clone(),
+        settings: list_settings(options),
+        of_staff: of_staff.clone(),
+    };
     let (wakers, public_of_app) = ((wakers, printers), public.clone());
     let threads = of_wholes.handle().clone();
     let app = BoothApp::new(open.booth, open.files, wakers, logins, public_of_app, facts, threads);
@@ -115,7 +119,7 @@ struct Serving {
     app: Arc<BoothApp>,
     public: Option<PublicAddress>,
     first_code: Option<String>,
-    of_staff: Option<Arc<CertifiedKey>>,
+    of_staff: StaffCertificate,
     names: LeafNames,
     listeners: Listeners,
 }
@@ -285,7 +289,7 @@ async fn keep_leaf(leaf: Arc<LeafKeeper>, names: LeafNames, mut hangup: Signal) 
             () = tokio::time::sleep(LOOK_AT_LEAF_EVERY) => {
                 leaf.renew_if_due(&names.now(), SystemTime::now())
             }
-            _ = hangup.recv() => leaf.renew(&names.now(), SystemTime::now()).map(|()| true),
+            _ = hangup.recv() => leaf.reload(&names.now(), SystemTime::now()).map(|()| true),
         };
         match renewed {
             Ok(true) => info!("a new certificate"),

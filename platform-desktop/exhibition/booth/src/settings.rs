@@ -10,7 +10,7 @@ use crate::options::{FolderOption, ServeOptions};
 use crate::printing::SlicerOptions;
 use crate::public::PublicOptions;
 use crate::shared::SharedOptions;
-use crate::staff_certificate::StaffCertificateOptions;
+use crate::staff_certificate::{StaffCertificate, StaffCertificateOptions};
 
 /// What the pages tell of the booth itself.
 pub(crate) struct SiteFacts {
@@ -18,6 +18,8 @@ pub(crate) struct SiteFacts {
     pub ca_pem: String,
     /// Its settings: flag and value.
     pub settings: Vec<(&'static str, String)>,
+    /// The certificate that staff's browsers are shown.
+    pub of_staff: StaffCertificate,
 }
 
 /// The version, and each flag of the command line with its value. An option that isn't told here doesn't compile.

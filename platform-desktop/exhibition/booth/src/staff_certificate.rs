@@ -3,9 +3,10 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError, RwLock};
 
 use clap::Args;
+use paros_booth_rules::BoothTime;
 use tokio_rustls::rustls::client::verify_server_name;
 use tokio_rustls::rustls::crypto::ring::default_provider;
 use tokio_rustls::rustls::pki_types::{
@@ -13,6 +14,8 @@ use tokio_rustls::rustls::pki_types::{
 };
 use tokio_rustls::rustls::server::ParsedCertificate;
 use tokio_rustls::rustls::sign::CertifiedKey;
+use x509_cert::Certificate;
+use x509_cert::der::Decode as _;
 
 use crate::error::Error;
 
@@ -28,14 +31,47 @@ pub struct StaffCertificateOptions {
     pub staff_key: Option<PathBuf>,
 }
 
-impl StaffCertificateOptions {
-    /// The certificate, if one was named.
+/// The certificate that is shown, if one was named. It can be loaded again while the booth serves.
+#[derive(Clone, Default)]
+pub(crate) struct StaffCertificate {
+    options: StaffCertificateOptions,
+    certified: Arc<RwLock<Option<Arc<CertifiedKey>>>>,
+}
+
+impl StaffCertificate {
+    /// Loads the certificate, if one was named.
     ///
     /// # Errors
     /// [`Error::Input`] for a file that isn't what it should be.
-    pub(crate) fn load(&self) -> Result<Option<Arc<CertifiedKey>>, Error> {
-        let (Some(cert), Some(key)) = (&self.staff_cert, &self.staff_key) else { return Ok(None) };
-        load_certificate(cert, key).map(|certified| Some(Arc::new(certified)))
+    pub(crate) fn load(options: &StaffCertificateOptions) -> Result<Self, Error> {
+        let certificate = StaffCertificate { options: options.clone(), ..Self::default() };
+        certificate.reload()?;
+        Ok(certificate)
+    }
+
+    /// Loads the files again.
+    ///
+    /// # Errors
+    /// As of [`StaffCertificate::load`]; the certificate stays as it is.
+    pub(crate) fn reload(&self) -> Result<(), Error> {
+        let StaffCertificateOptions { staff_cert: Some(cert), staff_key: Some(key) } =
+            &self.options
+        else {
+            return Ok(());
+        };
+        let certified = Arc::new(load_certificate(cert, key)?);
+        *self.certified.write().unwrap_or_else(PoisonError::into_inner) = Some(certified);
+        Ok(())
+    }
+
+    /// Returns the certificate, if one was named.
+    pub(crate) fn current(&self) -> Option<Arc<CertifiedKey>> {
+        self.certified.read().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Returns the time at which it ends, if one was named.
+    pub(crate) fn end(&self) -> Option<BoothTime> {
+        end_of(self.current()?.end_entity_cert().ok()?)
     }
 }
 
@@ -59,9 +95,36 @@ pub(crate) fn load_certificate(cert: &Path, key: &Path) -> Result<CertifiedKey, 
         .map_err(|error| bad(key, &format!("the certificate's key ({error})")))
 }
 
+/// Returns the time at which a certificate in DER ends; `None` if it can't be read.
+pub(crate) fn end_of(der: &[u8]) -> Option<BoothTime> {
+    let end = Certificate::from_der(der).ok()?.tbs_certificate.validity.not_after;
+    Some(BoothTime(0).after(end.to_unix_duration()))
+}
+
 /// Whether a certificate is for a name.
 pub(crate) fn has_name(certified: &CertifiedKey, name: &str) -> bool {
     let parsed = certified.end_entity_cert().and_then(ParsedCertificate::try_from);
     let (Ok(parsed), Ok(name)) = (parsed, ServerName::try_from(name)) else { return false };
     verify_server_name(&parsed, &name).is_ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use paros_booth_rules::BoothTime;
+    use rcgen::{CertificateParams, KeyPair, date_time_ymd};
+
+    use super::end_of;
+
+    #[test]
+    fn the_end_of_a_certificate_is_read() {
+        let mut params = CertificateParams::new(vec!["booth.example".to_owned()]).expect("a name");
+        let key = KeyPair::generate().expect("a key");
+        params.not_after = date_time_ymd(2031, 5, 9);
+        let certificate = params.self_signed(&key).expect("a certificate");
+        assert_eq!(end_of(certificate.der()), Some(BoothTime(1_936_051_200_000)));
+        params.not_after = date_time_ymd(2099, 1, 1);
+        let certificate = params.self_signed(&key).expect("a certificate");
+        assert_eq!(end_of(certificate.der()), Some(BoothTime(4_070_908_800_000)));
+        assert_eq!(end_of(b"no certificate"), None);
+    }
 }

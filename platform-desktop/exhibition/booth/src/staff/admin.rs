@@ -13,6 +13,7 @@ use paros_protocol::{ContentHash, SculptureId};
 
 use super::admin_texts::AdminTexts;
 use super::done::Done;
+use super::expiry::draw_expiry;
 use super::forms::{FormView, Refused};
 use super::login::hash_password;
 use super::page::{Fields, StaffAnswer, StaffForm, StaffView, action_button, form_token};
@@ -68,6 +69,7 @@ async fn admin_page(
     let (accounts, tokens) = found.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
     let host = headers.get(header::HOST).and_then(|host| host.to_str().ok()).unwrap_or_default();
     let body = html! {
+        (draw_expiry(&app.facts, words, login, &tokens, booth_time()))
         p { a href="/staff/audit" { (words.audit) } }
         p { a href="/staff/import" { (words.import) } }
         h2 { (words.accounts) }
@@ -333,7 +335,7 @@ fn new_token_form(words: &AdminTexts, login: &LoggedIn, host: &str, form: FormVi
                 }
                 label {
                     (words.days)
-                    input name="days" type="number" min="1" max=(MAX_DAYS) value=(form.value("days", "30")) required
+                    input name="days" type="number" min="1" max=(MAX_DAYS) value=(form.value("days", "365")) required
                         aria-invalid=[form.invalid("uses")] aria-describedby=[form.described("uses")];
                 }
                 (form.why("uses"))

@@ -81,6 +81,42 @@ impl AdminTexts {
         self.import_outcomes[outcome as usize]
     }
 
+    /// Says that a fleet's file ends on a day, and how the next one is made.
+    pub(crate) fn file_ends(&self, note: &str, day: &str) -> String {
+        match self.language {
+            Language::English => format!(
+                "The fleet's file “{note}” expires on {day}: make the next one under Admin, or by paros-booth fleet-file."
+            ),
+            Language::Greek => format!(
+                "Το αρχείο «{note}» λήγει στις {day}: φτιάξτε το επόμενο στη Διαχείριση ή με paros-booth fleet-file."
+            ),
+        }
+    }
+
+    /// Says that the certificate of `--staff-cert` ends on a day, and how the next one is loaded.
+    pub(crate) fn staff_certificate_ends(&self, day: &str) -> String {
+        match self.language {
+            Language::English => format!(
+                "The certificate of --staff-cert ends on {day}: put the new files in its place, then systemctl reload paros-booth."
+            ),
+            Language::Greek => format!(
+                "Το πιστοποιητικό του --staff-cert λήγει στις {day}: βάλτε τα νέα αρχεία στη θέση του, και μετά systemctl reload paros-booth."
+            ),
+        }
+    }
+
+    /// Says that the site's own authority ends on a day.
+    pub(crate) fn authority_ends(&self, day: &str) -> String {
+        match self.language {
+            Language::English => format!(
+                "The site's certificate authority ends on {day}: from then on headsets need a new site's file."
+            ),
+            Language::Greek => format!(
+                "Η αρχή πιστοποίησης του χώρου λήγει στις {day}: από τότε οι συσκευές χρειάζονται αρχείο νέου χώρου."
+            ),
+        }
+    }
+
     /// What is kept for how long, in paragraphs.
     pub(crate) fn privacy(&self, plan: &BoothPlan) -> Vec<String> {
         let BoothPlan { retention_days, trace_days, withdrawn_days, horizon_days } = plan;

@@ -4,6 +4,7 @@ mod account;
 mod admin;
 mod admin_texts;
 mod done;
+mod expiry;
 mod find;
 mod forms;
 mod frame;

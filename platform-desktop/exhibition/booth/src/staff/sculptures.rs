@@ -14,6 +14,7 @@ use paros_protocol::SculptureId;
 
 use super::admin_texts::AdminTexts;
 use super::done::Done;
+use super::expiry::draw_expiry;
 use super::forms::{FormView, Refused};
 use super::mails::{MAIL_FORM, mails_of};
 use super::page::{StaffAnswer, StaffForm, StaffView, action_button};
@@ -35,9 +36,16 @@ type Answer = Result<Response, StaffAnswer>;
 /// `GET /staff`: the newest.
 pub(crate) async fn show_newest(State(app): State<Arc<BoothApp>>, view: StaffView) -> Answer {
     let texts = view.texts;
-    let found = app.run(|app| app.booth.list_newest(LISTED, booth_time())).await;
-    let found = found.map_err(|refusal| StaffAnswer(texts, refusal))?;
-    Ok(view.page(texts.newest, &cards(texts, &found)))
+    let found = app.run(|app| {
+        Ok((app.booth.list_newest(LISTED, booth_time())?, app.booth.list_enrol_tokens()?))
+    });
+    let (found, tokens) = found.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
+    let words = AdminTexts::of(texts);
+    let body = html! {
+        (draw_expiry(&app.facts, words, &view.login, &tokens, booth_time()))
+        (cards(texts, &found))
+    };
+    Ok(view.page(texts.newest, &body))
 }
 
 /// `GET /staff/withdrawn`.

@@ -84,7 +84,11 @@ fn a_fleets_file_is_downloaded_lets_headsets_in_and_is_taken_back() {
     ] {
         assert_eq!(make(bad).status, 400, "{bad}");
     }
+    let tells = |page: &str| ana.get(page).text().contains("expires on");
+    make("&note=a+year&uses=2&days=365&address=https://booth:8443");
+    assert!(!tells("/staff") && !tells("/staff/admin"), "it ends in a year");
     let file = make("&note=%3Cb%3Ewall+1%3C/b%3E&uses=2&days=1&address=https://booth:8443");
+    assert!(tells("/staff") && tells("/staff/admin"), "it ends within 30 days");
     assert!(file.head.contains("attachment; filename=\"paros-fleet.toml\""), "{}", file.head);
     let word = |name: &str| {
         let line = file.text().lines().find_map(|line| line.strip_prefix(name));
@@ -110,5 +114,6 @@ fn a_fleets_file_is_downloaded_lets_headsets_in_and_is_taken_back() {
     };
     assert_eq!(client.post("/v1/enrol/fleet", &asked.to_json()).status, 401);
     assert!(ana.get("/staff/admin").text().contains("taken back"));
+    assert!(!tells("/staff"), "it lets nobody in");
     assert!(!folder.log().contains(&word("enrolment_token = ")));
 }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use tokio_rustls::rustls::pki_types::CertificateDer;
 
-use crate::rig::{BoothFolder, Client, read_answer, write_request};
+use crate::rig::{BoothFolder, BoothProcess, Client, read_answer, write_request};
 
 /// Tries to serve a folder that is served.
 fn start_second(folder: &BoothFolder) -> Output {
@@ -61,6 +61,12 @@ fn a_port_that_is_in_use_leaves_nothing_behind() {
     }
 }
 
+/// Has a booth load its certificates again.
+fn hang_up(booth: &BoothProcess) {
+    let told = Command::new("kill").args(["-HUP", &booth.id().to_string()]).status();
+    assert!(told.expect("kill").success());
+}
+
 /// The certificate of a new connection.
 fn leaf(client: &Client) -> CertificateDer<'static> {
     let mut stream = client.connect().expect("a connection");
@@ -79,8 +85,7 @@ fn a_new_certificate_is_shown_without_a_restart() {
     read_answer(&mut stays).expect("an answer");
     let first = leaf(client);
     assert_eq!(leaf(client), first, "one for all");
-    let told = Command::new("kill").args(["-HUP", &booth.id().to_string()]).status();
-    assert!(told.expect("kill").success());
+    hang_up(&booth);
     let start = Instant::now();
     while leaf(client) == first {
         assert!(start.elapsed() < Duration::from_secs(30), "the old one is shown still");
@@ -114,6 +119,17 @@ fn a_certificate_of_staff_is_for_its_name_alone() {
     assert_eq!(health(&browser, "booth.example").expect("an answer"), 200);
     assert!(health(&browser, "localhost").is_err(), "another name has the booth's own");
     assert_eq!(health(&booth.client, "localhost").expect("an answer"), 200);
+    let next_key = rcgen::KeyPair::generate().expect("a key");
+    let next = params.self_signed(&next_key).expect("a certificate");
+    std::fs::write(&cert_at, next.pem()).unwrap();
+    std::fs::write(&key_at, next_key.serialize_pem()).unwrap();
+    hang_up(&booth);
+    let browser = Client::new(booth.client.address, next.der().clone());
+    let start = Instant::now();
+    while health(&browser, "booth.example").is_err() {
+        assert!(start.elapsed() < Duration::from_secs(30), "the old one is shown still");
+        std::thread::sleep(Duration::from_millis(20));
+    }
     drop(booth);
     for (cert, key, told) in [
         (&key_at, &key_at, "expected certificates in PEM"),
