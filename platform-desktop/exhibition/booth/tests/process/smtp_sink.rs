@@ -124,7 +124,7 @@ pub(crate) fn wait_until<T>(mut look: impl FnMut() -> Option<T>) -> T {
         if let Some(found) = look() {
             return found;
         }
-        assert!(start.elapsed() < Duration::from_secs(120), "it doesn't come");
+        assert!(start.elapsed() < Duration::from_secs(300), "it doesn't come");
         thread::sleep(Duration::from_millis(50));
     }
 }
