@@ -77,7 +77,7 @@ impl LeafKeeper {
     /// Makes a new leaf, and loads the staff's certificate again. Connections that are open stay.
     ///
     /// # Errors
-    /// As of [`LeafKeeper::new`] and [`StaffCertificate::load`]; what there is stays as it is.
+    /// Those of [`LeafKeeper::new`] and [`StaffCertificate::load`]. The leaf stays as it is then.
     pub(crate) fn reload(&self, names: &[String], now: SystemTime) -> Result<(), Error> {
         self.of_staff.reload()?;
         self.renew(names, now)

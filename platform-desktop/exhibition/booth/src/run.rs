@@ -32,7 +32,7 @@ use crate::routes;
 use crate::server::{MakeRouter, serve};
 use crate::settings::{SiteFacts, list_settings};
 use crate::staff::LoginGate;
-use crate::staff_certificate::StaffCertificate;
+use crate::staff_certificate::{StaffCertificate, end_of_pem};
 use crate::worker::{LOW_PRIORITY, WHOLE_PRIORITY, Worker, go_behind};
 
 /// How often what is past its time is deleted.
@@ -86,6 +86,7 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     let logins = LoginGate::new(first_code.clone());
     let facts = SiteFacts {
         ca_pem: open.keys.ca_pem.clone(),
+        ca_end: end_of_pem(&open.keys.ca_pem),
         settings: list_settings(options),
         of_staff: of_staff.clone(),
     };

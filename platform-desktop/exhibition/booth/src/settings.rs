@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::path::PathBuf;
 
 use clap::ValueEnum as _;
+use paros_booth_rules::BoothTime;
 
 use crate::mailer::MailOptions;
 use crate::options::{FolderOption, ServeOptions};
@@ -16,6 +17,8 @@ use crate::staff_certificate::{StaffCertificate, StaffCertificateOptions};
 pub(crate) struct SiteFacts {
     /// The certificate of its authority, in PEM.
     pub ca_pem: String,
+    /// When that certificate ends.
+    pub ca_end: Option<BoothTime>,
     /// Its settings: flag and value.
     pub settings: Vec<(&'static str, String)>,
     /// The certificate that staff's browsers are shown.

@@ -58,8 +58,8 @@ pub(crate) fn import_spool(
         refusal => refusal.into(),
     })?;
     let mut report = ImportReport::default();
-    for name in list_parcels(folder)? {
-        match import_file(booth, folder, headset, &name, account) {
+    for (name, id) in list_parcels(folder)? {
+        match import_file(booth, &folder.join(&name), headset, id, account) {
             Ok(ImportOutcome::Taken) => report.taken.push(name),
             Ok(ImportOutcome::Known) => report.known.push(name),
             Ok(ImportOutcome::Deleted) => report.deleted.push(name),
@@ -79,29 +79,29 @@ pub(crate) fn import_spool(
     Err(Error::Input(format!("{}: {count} files were not taken", folder.display())))
 }
 
-/// Lists the names of the parcels in a folder, sorted.
-fn list_parcels(folder: &Path) -> Result<Vec<String>, Error> {
+/// Lists the parcels in a folder by their names, sorted, with their sculptures.
+fn list_parcels(folder: &Path) -> Result<Vec<(String, SculptureId)>, Error> {
     let bad = |why: &dyn std::fmt::Display| Error::Input(format!("{}: {why}", folder.display()));
     let entries = fs::read_dir(folder).and_then(Iterator::collect::<io::Result<Vec<_>>>);
     let names = entries.map_err(|error| bad(&error))?.into_iter();
     let names = names.filter_map(|entry| entry.file_name().into_string().ok());
-    let mut names: Vec<String> = names.filter(|name| read_parcel_name(name).is_ok()).collect();
-    if names.is_empty() {
+    let named = |name: String| read_parcel_name(&name).ok().map(|id| (name, id));
+    let mut parcels: Vec<_> = names.filter_map(named).collect();
+    if parcels.is_empty() {
         return Err(bad(&"expected the folder of an outbox, with files ID.parcel or ID.sent"));
     }
-    names.sort();
-    Ok(names)
+    parcels.sort_by(|(a, _), (b, _)| a.cmp(b));
+    Ok(parcels)
 }
 
 fn import_file(
     booth: &Booth,
-    folder: &Path,
+    path: &Path,
     headset: u32,
-    name: &str,
+    id: SculptureId,
     account: &str,
 ) -> Result<ImportOutcome, Refusal> {
-    let id = read_parcel_name(name)?;
-    let file = read_regular_file_up_to(&folder.join(name), MAX_PARCEL_FILE_BYTES);
+    let file = read_regular_file_up_to(path, MAX_PARCEL_FILE_BYTES);
     // A file of the copy, not of the booth.
     let file = file.map_err(|error| Refusal::BadRequest(error.to_string()))?;
     booth.import_parcel(headset, (id, &file), &check_parcel, account, booth_time())

@@ -52,7 +52,7 @@ impl StaffCertificate {
     /// Loads the files again.
     ///
     /// # Errors
-    /// As of [`StaffCertificate::load`]; the certificate stays as it is.
+    /// Those of [`StaffCertificate::load`]. The certificate stays as it is then.
     pub(crate) fn reload(&self) -> Result<(), Error> {
         let StaffCertificateOptions { staff_cert: Some(cert), staff_key: Some(key) } =
             &self.options
@@ -95,8 +95,13 @@ pub(crate) fn load_certificate(cert: &Path, key: &Path) -> Result<CertifiedKey, 
         .map_err(|error| bad(key, &format!("the certificate's key ({error})")))
 }
 
+/// Returns the time at which a certificate in PEM ends; `None` if it can't be read.
+pub(crate) fn end_of_pem(pem: &str) -> Option<BoothTime> {
+    end_of(&CertificateDer::from_pem_slice(pem.as_bytes()).ok()?)
+}
+
 /// Returns the time at which a certificate in DER ends; `None` if it can't be read.
-pub(crate) fn end_of(der: &[u8]) -> Option<BoothTime> {
+fn end_of(der: &[u8]) -> Option<BoothTime> {
     let end = Certificate::from_der(der).ok()?.tbs_certificate.validity.not_after;
     Some(BoothTime(0).after(end.to_unix_duration()))
 }

@@ -102,6 +102,5 @@ fn find_valid_token(
     now: BoothTime,
 ) -> Result<EnrolToken, Refusal> {
     let token: Option<EnrolToken> = tx.get(&[&hash_of(&token.0).0])?;
-    let is_valid = |token: &EnrolToken| !token.is_revoked && now < token.expires_at;
-    token.filter(is_valid).ok_or(Refusal::UnknownToken)
+    token.filter(|token| token.is_valid(now)).ok_or(Refusal::UnknownToken)
 }

@@ -301,7 +301,7 @@ fn tokens_table(words: &AdminTexts, login: &LoggedIn, tokens: &[EnrolToken]) -> 
                     td {
                         @if token.is_revoked {
                             (words.revoked)
-                        } @else if now >= token.expires_at || token.uses_left == 0 {
+                        } @else if !token.has_uses_left(now) {
                             (words.over)
                         } @else {
                             (action_button(login, &format!("/staff/admin/tokens/{}/revoke", ContentHash(token.token_hash)), words.revoke, "danger"))

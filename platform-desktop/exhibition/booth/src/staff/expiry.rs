@@ -5,18 +5,16 @@ use std::time::Duration;
 use maud::{Markup, html};
 use paros_booth_rules::records::EnrolToken;
 use paros_booth_rules::{BoothTime, LoggedIn};
-use tokio_rustls::rustls::pki_types::{CertificateDer, pem::PemObject as _};
 
 use super::admin_texts::AdminTexts;
 use super::sculptures::utc;
 use crate::settings::SiteFacts;
-use crate::staff_certificate::end_of;
 
-/// How long before an end it is told.
+/// The time before an end from which on admins are told of it.
 const TOLD_BEFORE: Duration = Duration::from_secs(30 * 86_400);
 
-/// Draws a notice for each file that lets headsets in yet, and each certificate, that ends within 30 days. Nothing for
-/// attendants.
+/// Draws a notice for each certificate, and each file by which headsets can enrol, that ends within 30 days. Draws nothing
+/// for attendants.
 pub(super) fn draw_expiry(
     facts: &SiteFacts,
     words: &AdminTexts,
@@ -28,11 +26,9 @@ pub(super) fn draw_expiry(
         return Markup::default();
     }
     let is_soon = |end: &BoothTime| *end <= now.after(TOLD_BEFORE);
-    let is_valid =
-        |token: &&EnrolToken| !token.is_revoked && token.uses_left > 0 && now < token.expires_at;
-    let files = tokens.iter().filter(is_valid).filter(|token| is_soon(&token.expires_at));
-    let authority = CertificateDer::from_pem_slice(facts.ca_pem.as_bytes());
-    let authority = authority.ok().and_then(|der| end_of(&der)).filter(is_soon);
+    let is_told = |token: &&EnrolToken| token.has_uses_left(now) && is_soon(&token.expires_at);
+    let files = tokens.iter().filter(is_told);
+    let authority = facts.ca_end.filter(is_soon);
     let of_staff = facts.of_staff.end().filter(is_soon);
     html! {
         @for token in files {

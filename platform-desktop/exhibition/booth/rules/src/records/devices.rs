@@ -44,6 +44,20 @@ record! {
     }
 }
 
+impl EnrolToken {
+    /// Returns `true` if the token has neither expired nor been revoked. It may be used up.
+    #[must_use]
+    pub fn is_valid(&self, now: BoothTime) -> bool {
+        !self.is_revoked && now < self.expires_at
+    }
+
+    /// Returns `true` if another headset can enrol by the token.
+    #[must_use]
+    pub fn has_uses_left(&self, now: BoothTime) -> bool {
+        self.is_valid(now) && self.uses_left > 0
+    }
+}
+
 stored_enum! {
     /// What became of a command.
     pub enum CommandState {
