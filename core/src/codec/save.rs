@@ -12,7 +12,6 @@ use crate::session::state::{SessionState, WorldState};
 use crate::session::world::World;
 use crate::volume::bit_grid::BitGrid;
 use crate::volume::column_digest::maps_digest;
-use crate::volume::range::Range;
 use crate::volume::range_maps::{Axis, Column, ColumnAddress, RangeMaps};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
@@ -253,7 +252,7 @@ fn write_maps<const N: usize, const K: usize>(to: &mut ByteWriter<'_>, maps: &Ra
     for axis in Axis::ALL {
         for line in 0..N {
             let columns = maps.line(axis, line);
-            let bytes: [_; N] = array::from_fn(|place| columns[place].0.map(Range::to_bytes));
+            let bytes: [_; N] = array::from_fn(|place| columns[place].to_bytes());
             to.bytes(bytes.as_flattened().as_flattened());
         }
     }

@@ -45,7 +45,7 @@ impl BaredEnds {
     ) {
         for line in 0..N {
             let columns = figure.line(axis, line).iter().zip(stone.line(axis, line));
-            for (figure, stone) in columns.filter(|(figure, _)| !figure.0[0].is_empty()) {
+            for (figure, stone) in columns.filter(|(figure, _)| !figure.range(0).is_empty()) {
                 self.all += count_ends(axis, figure);
                 self.bared += count_shared_ends(axis, figure, stone);
             }
@@ -61,7 +61,7 @@ impl BaredEnds {
         (old, new): (&[Column<K>], &[Column<K>]),
     ) {
         for ((figure, old), new) in figure.iter().zip(old).zip(new) {
-            if !figure.0[0].is_empty() {
+            if !figure.range(0).is_empty() {
                 self.bared += count_shared_ends(axis, figure, new);
                 self.bared -= count_shared_ends(axis, figure, old);
             }
@@ -106,13 +106,13 @@ impl ToldPart {
 /// The ends of a figure's column.
 #[inline]
 fn count_ends<const K: usize>(axis: Axis, figure: &Column<K>) -> u32 {
-    let intervals = figure.0.iter().take_while(|range| !range.is_empty()).count() as u32;
-    2 * intervals - u32::from(stands_on_ground(axis, &figure.0[0]))
+    let intervals = figure.intervals().count() as u32;
+    2 * intervals - u32::from(stands_on_ground(axis, figure.range(0)))
 }
 
 /// Whether the first voxel of a figure's interval lies on the ground.
 #[inline]
-fn stands_on_ground(axis: Axis, interval: &Range) -> bool {
+fn stands_on_ground(axis: Axis, interval: Range) -> bool {
     axis == Axis::Y && !interval.is_empty() && interval.first() == 0
 }
 
@@ -120,11 +120,11 @@ fn stands_on_ground(axis: Axis, interval: &Range) -> bool {
 #[inline]
 fn count_shared_ends<const K: usize>(axis: Axis, figure: &Column<K>, stone: &Column<K>) -> u32 {
     let mut shared = 0;
-    for ours in figure.0.iter().take_while(|range| !range.is_empty()) {
+    for ours in figure.intervals() {
         let stands_on_ground = stands_on_ground(axis, ours);
-        for its in stone.0.iter().take_while(|range| !range.is_empty()) {
-            shared += u32::from(its.first() == ours.first() && !stands_on_ground);
-            shared += u32::from(its.last() == ours.last());
+        for its in stone.intervals() {
+            let [first, last] = ours.equal_ends(its);
+            shared += u32::from(first & !stands_on_ground) + u32::from(last);
         }
     }
     shared
@@ -197,16 +197,16 @@ mod tests {
 
     #[test]
     fn ends_are_shared_on_the_same_side_alone() {
-        let figure = Column([Range::new(0, 4), Range::new(8, 9)]);
+        let figure = Column::new([Range::new(0, 4), Range::new(8, 9)]);
         let count = |axis, stone: Column<2>| count_shared_ends(axis, &figure, &stone);
         assert_eq!((count(Axis::X, figure), count_ends(Axis::X, &figure)), (4, 4));
         let on_ground = (count(Axis::Y, figure), count_ends(Axis::Y, &figure));
         assert_eq!(on_ground, (3, 3), "the ground is no end");
-        assert_eq!(count(Axis::Z, Column([Range::new(0, 12), Range::EMPTY])), 1);
-        assert_eq!(count(Axis::Z, Column([Range::new(1, 9), Range::EMPTY])), 1);
+        assert_eq!(count(Axis::Z, Column::new([Range::new(0, 12), Range::EMPTY])), 1);
+        assert_eq!(count(Axis::Z, Column::new([Range::new(1, 9), Range::EMPTY])), 1);
         // A gap that is larger than the figure's shares one of its sides.
-        assert_eq!(count(Axis::X, Column([Range::new(0, 4), Range::new(7, 9)])), 3);
-        assert_eq!(count(Axis::X, Column([Range::new(4, 7), Range::EMPTY])), 0);
+        assert_eq!(count(Axis::X, Column::new([Range::new(0, 4), Range::new(7, 9)])), 3);
+        assert_eq!(count(Axis::X, Column::new([Range::new(4, 7), Range::EMPTY])), 0);
     }
 
     #[test]

@@ -134,8 +134,8 @@ where
             let rows = self.rows[y][of_z.clone()].iter_mut();
             for (row, column) in rows.zip(&maps.line(Axis::X, y)[of_z.clone()]) {
                 let mut voxels = BitSet::EMPTY;
-                for range in column.0.iter().take_while(|range| !range.is_empty()) {
-                    voxels |= BitSet::from_range(*range);
+                for range in column.intervals() {
+                    voxels |= BitSet::from_range(range);
                 }
                 *row &= voxels;
             }
@@ -280,9 +280,9 @@ fn visit_cross_sections<'a, const N: usize, const K: usize>(
                     toggles[position].set_word(word, toggled);
                 }
             };
-            toggle_ends(column.0[0]);
+            toggle_ends(column.range(0));
             if column.has_gaps() {
-                column.0[1..].iter().for_each(|range| toggle_ends(*range));
+                (1..K).for_each(|k| toggle_ends(column.range(k)));
             }
         }
     }

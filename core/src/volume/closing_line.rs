@@ -115,21 +115,21 @@ impl<const K: usize> ClosingLine<'_, K> {
         for i in 1..K {
             let (mut below, mut above) = (R::EMPTY, R::EMPTY);
             for place in full.iter_ones() {
-                let before = &self.before[place].0;
-                below.insert_if(!row(before[i - 1].last()).contains(place), place);
-                above.insert_if(!row(before[i].first()).contains(place), place);
+                let before = self.before[place];
+                below.insert_if(!row(before.range(i - 1).last()).contains(place), place);
+                above.insert_if(!row(before.range(i).first()).contains(place), place);
             }
             for place in below.iter_ones() {
-                let interval = &mut self.after[place].0[i - 1];
-                match find_last_voxel(*interval, place, &row) {
-                    Some(last) => *interval = interval.with_last(last),
+                let interval = self.after[place].range(i - 1);
+                match find_last_voxel(interval, place, &row) {
+                    Some(last) => self.after[place].set_range(i - 1, interval.with_last(last)),
                     None => lost.insert(place),
                 }
             }
             for place in above.iter_ones() {
-                let interval = &mut self.after[place].0[i];
-                match find_first_voxel(*interval, place, &row) {
-                    Some(first) => *interval = interval.with_first(first),
+                let interval = self.after[place].range(i);
+                match find_first_voxel(interval, place, &row) {
+                    Some(first) => self.after[place].set_range(i, interval.with_first(first)),
                     None => lost.insert(place),
                 }
             }
@@ -162,11 +162,11 @@ impl<const K: usize> ClosingLine<'_, K> {
         row: impl Fn(usize) -> R,
     ) -> Option<Column<K>> {
         let mut column = self.after[place];
-        let hull = column.0[0];
+        let hull = column.range(0);
         let first = scanned.first().max(hull.first());
         let hole = find_only_hole_within_64((first, scanned.last().min(hull.last())), place, row)?;
-        column.0[0] = hull.with_last(hole.first() - 1);
-        column.0[1] = hull.with_first(hole.last() + 1);
+        column.set_range(0, hull.with_last(hole.first() - 1));
+        column.set_range(1, hull.with_first(hole.last() + 1));
         Some(column)
     }
 
@@ -177,7 +177,7 @@ impl<const K: usize> ClosingLine<'_, K> {
             return self.changed;
         }
         let (mut first, mut last) = (self.changed.first(), self.changed.last());
-        for before in columns.iter_ones().map(|place| self.before[place].0[0]) {
+        for before in columns.iter_ones().map(|place| self.before[place].range(0)) {
             if !before.is_empty() {
                 (first, last) = (first.min(before.last()), last.max(before.first()));
             }

@@ -29,9 +29,11 @@ impl<const K: usize> Column<K> {
         let mut interval = 0;
         while let Some(first) = beyond.first() {
             let last = (rest ^ beyond).last()?;
-            let above = column.0.get_mut(interval + 1)?;
-            *above = hull.with_first(first);
-            column.0[interval] = column.0[interval].with_last(last);
+            if interval + 1 == K {
+                return None;
+            }
+            column.set_range(interval + 1, hull.with_first(first));
+            column.set_range(interval, column.range(interval).with_last(last));
             (rest, beyond, interval) = (beyond, beyond.without_lowest_run(), interval + 1);
         }
         Some(column)
@@ -48,14 +50,14 @@ impl<const K: usize> Column<K> {
     #[must_use]
     #[inline]
     pub fn has_gaps(&self) -> bool {
-        K > 1 && !self.0[1].is_empty()
+        K > 1 && !self.range(1).is_empty()
     }
 
     /// Whether a run of empty voxels holds one of a gap.
     #[inline]
     pub(crate) fn has_gap_overlapping(&self, run: Range) -> bool {
         (1..K).any(|i| {
-            let (below, above) = (self.0[i - 1], self.0[i]);
+            let (below, above) = (self.range(i - 1), self.range(i));
             !above.is_empty() & (below.last() < run.last()) & (run.first() < above.first())
         })
     }
@@ -63,41 +65,43 @@ impl<const K: usize> Column<K> {
     /// Whether there is no room for another gap.
     #[inline]
     pub(crate) fn is_full(&self) -> bool {
-        !self.0[K - 1].is_empty()
+        !self.range(K - 1).is_empty()
     }
 
     /// The index of the last interval that isn't empty.
     #[inline]
     fn last_index(&self) -> usize {
-        self.0.iter().rposition(|interval| !interval.is_empty()).unwrap_or(0)
+        self.ranges().iter().rposition(|interval| !interval.is_empty()).unwrap_or(0)
     }
 
     /// Moves the first end of the hull. Intervals that lie below it are dropped, but for the last of all.
     #[inline]
     pub(crate) fn set_hull_first(&mut self, first: usize) {
-        while self.has_gaps() && self.0[0].last() < first {
-            self.0.copy_within(1.., 0);
-            self.0[K - 1] = Range::EMPTY;
+        while self.has_gaps() && self.range(0).last() < first {
+            let mut ranges = self.ranges();
+            ranges.rotate_left(1);
+            ranges[K - 1] = Range::EMPTY;
+            *self = Self::new(ranges);
         }
-        self.0[0] = self.0[0].with_first(first);
+        self.set_range(0, self.range(0).with_first(first));
     }
 
     /// Moves the last end of the hull. Intervals that lie above it are dropped, but for the first.
     #[inline]
     pub(crate) fn set_hull_last(&mut self, last: usize) {
         let mut index = self.last_index();
-        while index > 0 && last < self.0[index].first() {
-            self.0[index] = Range::EMPTY;
+        while index > 0 && last < self.range(index).first() {
+            self.set_range(index, Range::EMPTY);
             index -= 1;
         }
-        self.0[index] = self.0[index].with_last(last);
+        self.set_range(index, self.range(index).with_last(last));
     }
 
     /// Whether both voxels beside each gap are occupied.
     #[inline]
     pub(crate) fn do_gap_ends_stand(&self, is_occupied: impl Fn(usize) -> bool) -> bool {
         (1..K).fold(true, |all, i| {
-            all & is_occupied(self.0[i - 1].last()) & is_occupied(self.0[i].first())
+            all & is_occupied(self.range(i - 1).last()) & is_occupied(self.range(i).first())
         })
     }
 
@@ -105,7 +109,7 @@ impl<const K: usize> Column<K> {
     #[inline]
     pub(crate) fn are_gaps_empty(&self, among: Range, is_occupied: impl Fn(usize) -> bool) -> bool {
         (1..K).all(|i| {
-            let (below, above) = (self.0[i - 1].last(), self.0[i].first());
+            let (below, above) = (self.range(i - 1).last(), self.range(i).first());
             !(among.first().max(below + 1)..(among.last() + 1).min(above)).any(&is_occupied)
         })
     }
@@ -200,8 +204,8 @@ impl<const K: usize> ChosenGaps<K> {
         for (i, gap) in gaps.iter().enumerate() {
             if *gap != GapRank::NONE {
                 let gap = gap.run();
-                column.0[i] = column.0[i].with_last(gap.first() - 1);
-                column.0[i + 1] = hull.with_first(gap.last() + 1);
+                column.set_range(i, column.range(i).with_last(gap.first() - 1));
+                column.set_range(i + 1, hull.with_first(gap.last() + 1));
             }
         }
         column
@@ -220,7 +224,7 @@ mod tests {
     }
 
     fn drawn<const K: usize>(column: Column<K>) -> [(usize, usize); K] {
-        column.0.map(|range| (range.first(), range.last()))
+        column.ranges().map(|range| (range.first(), range.last()))
     }
 
     const NONE: (usize, usize) = (255, 0);
@@ -237,12 +241,12 @@ mod tests {
 
     #[test]
     fn a_held_gap_comes_before_a_longer_one() {
-        let before = Column([Range::new(2, 3), Range::new(5, 20)]);
+        let before = Column::new([Range::new(2, 3), Range::new(5, 20)]);
         assert_eq!(drawn(Column::closed_over(row("..##.##......##"), &before)), [(2, 3), (5, 14)]);
         // It grows.
         assert_eq!(drawn(Column::closed_over(row("..#..##......##"), &before)), [(2, 2), (5, 14)]);
         // Split: the longer part.
-        let before = Column([Range::new(0, 2), Range::new(9, 20)]);
+        let before = Column::new([Range::new(0, 2), Range::new(9, 20)]);
         assert_eq!(
             drawn(Column::closed_over(row("###.#....####...#"), &before)),
             [(0, 4), (9, 16)]
@@ -253,14 +257,14 @@ mod tests {
             [(9, 12), (16, 16)]
         );
         // Two that become one leave room.
-        let before = Column([Range::new(0, 2), Range::new(5, 5), Range::new(7, 12)]);
+        let before = Column::new([Range::new(0, 2), Range::new(5, 5), Range::new(7, 12)]);
         let after = Column::closed_over(row("###.....####.#"), &before);
         assert_eq!(drawn(after), [(0, 2), (8, 11), (13, 13)]);
     }
 
     #[test]
     fn an_end_that_moves_past_a_gap_drops_the_interval_beyond() {
-        let before = Column([Range::new(2, 3), Range::new(5, 9), Range::new(12, 20)]);
+        let before = Column::new([Range::new(2, 3), Range::new(5, 9), Range::new(12, 20)]);
         let mut column = before;
         column.set_hull_last(12);
         assert_eq!(drawn(column), [(2, 3), (5, 9), (12, 12)]);

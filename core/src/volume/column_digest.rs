@@ -20,10 +20,8 @@ pub(crate) fn line_key(axis: Axis, line: usize) -> u64 {
 /// A column's bytes as a number.
 #[inline]
 pub(crate) fn column_number<const K: usize>(column: Column<K>) -> u64 {
-    let places = column.0.iter().enumerate();
-    places.fold(0, |number, (i, range)| {
-        number | u64::from(u16::from_le_bytes(range.to_bytes())) << (16 * i)
-    })
+    let places = column.numbers().iter().enumerate();
+    places.fold(0, |sum, (i, number)| sum | u64::from(*number) << (16 * i))
 }
 
 /// The digest of range maps, computed from scratch: the sum over all columns of their bytes as

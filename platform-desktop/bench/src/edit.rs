@@ -208,7 +208,7 @@ where
         let columns = Axis::ALL.into_iter().flat_map(|axis| (0..N * N).map(move |i| (axis, i)));
         for (axis, i) in columns {
             let at = (i / N, i % N);
-            if fixture.volume.maps().column(axis, at).0[0] != grid.column_range(axis, at) {
+            if fixture.volume.maps().column(axis, at).range(0) != grid.column_range(axis, at) {
                 let what = format!("{name} at {N}: carves at {voxel:?} differ");
                 return Err(Error::Failure(what));
             }

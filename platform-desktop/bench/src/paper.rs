@@ -66,7 +66,7 @@ impl<const N: usize> VoxelFill<N> {
                 let start = Self::padded_index(0, y, z);
                 let row = &mut self.voxels[start..start + N];
                 row.fill(EMPTY);
-                let range = maps.column(Axis::X, (y, z)).0[0];
+                let range = maps.column(Axis::X, (y, z)).range(0);
                 if range.is_empty() {
                     continue;
                 }
@@ -74,7 +74,7 @@ impl<const N: usize> VoxelFill<N> {
                 let along_z = &maps.line(Axis::Z, y)[range.first()..=range.last()];
                 let row = &mut row[range.first()..=range.last()];
                 for ((voxel, along_y), along_z) in row.iter_mut().zip(along_y).zip(along_z) {
-                    let inside = along_y.0[0].contains(y) & along_z.0[0].contains(z);
+                    let inside = along_y.range(0).contains(y) & along_z.range(0).contains(z);
                     *voxel = u8::from(inside);
                     self.occupied += usize::from(inside);
                 }
@@ -112,7 +112,7 @@ impl<const N: usize> VoxelFill<N> {
         for axis in Axis::ALL {
             for line in 0..N {
                 for place in 0..N {
-                    let old = maps.column(axis, (line, place)).0[0];
+                    let old = maps.column(axis, (line, place)).range(0);
                     if old.is_empty() {
                         continue;
                     }
@@ -126,7 +126,7 @@ impl<const N: usize> VoxelFill<N> {
                         Range::new(lo, hi.unwrap_or(lo))
                     });
                     if range != old {
-                        maps.set_column(axis, (line, place), Column([range]));
+                        maps.set_column(axis, (line, place), Column::new([range]));
                     }
                 }
             }

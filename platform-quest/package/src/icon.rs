@@ -91,8 +91,7 @@ impl FrontDepths {
         let places = (0..GRID * GRID).map(|i| (i % GRID, i / GRID));
         let depths = places.map(|(x, y)| {
             let column = maps.column(Axis::Z, Axis::Z.column_address([x, y, 0]));
-            let last = column.0.iter().rfind(|range| !range.is_empty());
-            last.map(|range| range.last() as f32)
+            column.intervals().last().map(|range| range.last() as f32)
         });
         FrontDepths(depths.collect())
     }

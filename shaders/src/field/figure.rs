@@ -78,7 +78,7 @@ fn write_means<const N: usize, const K: usize>(
     for (dy, dz) in (0..fine).flat_map(|dy| (0..fine).map(move |dz| (dy, dz))) {
         let voxel = [0, y * fine / coarse + dy, z * fine / coarse + dz];
         let column = figure.column(Axis::X, Axis::X.column_address(voxel));
-        for range in column.0.iter().filter(|range| !range.is_empty()) {
+        for range in column.intervals() {
             for x in range.first()..=range.last() {
                 let texels = &mut counts[x * coarse / fine..][..coarse];
                 texels.iter_mut().for_each(|count| *count += 1);

@@ -317,7 +317,7 @@ fn map_region<const K: usize>(run: &LineRun) -> Region {
 
 /// The hull of the symmetric difference of two columns' voxels. The columns differ.
 fn difference_hull<const K: usize>(old: Column<K>, new: Column<K>) -> Range {
-    let ranges = |column: Column<K>| column.0.into_iter().filter(|range| !range.is_empty());
+    let ranges = |column: Column<K>| column.ranges().into_iter().filter(|range| !range.is_empty());
     let first = match first_unequal(ranges(old), ranges(new)) {
         [Some(a), Some(b)] if a.first() == b.first() => a.last().min(b.last()) + 1,
         [a, b] => a.into_iter().chain(b).fold(255, |first, range| first.min(range.first())),

@@ -145,7 +145,7 @@ impl VoxelWindow {
         {
             if rows[window_y] != 0 {
                 rows[window_y] &=
-                    column.0.iter().fold(0, |bits, range| bits | range_bits(*range, x));
+                    column.ranges().into_iter().fold(0, |bits, range| bits | range_bits(range, x));
             }
         }
     }
@@ -177,7 +177,7 @@ fn find_column_ends<const K: usize>(
             ColumnCoverage::Full => full |= (u64::MAX >> (64 - columns.len())) << bit,
             ColumnCoverage::Mixed => {
                 for (bit, column) in (bit..).zip(columns) {
-                    for range in column.0.into_iter().filter(|range| !range.is_empty()) {
+                    for range in column.intervals() {
                         let rows = window_rows(range);
                         toggles[rows.start] ^= 1 << bit;
                         toggles[rows.end] ^= 1 << bit;
@@ -234,7 +234,7 @@ impl ColumnClassifier {
         let (mut ends, mut has_gap) = ([0; 16], false);
         for (i, column) in columns.iter().enumerate() {
             [ends[2 * i], ends[2 * i + 1]] = column.hull().to_bytes();
-            has_gap |= column.0[1..].iter().any(|range| !range.is_empty());
+            has_gap |= column.has_gaps();
         }
         // Without branches, so that the compiler vectorises it.
         let (mut full, mut behind, mut before) = (true, true, true);

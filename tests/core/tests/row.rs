@@ -141,10 +141,10 @@ fn column_from_ends<const K: usize>(mut ends: [usize; 8]) -> Column<K> {
     ends.sort_unstable();
     let mut column = Column::EMPTY;
     for (i, [first, last]) in ends.as_chunks().0[..K].iter().enumerate() {
-        if i > 0 && column.0[i - 1].last() + 1 >= *first {
+        if i > 0 && column.range(i - 1).last() + 1 >= *first {
             break;
         }
-        column.0[i] = Range::new(*first, *last);
+        column.set_range(i, Range::new(*first, *last));
     }
     column
 }
@@ -305,7 +305,7 @@ where
     plane.write_hulls(maps);
     for axis in Axis::ALL {
         for at in (0..N * N).map(|i| (i / N, i % N)) {
-            let range = maps.column(axis, at).0[0];
+            let range = maps.column(axis, at).range(0);
             let hull = (!range.is_empty()).then_some(range);
             assert_eq!(hull, dense.column_hull(axis, at), "{axis:?} {at:?}");
         }
@@ -348,11 +348,11 @@ proptest! {
         let maps = &mut *lock_mutex(&MAPS);
         maps.clear();
         prop_assert_eq!(maps_digest(maps), 0);
-        maps.set_column(Axis::ALL[axis], (line, place), Column([Range::new(a.min(b), a.max(b))]));
+        maps.set_column(Axis::ALL[axis], (line, place), Column::new([Range::new(a.min(b), a.max(b))]));
         let one = maps_digest(maps);
         prop_assert_ne!(one, 0);
         maps.set_column(Axis::ALL[axis], (line, place), Column::EMPTY);
-        maps.set_column(Axis::ALL[(axis + 1) % 3], (line, place), Column([Range::new(a.min(b), a.max(b))]));
+        maps.set_column(Axis::ALL[(axis + 1) % 3], (line, place), Column::new([Range::new(a.min(b), a.max(b))]));
         prop_assert_ne!(maps_digest(maps), one);
     }
 }
@@ -395,5 +395,5 @@ fn a_full_grid_of_256_closes_as_the_model() {
         (0..256).for_each(|y| plane.layer_mut(y).fill(Grid::<256>::FULL));
     });
     assert_eq!(grids.volume.count_voxels(), 1 << 24);
-    assert_eq!(grids.volume.maps().column(Axis::Y, (255, 255)), Column([Range::new(0, 255)]));
+    assert_eq!(grids.volume.maps().column(Axis::Y, (255, 255)), Column::new([Range::new(0, 255)]));
 }

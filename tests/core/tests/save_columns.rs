@@ -76,7 +76,7 @@ fn check_volume<const K: usize>(
     assert_eq!(&bytes[at..at + 2 * K], saved.as_flattened(), "where the columns lie");
     for (column, expected) in cases {
         let mut forged = bytes.clone();
-        let column = Column(column.map(|(first, last)| range(first, last)));
+        let column = Column::new(column.map(|(first, last)| range(first, last)));
         write_column(&mut forged, at, column);
         let refused = load_forged(&mut harness.world, &mut forged);
         assert_eq!(refused, Err(bad_column(axis, address, at, expected)), "{column:?}");
@@ -140,8 +140,8 @@ fn check_mask<const K: usize>(harness: &mut WorldHarness<N, K>) {
     });
     let address = address.expect("a column of the figure");
     let mut loose = mask.column(Axis::Z, address);
-    let interval = loose.0.iter_mut().rfind(|range| !range.is_empty()).expect("an interval");
-    *interval = Range::new(interval.first(), interval.last() + 1);
+    let (i, interval) = loose.intervals().enumerate().last().expect("an interval");
+    loose.set_range(i, Range::new(interval.first(), interval.last() + 1));
     let mut forged = bytes.clone();
     forge_mask(&mut forged, &mask, &[(Axis::Z, address, loose)]);
     let at = column_offset::<K>(mask_offset::<K>(), Axis::Z, address);
@@ -226,7 +226,7 @@ fn a_bad_column_of_an_undo_entry_is_named() {
     static ONE: Mutex<WorldHarness<N, 1>> = Mutex::new(WorldHarness::new());
     static TWO: Mutex<WorldHarness<N, 2>> = Mutex::new(WorldHarness::new());
     let one = &mut ONE.lock().unwrap_or_else(PoisonError::into_inner);
-    check_undo(one, Column([Range::new(2, N)]));
+    check_undo(one, Column::new([Range::new(2, N)]));
     let two = &mut TWO.lock().unwrap_or_else(PoisonError::into_inner);
-    check_undo(two, Column([Range::new(2, 2), Range::new(3, 6)]));
+    check_undo(two, Column::new([Range::new(2, 2), Range::new(3, 6)]));
 }

@@ -80,11 +80,11 @@ fn count_refused<const K: usize>(
 
 /// The column with its last voxel one farther.
 fn lengthened<const K: usize>(mut column: Column<K>) -> Option<Column<K>> {
-    let last = column.0.iter_mut().rfind(|range| !range.is_empty())?;
+    let (i, last) = column.intervals().enumerate().last()?;
     if last.last() + 1 == N {
         return None;
     }
-    *last = Range::new(last.first(), last.last() + 1);
+    column.set_range(i, Range::new(last.first(), last.last() + 1));
     Some(column)
 }
 

@@ -144,12 +144,12 @@ fn a_loose_end_is_named_with_its_voxel() {
     let mut b = lock_buffers();
     b.maps.clear();
     for axis in Axis::ALL {
-        b.maps.set_column(axis, axis.column_address([3, 4, 5]), Column([Range::new(0, 0)]));
+        b.maps.set_column(axis, axis.column_address([3, 4, 5]), Column::new([Range::new(0, 0)]));
     }
     // One voxel at (3, 4, 5), but for the column along z, which runs on to 6.
     for (axis, hi) in [(Axis::X, 3), (Axis::Y, 4), (Axis::Z, 6)] {
         let lo = [3, 4, 5][axis as usize];
-        b.maps.set_column(axis, axis.column_address([3, 4, 5]), Column([Range::new(lo, hi)]));
+        b.maps.set_column(axis, axis.column_address([3, 4, 5]), Column::new([Range::new(lo, hi)]));
     }
     let bytes = rmap::encode(&b.maps);
     drop(b);
@@ -228,7 +228,7 @@ proptest! {
         plane.write_hulls(maps);
         for (column, lo, hi) in changes {
             let (axis, address) = (Axis::ALL[column / 256], (column / 16 % 16, column % 16));
-            maps.set_column(axis, address, Column([Range::new(lo, hi)]));
+            maps.set_column(axis, address, Column::new([Range::new(lo, hi)]));
         }
         plane.set_from_maps(maps);
         plane.write_hulls(other);

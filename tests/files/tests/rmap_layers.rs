@@ -38,8 +38,8 @@ fn maps_of_history<const K: usize>(history: &[DenseVolume]) -> RangeMaps<N, K> {
     let mut maps = RangeMaps::new();
     for (axis, address) in all_columns() {
         let mut column = Column::EMPTY;
-        for (range, &(first, last)) in column.0.iter_mut().zip(model.column(axis, address)) {
-            *range = Range::new(first, last);
+        for (i, &(first, last)) in model.column(axis, address).iter().enumerate() {
+            column.set_range(i, Range::new(first, last));
         }
         maps.set_column(axis, address, column);
     }
@@ -85,7 +85,7 @@ fn check_round_trip<const K: usize>(history: &[DenseVolume]) {
     let version = if K == 1 { 1 } else { 2 };
     assert_eq!(bytes[..HEADER], [b'R', b'M', b'A', b'P', version, 0, 16, 0, K as u8, 0, 0, 0]);
     for ((axis, address), stored) in all_columns().zip(bytes[HEADER..].chunks(2 * K)) {
-        for (range, stored) in maps.column(axis, address).0.iter().zip(stored.chunks(2)) {
+        for (range, stored) in maps.column(axis, address).ranges().iter().zip(stored.chunks(2)) {
             let empty = range.first() > range.last();
             let written = [!(range.first() as u8), range.last() as u8];
             assert_eq!(stored, if empty { [0, 0] } else { written });
@@ -295,7 +295,7 @@ fn a_short_gap_of_a_file_is_held_in_more_intervals() {
     let cuts =
         [of_bar(|x| x == 3), of_bar(|_| false), of_bar(|x| [5, 6, 7, 9, 10, 11].contains(&x))];
     let history = [vec![of_bar(|_| true)], cuts.to_vec()].concat();
-    let held = maps_of_history::<2>(&history).column(Axis::X, (5, 5)).0;
+    let held = maps_of_history::<2>(&history).column(Axis::X, (5, 5)).ranges();
     assert_eq!(held, [Range::new(0, 2), Range::new(4, 15)]);
     check_widened::<2, 3>(&history);
 }
@@ -311,7 +311,7 @@ fn encode_two_voxels(column: [(usize, usize); 2]) -> Vec<u8> {
         (255, 0) => Range::EMPTY,
         _ => Range::new(first, last),
     });
-    maps.set_column(ALONG_X.0, ALONG_X.1, Column(column));
+    maps.set_column(ALONG_X.0, ALONG_X.1, Column::new(column));
     rmap::encode(&maps)
 }
 
@@ -382,11 +382,11 @@ fn the_checksum_names_maps_and_not_voxels() {
         maps.fill_block();
         for axis in [Axis::Y, Axis::Z] {
             for x in [3, 8] {
-                let column = Column([Range::new(0, 4), Range::new(6, 15)]);
+                let column = Column::new([Range::new(0, 4), Range::new(6, 15)]);
                 maps.set_column(axis, axis.column_address([x, 5, 5]), column);
             }
         }
-        let column = Column([Range::new(0, hole - 1), Range::new(hole + 1, 15)]);
+        let column = Column::new([Range::new(0, hole - 1), Range::new(hole + 1, 15)]);
         maps.set_column(Axis::X, (5, 5), column);
         let mut read = RangeMaps::new();
         assert_eq!(rmap::decode(&rmap::encode(maps), &mut read), Ok(()));

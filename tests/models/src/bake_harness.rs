@@ -73,8 +73,7 @@ impl<const K: usize, W: Windings<N>> BakeHarness<K, W> {
         for axis in Axis::ALL {
             for (at, expected) in baked.columns[axis as usize].iter().enumerate() {
                 let at = (at / N, at % N);
-                let ranges = self.maps.column(axis, at).0;
-                let ranges = ranges.iter().filter(|range| !range.is_empty());
+                let ranges = self.maps.column(axis, at).intervals();
                 let column: Intervals = ranges.map(|r| (r.first(), r.last())).collect();
                 prop_assert_eq!(&column, expected, "K = {}, {:?} {:?}", K, axis, at);
             }

@@ -37,9 +37,7 @@ impl DenseVolume {
 
     /// The intersection of the three maps.
     pub fn from_maps<const N: usize, const K: usize>(maps: &RangeMaps<N, K>) -> Self {
-        DenseVolume::from_columns(N, |axis, at| {
-            maps.column(axis, at).0.into_iter().filter(|range| !range.is_empty())
-        })
+        DenseVolume::from_columns(N, |axis, at| maps.column(axis, at).intervals())
     }
 
     /// The voxels that lie in an interval of each of the three columns through them.
@@ -89,7 +87,7 @@ impl DenseVolume {
             for line in 0..N {
                 for place in 0..N {
                     let range = self.column_hull(axis, (line, place)).unwrap_or(Range::EMPTY);
-                    maps.set_column(axis, (line, place), Column([range]));
+                    maps.set_column(axis, (line, place), Column::new([range]));
                 }
             }
         }

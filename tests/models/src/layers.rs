@@ -48,8 +48,8 @@ impl LayeredVolume {
         for axis in Axis::ALL {
             for at in (0..N * N).map(|at| (at / N, at % N)) {
                 let mut column = Column::EMPTY;
-                for (range, &(lo, hi)) in column.0.iter_mut().zip(self.column(axis, at)) {
-                    *range = Range::new(lo, hi);
+                for (i, &(lo, hi)) in self.column(axis, at).iter().enumerate() {
+                    column.set_range(i, Range::new(lo, hi));
                 }
                 maps.set_column(axis, at, column);
             }

@@ -195,8 +195,7 @@ where
     fn count_gaps(&self) -> usize {
         let lines =
             Axis::ALL.map(|axis| (0..N).flat_map(move |line| self.volume.maps().line(axis, line)));
-        let more = lines.into_iter().flatten().flat_map(|column| &column.0[1..]);
-        more.filter(|range| !range.is_empty()).count()
+        lines.into_iter().flatten().flat_map(|column| column.intervals().skip(1)).count()
     }
 
     fn load_volume(&mut self, dice: &mut RandomSource, dirty: &mut DirtyRects) {

@@ -216,7 +216,7 @@ where
 {
     let line = |axis, line| world.volume().maps().line(axis, line).iter();
     let columns = Axis::ALL.into_iter().flat_map(|axis| (0..N).flat_map(move |i| line(axis, i)));
-    columns.flat_map(|column| &column.0[1..]).filter(|range| !range.is_empty()).count()
+    columns.flat_map(|column| column.intervals().skip(1)).count()
 }
 
 #[test]

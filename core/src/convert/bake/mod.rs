@@ -163,10 +163,10 @@ where
                     if low || high {
                         let column = &mut maps.line_mut(axis, line)[place];
                         if low {
-                            column.0[0] = column.0[0].with_first(0);
+                            column.set_hull_first(0);
                         }
-                        if high && let Some(top) = column.0.iter_mut().rfind(|r| !r.is_empty()) {
-                            *top = top.with_last(N - 1);
+                        if high && !column.range(0).is_empty() {
+                            column.set_hull_last(N - 1);
                         }
                         opened += 1;
                     }

@@ -32,19 +32,33 @@ pub struct NoWindings;
 pub struct ColumnWindings<const N: usize> {
     /// By column, the number of its crossings; one more than there is room for stands for more.
     counts: [[[u8; N]; N]; 3],
-    /// Of each column as many as are counted.
-    crossings: [[[[Crossing; BAKED_CROSSINGS]; N]; N]; 3],
+    /// Of each column as many as are counted, each as [`Crossing::to_number`]: the compiler checks the initial
+    /// values of statics, and arrays of integers many times as fast as arrays of structs.
+    crossings: [[[[u16; BAKED_CROSSINGS]; N]; N]; 3],
 }
 
 const _: () = assert!(BAKED_CROSSINGS < u8::MAX as usize);
 
-/// A crossing of a column's ray with a triangle. In order of the voxels.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+/// A crossing of a column's ray with a triangle.
+#[derive(Clone, Copy)]
 struct Crossing {
     /// The voxel that it lies in.
-    voxel: u8,
+    voxel: usize,
     /// 1 where the ray enters a surface, -1 where it leaves one.
     entered: i8,
+}
+
+impl Crossing {
+    /// Its number, the greater the higher the voxel is.
+    #[inline]
+    const fn to_number(self) -> u16 {
+        (self.voxel as u16) << 1 | (self.entered > 0) as u16
+    }
+
+    #[inline]
+    const fn from_number(number: u16) -> Self {
+        Crossing { voxel: (number >> 1) as usize, entered: if number & 1 == 1 { 1 } else { -1 } }
+    }
 }
 
 pub(super) mod store {
@@ -108,10 +122,8 @@ impl<const N: usize> WindingStore<N> for NoWindings {
 impl<const N: usize> Windings<N> for ColumnWindings<N> {}
 
 impl<const N: usize> WindingStore<N> for ColumnWindings<N> {
-    const NONE: Self = ColumnWindings {
-        counts: [[[0; N]; N]; 3],
-        crossings: [[[[Crossing { voxel: 0, entered: 0 }; BAKED_CROSSINGS]; N]; N]; 3],
-    };
+    const NONE: Self =
+        ColumnWindings { counts: [[[0; N]; N]; 3], crossings: [[[[0; BAKED_CROSSINGS]; N]; N]; 3] };
     const COUNTS: bool = true;
 
     fn clear(&mut self) {
@@ -129,7 +141,7 @@ impl<const N: usize> WindingStore<N> for ColumnWindings<N> {
         let count = &mut self.counts[axis as usize][line][place];
         let column = &mut self.crossings[axis as usize][line][place];
         if let Some(free) = column.get_mut(usize::from(*count)) {
-            *free = Crossing { voxel: voxel() as u8, entered };
+            *free = Crossing { voxel: voxel(), entered }.to_number();
             *count += 1;
         } else {
             *count = BAKED_CROSSINGS as u8 + 1;
@@ -172,13 +184,13 @@ impl<const N: usize> ColumnWindings<N> {
         };
         crossings.sort_unstable();
         let (mut winding, mut start) = (0, 0);
-        for crossing in crossings {
+        for crossing in crossings.iter().map(|number| Crossing::from_number(*number)) {
             if winding == 0 {
                 start = crossing.voxel;
             }
             winding += crossing.entered;
             if winding == 0 {
-                visit(start.into(), crossing.voxel.into());
+                visit(start, crossing.voxel);
             }
         }
         winding == 0

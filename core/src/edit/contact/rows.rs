@@ -142,7 +142,7 @@ where
             TestedVoxels::AllOccupied => candidates,
             TestedVoxels::OfMask(mask) => {
                 let held = mask.column(Axis::X, (y, z));
-                if held.0[0].is_empty() {
+                if held.range(0).is_empty() {
                     return false;
                 }
                 candidates & held.to_row()

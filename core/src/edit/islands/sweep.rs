@@ -204,7 +204,7 @@ where
     // Ranges are tight: their ends are voxels of the mask, and most runs that hold any hold one of these.
     let column = mask.column(Axis::X, row);
     let mut ends = R::EMPTY;
-    for range in column.0.iter().take_while(|range| !range.is_empty()) {
+    for range in column.intervals() {
         ends.insert(range.first());
         ends.insert(range.last());
     }

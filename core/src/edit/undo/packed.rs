@@ -2,7 +2,6 @@
 
 use crate::codec::digest::DIGEST_KEYS;
 use crate::volume::column_digest::{column_key, column_number, line_key};
-use crate::volume::range::Range;
 use crate::volume::range_maps::{Axis, Column, ColumnAddress};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
@@ -159,7 +158,7 @@ pub(super) fn digest_of_run<const K: usize>(
 /// The column of these cells, which are [`Column::to_bytes`] or were checked.
 #[inline]
 pub(super) fn column_from_cells<const K: usize>(cells: [EntryCell; K]) -> Column<K> {
-    Column(cells.map(Range::from_checked_bytes))
+    Column::from_checked_bytes(cells)
 }
 
 #[inline]

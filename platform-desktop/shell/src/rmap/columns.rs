@@ -67,12 +67,12 @@ where
             let found = Range::from_bytes(bytes, N)
                 .ok_or_else(|| bad(RmapFault::Range { axis, address, bytes }))?;
             if i > 0 && !found.is_empty() {
-                let below = column.0[i - 1];
+                let below = column.range(i - 1);
                 if below.is_empty() || found.first() <= below.last() + 1 {
                     return Err(bad(RmapFault::Order { axis, address, below, found }));
                 }
             }
-            column.0[i] = found;
+            column.set_range(i, found);
         }
         Ok(column)
     }
@@ -92,16 +92,13 @@ where
         if F > K {
             return Column::from_range(column.hull());
         }
-        Column(array::from_fn(|i| column.0.get(i).copied().unwrap_or(Range::EMPTY)))
+        Column::new(array::from_fn(|i| if i < F { column.range(i) } else { Range::EMPTY }))
     }
 
     /// A range is tight exactly when both its ends are occupied, for no voxel outside it can be.
     fn check_tightness(&self) -> Result<(), RmapFaultAt> {
         for (axis, address) in column_addresses::<N>() {
-            for (interval, range) in self.column(axis, address).0.iter().enumerate() {
-                if range.is_empty() {
-                    continue;
-                }
+            for (interval, range) in self.column(axis, address).intervals().enumerate() {
                 for (byte, end) in [range.first(), range.last()].into_iter().enumerate() {
                     let voxel = axis.voxel_at(address, end);
                     if let Some(missing) = self.first_axis_not_holding(voxel) {
@@ -131,7 +128,7 @@ where
             let empty = column.to_row::<<Grid<N> as Size>::Row>() & !occupied;
             if let Some(hole) = empty.first()
                 && F > 1
-                && column.0[F - 1].is_empty()
+                && column.range(F - 1).is_empty()
                 && found.is_ok()
             {
                 let fault = RmapFault::Unsaturated { axis, voxel: axis.voxel_at(address, hole) };
@@ -151,7 +148,7 @@ where
         {
             toggles.fill(BitSet::EMPTY);
             for place in 0..N {
-                for range in self.column(axis, (line, place)).0.iter().filter(|r| !r.is_empty()) {
+                for range in self.column(axis, (line, place)).intervals() {
                     toggles[range.first()].toggle(place);
                     toggles[range.last() + 1].toggle(place);
                 }

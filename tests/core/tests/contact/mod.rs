@@ -281,7 +281,7 @@ fn a_mask_is_met_beyond_its_gap() {
     volume.insert_into_empty_bits(&mut rows);
     let mut mask = RangeMaps::<64, 2>::new();
     for (line, place) in (0..64).flat_map(|line| (0..64).map(move |place| (line, place))) {
-        mask.set_column(Axis::X, (line, place), Column(slabs));
+        mask.set_column(Axis::X, (line, place), Column::new(slabs));
         if slabs.iter().any(|slab| slab.contains(place)) {
             let whole = Column::from_range(Range::new(0, 63));
             mask.set_column(Axis::Y, (line, place), whole);

@@ -165,7 +165,7 @@ where
         for axis in Axis::ALL {
             for at in (0..N * N).map(|at| (at / N, at % N)) {
                 let column = self.volume.maps().column(axis, at);
-                let intervals = column.0.iter().filter(|range| !range.is_empty());
+                let intervals = column.intervals();
                 let intervals: Vec<_> = intervals.map(|r| (r.first(), r.last())).collect();
                 assert_eq!(&intervals, self.model.column(axis, at), "{axis:?} {at:?}");
             }

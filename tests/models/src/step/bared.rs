@@ -23,8 +23,9 @@ impl<const K: usize> StepModel<K> {
                 }
                 let ends_of = |volume: &StepVolume<K>| {
                     let column = volume.columns()[axis as usize][at];
-                    let held = column.0.into_iter().filter(|range| !range.is_empty());
-                    let ends = held.flat_map(|range| [(range.first(), -1), (range.last(), 1)]);
+                    let ends = column
+                        .intervals()
+                        .flat_map(|range| [(range.first(), -1), (range.last(), 1)]);
                     ends.filter(|end| (axis, *end) != (Axis::Y, (0, -1))).collect::<Vec<_>>()
                 };
                 let (figure, stone) = (ends_of(&self.mask), ends_of(&self.volume));

@@ -128,11 +128,11 @@ impl<const K: usize> Entry<K> {
     fn packed(&self, side: usize) -> Vec<u8> {
         let words_of_line = side.div_ceil(64);
         let mut bitmap = vec![0u64; 3 * side * words_of_line];
-        let mut columns = Vec::new();
+        let mut columns = Vec::<u8>::new();
         for &(axis, (line, place)) in &self.touched {
             bitmap[(axis * side + line) * words_of_line + place / 64] |= 1 << (place % 64);
             let column = self.other[axis][line * side + place];
-            columns.extend(column.0.iter().flat_map(|range| range.to_bytes()));
+            columns.extend(column.to_bytes().as_flattened());
         }
         let mut bytes = vec![0u8; bitmap.len() / 8];
         for (i, _) in bitmap.iter().enumerate().filter(|(_, word)| **word != 0) {

@@ -197,7 +197,7 @@ fn skip_to_islands(
 
 fn write_columns<const K: usize>(to: &mut Vec<u8>, columns: &Columns<K>) {
     for column in columns.iter().flatten() {
-        column.0.iter().for_each(|range| to.extend(range.to_bytes()));
+        to.extend(column.to_bytes().as_flattened());
     }
 }
 

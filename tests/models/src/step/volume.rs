@@ -234,8 +234,8 @@ impl<const K: usize> StepVolume<K> {
         let bits: Vec<_> = self.voxels_of(name).map(|voxel| self.voxels.contains(voxel)).collect();
         let mut column = Column::EMPTY;
         let closed = closed_intervals(&bits, &intervals_of(&self.column(name)), K);
-        for (range, (first, last)) in column.0.iter_mut().zip(closed) {
-            *range = Range::new(first, last);
+        for (i, (first, last)) in closed.into_iter().enumerate() {
+            column.set_range(i, Range::new(first, last));
         }
         column
     }
@@ -297,8 +297,7 @@ fn columns_through(voxel: Voxel) -> [ColumnName; 3] {
 }
 
 fn intervals_of<const K: usize>(column: &Column<K>) -> Vec<(usize, usize)> {
-    let held = column.0.iter().filter(|range| !range.is_empty());
-    held.map(|range| (range.first(), range.last())).collect()
+    column.intervals().map(|range| (range.first(), range.last())).collect()
 }
 
 fn to_voxel(place: [usize; 3]) -> Voxel {
