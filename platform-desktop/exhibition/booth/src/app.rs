@@ -1,5 +1,6 @@
 //! What all requests share.
 
+use std::fs;
 use std::net::IpAddr;
 use std::path::Path;
 use std::sync::Arc;
@@ -9,6 +10,7 @@ use paros_booth_rules::{Booth, BoothPlan, Refusal, Store};
 use paros_booth_sqlite::SqliteStore;
 use tokio::runtime::Handle;
 
+use crate::backup::DATABASE;
 use crate::error::Error;
 use crate::files::Files;
 use crate::gate::Gate;
@@ -120,11 +122,28 @@ pub(crate) struct OpenBooth {
 }
 
 impl OpenBooth {
-    /// Opens a folder, and makes it at the first start; or what several booths share.
+    /// Opens the booth of a folder, for a command beside the server.
     ///
     /// # Errors
-    /// What disks, stores or the database say, or that keys are damaged or missing.
+    /// There is no booth; or those of [`OpenBooth::open_or_make`].
     pub(crate) fn open(
+        folder: &Path,
+        shared: &SharedOptions,
+        plan: BoothPlan,
+        quota_bytes: u64,
+    ) -> Result<Self, Error> {
+        if !["keys", DATABASE].iter().any(|name| folder.join(name).exists()) {
+            let why = "there is no booth; its server makes one at its first start";
+            return Err(Error::Input(format!("{}: {why}", folder.display())));
+        }
+        OpenBooth::open_or_make(folder, shared, plan, quota_bytes)
+    }
+
+    /// Opens the booth of a folder, which is made at the server's first start; or what several booths share.
+    ///
+    /// # Errors
+    /// What disks, stores or the database say, or that keys or records are damaged or missing.
+    pub(crate) fn open_or_make(
         folder: &Path,
         shared: &SharedOptions,
         plan: BoothPlan,
@@ -143,8 +162,16 @@ impl OpenBooth {
 }
 
 fn open_sqlite(folder: &Path) -> Result<(Arc<dyn Store>, BoothKeys), Error> {
-    let database = folder.join("booth.sqlite");
-    let keys = BoothKeys::load_or_draw(folder, !database.exists())?;
+    let database = folder.join(DATABASE);
+    let has_records = fs::metadata(&database).is_ok_and(|file| file.len() > 0);
+    let has_sculptures =
+        fs::read_dir(folder.join("sculptures")).is_ok_and(|mut all| all.next().is_some());
+    if !has_records && (has_sculptures || BoothKeys::are_in(folder)) {
+        let why = "it is missing or empty, and the booth's keys or sculptures are here; restore a backup into another \
+            folder (paros-booth restore), or name another folder for a new booth";
+        return Err(Error::Input(format!("{}: {why}", database.display())));
+    }
+    let keys = BoothKeys::load_or_draw(folder, !has_records)?;
     let store = SqliteStore::open(&database).map_err(|error| Error::at(&database, error))?;
     Ok((Arc::new(store), keys))
 }

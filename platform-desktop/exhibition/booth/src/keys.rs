@@ -34,6 +34,11 @@ pub(crate) struct BoothKeys {
 }
 
 impl BoothKeys {
+    /// Whether a folder has a site's keys.
+    pub(crate) fn are_in(folder: &Path) -> bool {
+        folder.join("keys/site.key").exists()
+    }
+
     /// Loads the keys of a booth's folder, or draws them at its first start, of which `is_new` says whether it is.
     ///
     /// # Errors

@@ -63,7 +63,7 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     let folder = demo.as_ref().map_or(options.folder.path(), |demo| demo.path());
     let shared = &options.folder.shared;
     let _lock = shared.is_alone().then(|| FolderLock::take(folder)).transpose()?;
-    let open = OpenBooth::open(folder, shared, options.keep.plan(), quota)?;
+    let open = OpenBooth::open_or_make(folder, shared, options.keep.plan(), quota)?;
     if shared.is_alone() {
         open.booth.drop_leases()?;
     }

@@ -70,6 +70,12 @@ pub enum StoreError {
          start it on a new folder or database, or run the program that made this one"
     )]
     OtherVersion(i64),
+    /// The database is damaged, and what was found.
+    #[error(
+        "the database is damaged ({0}) and left as it is; restore a backup into another folder \
+         (paros-booth restore)"
+    )]
+    Damaged(String),
     /// The database's error.
     #[error("the database: {0}")]
     Failed(Box<dyn std::error::Error + Send + Sync>),

@@ -37,12 +37,13 @@ impl SqliteStore {
     /// Opens a file, and makes it where there is none.
     ///
     /// # Errors
-    /// SQLite's error, or the file has another version.
+    /// SQLite's error, or the file has another version, or is damaged.
     pub fn open(path: &Path) -> Result<Self, StoreError> {
         let open = || Connection::open(path).and_then(keep_statements).map_err(store_error);
         let mut writer = open()?;
         // First: a file of another version stays as it is.
         make_tables(&mut writer)?;
+        check_pages(&writer)?;
         let set = |name, value| writer.pragma_update(None, name, value).map_err(store_error);
         set("journal_mode", "WAL")?;
         // The log is on the disk before a commit returns.
@@ -156,6 +157,15 @@ fn make_tables(connection: &mut Connection) -> Result<(), StoreError> {
     }
 }
 
+/// Looks at every page of a database: a file that was cut answers until somebody asks for a row that is gone.
+fn check_pages(connection: &Connection) -> Result<(), StoreError> {
+    let found = connection.pragma_query_value(None, "quick_check", |row| row.get::<_, String>(0));
+    match found.map_err(store_error)? {
+        found if found == "ok" => Ok(()),
+        found => Err(StoreError::Damaged(found.lines().last().unwrap_or_default().to_owned())),
+    }
+}
+
 fn execute(connection: &Connection, sql: &str) -> Result<(), StoreError> {
     let done = connection.prepare_cached(sql).and_then(|mut statement| statement.execute(()));
     done.map(drop).map_err(store_error)
@@ -168,6 +178,9 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 fn store_error(error: rusqlite::Error) -> StoreError {
     match error.sqlite_error_code() {
         Some(ErrorCode::DatabaseBusy | ErrorCode::DatabaseLocked) => StoreError::Conflict,
+        Some(ErrorCode::DatabaseCorrupt | ErrorCode::NotADatabase) => {
+            StoreError::Damaged(error.to_string())
+        }
         _ => StoreError::Failed(Box::new(error)),
     }
 }

@@ -24,6 +24,58 @@ fn a_second_start_is_the_same_site_and_keys_are_their_owners() {
     assert!(error.contains("site.key: its keys are missing"), "{error}");
 }
 
+/// A name that was mistyped makes no second booth, with the same badges and nobody's sculptures.
+#[test]
+fn only_the_servers_first_start_makes_a_booth() {
+    let folder = BoothFolder::new("no-booth");
+    let outbox = folder.path().with_file_name("outbox");
+    fs::create_dir(&outbox).unwrap();
+    let import = ["import-spool", outbox.to_str().unwrap(), "--headset", "1"];
+    for command in [&["fleet-file", "--address", "https://b:1"][..], &import] {
+        let error = folder.run(command).expect_err("there is none");
+        assert!(error.contains("there is no booth"), "{error}");
+        assert!(!folder.path().exists(), "{command:?}");
+    }
+}
+
+/// Beside its keys or sculptures a booth without records, or with a part of them, would begin anew: it doesn't start, and
+/// changes nothing.
+#[test]
+fn a_booth_without_its_records_does_not_start() {
+    let folder = BoothFolder::new("no-records");
+    drop(folder.start());
+    let database = folder.path().join("booth.sqlite");
+    let backup = folder.path().with_file_name("booth.zip");
+    folder.run(&["backup", backup.to_str().unwrap()]).expect("a backup");
+    let whole = fs::read(&database).unwrap();
+    let refusal = || folder.run(&["--listen", "127.0.0.1:0"]).expect_err("its records are gone");
+    for cut in [whole.len() / 2, 512, 100] {
+        fs::write(&database, &whole[..cut]).unwrap();
+        let error = refusal();
+        assert!(
+            error.contains("damaged") && error.contains("paros-booth restore"),
+            "{cut}: {error}"
+        );
+        assert_eq!(fs::read(&database).unwrap(), whole[..cut]);
+    }
+    fs::write(&database, []).unwrap();
+    assert!(refusal().contains("missing or empty"));
+    fs::remove_file(&database).unwrap();
+    assert!(refusal().contains("missing or empty"));
+    // Without the keys too, while there are sculptures.
+    fs::remove_dir_all(folder.path().join("keys")).unwrap();
+    fs::write(folder.path().join("sculptures/one.sculpture"), b"a sculpture").unwrap();
+    assert!(refusal().contains("missing or empty"));
+    assert!(!database.exists() && !folder.path().join("keys").exists());
+    // What it names helps.
+    let restored = folder.path().with_file_name("restored");
+    let output = folder.command(&["restore", backup.to_str().unwrap()]).output().unwrap();
+    assert!(!output.status.success(), "the folder isn't free");
+    fs::rename(folder.path(), &restored).unwrap();
+    folder.run(&["restore", backup.to_str().unwrap()]).expect("restored");
+    drop(folder.start());
+}
+
 #[test]
 fn health_metrics_logs_and_the_end() {
     let folder = BoothFolder::new("health");
