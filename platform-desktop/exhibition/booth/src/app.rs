@@ -142,7 +142,7 @@ impl OpenBooth {
     /// Opens the booth of a folder, which is made at the server's first start; or what several booths share.
     ///
     /// # Errors
-    /// What disks, stores or the database say, or that keys or records are damaged or missing.
+    /// An I/O error, a database error, or keys or records that are damaged or missing.
     pub(crate) fn open_or_make(
         folder: &Path,
         shared: &SharedOptions,

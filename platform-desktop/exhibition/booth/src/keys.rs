@@ -34,7 +34,7 @@ pub(crate) struct BoothKeys {
 }
 
 impl BoothKeys {
-    /// Whether a folder has a site's keys.
+    /// Returns `true` if a booth's folder holds the keys of a site.
     pub(crate) fn are_in(folder: &Path) -> bool {
         folder.join("keys/site.key").exists()
     }

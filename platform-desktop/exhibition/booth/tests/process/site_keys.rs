@@ -24,7 +24,7 @@ fn a_second_start_is_the_same_site_and_keys_are_their_owners() {
     assert!(error.contains("site.key: its keys are missing"), "{error}");
 }
 
-/// A name that was mistyped makes no second booth, with the same badges and nobody's sculptures.
+/// A command with a mistyped folder reports an error and creates nothing: a second booth would hand out the same badges.
 #[test]
 fn only_the_servers_first_start_makes_a_booth() {
     let folder = BoothFolder::new("no-booth");
@@ -38,8 +38,8 @@ fn only_the_servers_first_start_makes_a_booth() {
     }
 }
 
-/// Beside its keys or sculptures a booth without records, or with a part of them, would begin anew: it doesn't start, and
-/// changes nothing.
+/// The server refuses to start if its database is missing, empty or cut while keys or sculptures exist, and changes nothing:
+/// with a new database the badges would start again.
 #[test]
 fn a_booth_without_its_records_does_not_start() {
     let folder = BoothFolder::new("no-records");
@@ -67,7 +67,7 @@ fn a_booth_without_its_records_does_not_start() {
     fs::write(folder.path().join("sculptures/one.sculpture"), b"a sculpture").unwrap();
     assert!(refusal().contains("missing or empty"));
     assert!(!database.exists() && !folder.path().join("keys").exists());
-    // What it names helps.
+    // The restore that the error names works.
     let restored = folder.path().with_file_name("restored");
     let output = folder.command(&["restore", backup.to_str().unwrap()]).output().unwrap();
     assert!(!output.status.success(), "the folder isn't free");
