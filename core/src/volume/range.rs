@@ -66,7 +66,7 @@ impl Range {
         (self.first() <= i) & (i <= self.last())
     }
 
-    /// Whether the first voxels of two ranges are the same, and whether the last are.
+    /// Returns `true` for the first voxel if both ranges have the same, and the same for the last voxel.
     #[inline]
     pub(crate) const fn equal_ends(self, other: Range) -> [bool; 2] {
         let differing_bits = self.to_number() ^ other.to_number();

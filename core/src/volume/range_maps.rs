@@ -60,8 +60,8 @@ impl Axis {
 
 /// Up to `K` disjoint intervals of one column, lowest first, empty ones last.
 ///
-/// Each is stored as the number of its [`Range::to_bytes`]: the compiler checks the initial value of a
-/// static world, and arrays of integers seven times as fast as arrays of structs.
+/// An interval is stored as one integer, its [`Range::to_bytes`]. Rustc checks every element of a static's
+/// initial value, and checks arrays of integers seven times as fast as arrays of structs.
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[repr(transparent)]
 pub struct Column<const K: usize = 1>([u16; K]);

@@ -36,13 +36,7 @@ fn maps_of_history<const K: usize>(history: &[DenseVolume]) -> RangeMaps<N, K> {
         model.become_closure_of(&exact);
     }
     let mut maps = RangeMaps::new();
-    for (axis, address) in all_columns() {
-        let mut column = Column::EMPTY;
-        for (i, &(first, last)) in model.column(axis, address).iter().enumerate() {
-            column.set_range(i, Range::new(first, last));
-        }
-        maps.set_column(axis, address, column);
-    }
+    model.write_maps(&mut maps);
     maps
 }
 

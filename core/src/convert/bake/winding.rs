@@ -32,8 +32,8 @@ pub struct NoWindings;
 pub struct ColumnWindings<const N: usize> {
     /// By column, the number of its crossings; one more than there is room for stands for more.
     counts: [[[u8; N]; N]; 3],
-    /// Of each column as many as are counted, each as [`Crossing::to_number`]: the compiler checks the initial
-    /// values of statics, and arrays of integers many times as fast as arrays of structs.
+    /// By column, its crossings, as many as `counts` has; each a [`Crossing::to_number`], an integer for the
+    /// reason that [`Column`] gives.
     crossings: [[[[u16; BAKED_CROSSINGS]; N]; N]; 3],
 }
 
@@ -49,12 +49,13 @@ struct Crossing {
 }
 
 impl Crossing {
-    /// Its number, the greater the higher the voxel is.
+    /// Returns the crossing as a number. Numbers are in the order of the voxels.
     #[inline]
     const fn to_number(self) -> u16 {
         (self.voxel as u16) << 1 | (self.entered > 0) as u16
     }
 
+    /// The inverse of [`Crossing::to_number`].
     #[inline]
     const fn from_number(number: u16) -> Self {
         Crossing { voxel: (number >> 1) as usize, entered: if number & 1 == 1 { 1 } else { -1 } }

@@ -1,8 +1,7 @@
 //! Serialisation and digest of the undo history.
 
 use super::packed::{
-    EntryCell, EntryColumns, column_from_cells, digest_sum, digest_term, flag_cell_count,
-    word_from_cells,
+    EntryCell, EntryColumns, digest_sum, digest_term, flag_cell_count, word_from_cells,
 };
 use super::unpacked::UnpackedEntry;
 use super::{PackedEntry, UndoHistory};
@@ -134,7 +133,7 @@ where
         let (columns, values) = EntryColumns::<N>::split_columns_and_values(entry);
         for ((axis, (line, place)), cells) in columns.zip(values.as_chunks().0) {
             self.insert_columns(axis, line, BitSet::span(place, place));
-            self.others[axis as usize][line][place] = column_from_cells(*cells);
+            self.others[axis as usize][line][place] = Column::from_checked_bytes(*cells);
         }
     }
 }

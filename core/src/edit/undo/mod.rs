@@ -28,9 +28,7 @@ use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 use crate::volume::voxel_box::VoxelBox;
 use check::box_of_changes;
-use packed::{
-    EntryCell, EntryColumns, EntryRun, column_from_cells, digest_of_run, nonzero_column_number,
-};
+use packed::{EntryCell, EntryColumns, EntryRun, digest_of_run, nonzero_column_number};
 use unpacked::UnpackedEntry;
 
 /// The strokes that can be undone and redone in a volume of N^3 voxels.
@@ -303,7 +301,7 @@ where
                 others
                     .iter_mut()
                     .zip(&*cells)
-                    .for_each(|(to, from)| *to = column_from_cells(*from));
+                    .for_each(|(to, from)| *to = Column::from_checked_bytes(*from));
                 swap(axis, first, others);
                 cells.iter_mut().zip(others).for_each(|(to, from)| *to = from.to_bytes());
             }

@@ -123,7 +123,7 @@ where
     let (columns, values) = EntryColumns::<N>::split_columns_and_values(cells);
     let terms = columns
         .zip(values.as_chunks().0)
-        .map(|((axis, at), cells)| digest_term(axis, at, column_from_cells::<K>(*cells)));
+        .map(|((axis, at), cells)| digest_term(axis, at, Column::<K>::from_checked_bytes(*cells)));
     terms.fold(0, u64::wrapping_add)
 }
 
@@ -153,12 +153,6 @@ pub(super) fn digest_of_run<const K: usize>(
         sum.wrapping_add(key.wrapping_mul(nonzero_column_number(*column)))
     });
     sum.wrapping_mul(line_key(axis, line))
-}
-
-/// The column of these cells, which are [`Column::to_bytes`] or were checked.
-#[inline]
-pub(super) fn column_from_cells<const K: usize>(cells: [EntryCell; K]) -> Column<K> {
-    Column::from_checked_bytes(cells)
 }
 
 #[inline]
