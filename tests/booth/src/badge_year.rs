@@ -1,13 +1,13 @@
 //! Months of badges: headsets that are wiped, silent or stuck, and a booth that comes back from backups. The devices are the
 //! naive ones of the protocol: they show the next number of what the last answer says they hold.
 
+use paros_booth_rules::BoothTime;
 use paros_booth_rules::limits::LATE_DAYS;
 use paros_booth_rules::records::Device;
-use paros_booth_rules::{BoothTime, hash_of};
 use paros_core::badge::BadgeNumber;
 use paros_models::random_visitor::RandomSource;
 use paros_protocol::{
-    BadgeReport, BlockSerial, Heartbeat, ParcelOutcome, SculptureId, UploadFacts,
+    BadgeReport, BlockSerial, ContentHash, Heartbeat, ParcelOutcome, SculptureId, UploadFacts,
 };
 
 use crate::booth::{OPENING, SimBackup, SimBooth, decode};
@@ -207,7 +207,7 @@ impl Year {
             let Finished { facts, made_on, .. } = finished;
             let mut file = facts.to_head();
             file.push(7);
-            let hash = hash_of(&file);
+            let hash = ContentHash::of(&file);
             file.extend(hash.0);
             let booth = &self.booth.booth;
             let kept = booth.take_parcel(headset.device.headset, facts.id, &file, &decode, now);

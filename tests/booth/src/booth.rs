@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use paros_booth_rules::records::{Announcement, Command, Device, Sculpture, Tombstone};
 use paros_booth_rules::{
     Access, Booth, BoothPlan, BoothTime, Deletion, KeptName, ParcelFiles, Refusal, SiteKeys, Store,
-    StoreError, Transaction, hash_of, view,
+    StoreError, Transaction, view,
 };
 use paros_booth_sqlite::SqliteStore;
 use paros_models::random_visitor::RandomSource;
@@ -171,7 +171,7 @@ impl SimBooth {
     pub fn enrol(&self, device: u8, now: BoothTime) -> u32 {
         let enrolment = FleetEnrolment {
             enrolment_token: EnrolmentToken([77; 32]),
-            token_hash: hash_of(&token_of(device).0),
+            token_hash: ContentHash::of(&token_of(device).0),
             hint: DeviceHint([device; 16]),
             name: DeviceName::new("Quest").expect("a name"),
         };

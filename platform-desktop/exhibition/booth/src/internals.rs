@@ -8,9 +8,12 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, Request, header};
 use futures_util::FutureExt as _;
 use paros_booth_rules::Deletion;
 
+use crate::commands::restore;
 use crate::error::Error;
-use crate::printing;
-use crate::{deletion_log, exporter, mesh_check, restore, routes, staff, threemf};
+use crate::models::{exporter, mesh_check, threemf};
+use crate::server::routes;
+use crate::store::deletion_log;
+use crate::{printing, staff};
 
 /// Minutes and tenths of a gram that the comments of some G-code tell.
 #[must_use]

@@ -1,73 +1,42 @@
-//! The booth: keeps what headsets send, and lets staff find it by its badge. Decisions are those of
-//! `paros_booth_rules`; here are the network, the disk, the database and the clock.
+//! The booth's server: keeps the sculptures that headsets send, and lets staff find a sculpture by its badge.
+//! `paros_booth_rules` makes every decision. This crate connects the rules to the network, the disk, the database and the
+//! clock:
+//!
+//! - `server`: the routes of headsets, what all routes share, and the background threads
+//! - `store`: PostgreSQL, and files on a disk or in S3 (SQLite is the crate `paros_booth_sqlite`)
+//! - `models`: meshes, pictures and export files, made from a sculpture
+//! - `staff`, `public`: the pages of staff and of visitors
+//! - `printing`: the slicer and the printers
+//! - `commands`: options, settings, and the commands beside the server
 #![forbid(unsafe_code)]
 
-mod app;
-mod backup;
-mod badge_export;
-mod body;
 mod clock;
 mod commands;
-mod deletion_log;
-mod demo;
-mod demo_shapes;
-mod disk_files;
 mod error;
-mod exporter;
-mod files;
-mod fleet_file;
-mod folder_lock;
-mod gate;
-mod glb;
 #[doc(hidden)]
 pub mod internals;
-mod keys;
-mod leaf;
-mod mailer;
-mod mesh_check;
-mod metrics;
-mod model;
-mod options;
-mod own_file;
-mod page_guard;
-mod parcel_decode;
-mod picture;
-mod places;
-mod postgres_link;
-mod postgres_schema;
-mod postgres_store;
+mod models;
 mod printing;
 mod public;
 mod random;
-mod rate;
-mod restore;
-mod routes;
-mod run;
-mod s3_files;
 mod server;
-mod settings;
-mod shared;
-mod spool_import;
 mod staff;
-mod staff_certificate;
-mod threemf;
+mod store;
 mod viewer;
-mod work_keeper;
-mod worker;
 
-pub use disk_files::DiskFiles;
+pub use commands::options::Options;
+pub use commands::shared::{DatabaseUrl, SharedOptions};
 pub use error::Error;
-pub use files::Files;
-pub use mailer::{MailOptions, SmtpTls};
-pub use options::Options;
-pub use parcel_decode::check_parcel;
-pub use postgres_link::PostgresAddress;
-pub use postgres_store::PostgresStore;
+pub use models::parcel_decode::check_parcel;
 pub use printing::SlicerOptions;
 pub use public::PublicOptions;
-pub use s3_files::S3Files;
-pub use shared::{DatabaseUrl, SharedOptions};
-pub use staff_certificate::StaffCertificateOptions;
+pub use server::mailer::{MailOptions, SmtpTls};
+pub use server::staff_certificate::StaffCertificateOptions;
+pub use store::disk_files::DiskFiles;
+pub use store::files::Files;
+pub use store::postgres_link::PostgresAddress;
+pub use store::postgres_store::PostgresStore;
+pub use store::s3_files::S3Files;
 
 /// Does what the command line asks. Returns output as whole lines.
 ///
@@ -76,6 +45,6 @@ pub use staff_certificate::StaffCertificateOptions;
 pub fn run(options: &Options) -> Result<String, Error> {
     match &options.command {
         Some(command) => commands::run(command),
-        None => run::run(&options.serve).map(|()| String::new()),
+        None => server::run::run(&options.serve).map(|()| String::new()),
     }
 }

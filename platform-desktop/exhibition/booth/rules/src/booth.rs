@@ -115,9 +115,3 @@ impl SiteKeys {
         secret
     }
 }
-
-/// SHA-256.
-#[must_use]
-pub fn hash_of(bytes: &[u8]) -> ContentHash {
-    ContentHash::of(bytes)
-}

@@ -5,7 +5,7 @@ use subtle::ConstantTimeEq as _;
 
 use crate::audit::{Subject, note};
 use crate::badges::retire_headset;
-use crate::booth::{Booth, Tx, hash_of};
+use crate::booth::{Booth, Tx};
 use crate::limits::{MAX_HEADSETS, SILENCE_OF_WIPED};
 use crate::reason::Reason;
 use crate::records::Device;
@@ -31,7 +31,7 @@ impl Booth {
     /// [`Refusal::UnknownToken`] where there is none, [`Refusal::Forbidden`] where it was shut out: one that isn't known may
     /// enrol anew, as where the booth came back from a backup of before it did. Those of the store.
     pub fn authenticate(&self, token: &DeviceToken) -> Result<Device, Refusal> {
-        let hash = hash_of(&token.0);
+        let hash = ContentHash::of(&token.0);
         let devices = self.view(|tx| tx.find::<Device>("WHERE token_hash = ?1", &[&hash.0]))?;
         // What the index found is compared as a whole once more, in a time that tells nothing.
         let is_its = |device: &Device| bool::from(device.token_hash.ct_eq(&hash.0));

@@ -1,9 +1,9 @@
 //! Enrolment by a token that expires, is counted and can be revoked.
 
-use paros_protocol::{EnrolAnswer, EnrolmentToken, FleetEnrolment};
+use paros_protocol::{ContentHash, EnrolAnswer, EnrolmentToken, FleetEnrolment};
 
 use crate::audit::{Subject, note};
-use crate::booth::{Booth, Tx, hash_of};
+use crate::booth::{Booth, Tx};
 use crate::devices::{NewDevice, enrol, find_by_token, find_wiped};
 use crate::reason::Reason;
 use crate::records::EnrolToken;
@@ -24,7 +24,7 @@ impl Booth {
         now: BoothTime,
     ) -> Result<(), Refusal> {
         let token = EnrolToken {
-            token_hash: hash_of(&token.0).0,
+            token_hash: ContentHash::of(&token.0).0,
             note: note_for_people.to_owned(),
             expires_at,
             uses_left: uses,
@@ -101,6 +101,6 @@ fn find_valid_token(
     token: &EnrolmentToken,
     now: BoothTime,
 ) -> Result<EnrolToken, Refusal> {
-    let token: Option<EnrolToken> = tx.get(&[&hash_of(&token.0).0])?;
+    let token: Option<EnrolToken> = tx.get(&[&ContentHash::of(&token.0).0])?;
     token.filter(|token| token.is_valid(now)).ok_or(Refusal::UnknownToken)
 }

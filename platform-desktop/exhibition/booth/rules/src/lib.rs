@@ -45,14 +45,14 @@ mod words;
 mod work;
 
 pub use badges::BadgeTotals;
-pub use booth::{Booth, BoothPlan, SiteKeys, hash_of};
+pub use booth::{Booth, BoothPlan, SiteKeys};
 pub use deletions::Deletion;
 pub use find::{BadgeMatches, FoundByBadge, MissingSculpture};
 pub use heartbeat::device_status;
 pub use lifecycle::SweepReport;
 pub use links::LinkToken;
 pub use mail::{MailJob, MailOutcome};
-pub use parcel_files::{KeptName, KeptPart, MemoryFiles, ParcelFiles};
+pub use parcel_files::{KeptName, KeptPart, ParcelFiles};
 pub use print_wish::{PrintSize, PrintWish};
 pub use printers::{PrinterTask, PrinterWord};
 pub use prints::{PrintJob, PrintStep, SliceOutcome};

@@ -1,8 +1,6 @@
 //! Where the bytes of sculptures are kept.
 
-use std::collections::BTreeMap;
 use std::io;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use paros_protocol::{ContentHash, SculptureId};
 
@@ -68,66 +66,4 @@ pub trait ParcelFiles: Send + Sync {
     /// # Errors
     /// What the disk says. Then the log is as it was.
     fn forget_deletions_before(&self, time: BoothTime) -> io::Result<()>;
-}
-
-/// Files in memory, for tests and simulations.
-#[derive(Debug, Default)]
-pub struct MemoryFiles {
-    files: Mutex<Files>,
-}
-
-#[derive(Debug, Default)]
-struct Files {
-    kept: BTreeMap<KeptName, Vec<u8>>,
-    deletions: Vec<Deletion>,
-}
-
-impl MemoryFiles {
-    /// None.
-    #[must_use]
-    pub fn new() -> Self {
-        MemoryFiles::default()
-    }
-
-    /// The names of those that are kept.
-    #[must_use]
-    pub fn kept_names(&self) -> Vec<KeptName> {
-        self.lock().kept.keys().copied().collect()
-    }
-
-    /// The log of deletions.
-    #[must_use]
-    pub fn deletions(&self) -> Vec<Deletion> {
-        self.lock().deletions.clone()
-    }
-
-    fn lock(&self) -> MutexGuard<'_, Files> {
-        self.files.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl ParcelFiles for MemoryFiles {
-    fn keep(&self, name: &KeptName, bytes: &[u8]) -> io::Result<()> {
-        self.lock().kept.insert(*name, bytes.to_vec());
-        Ok(())
-    }
-
-    fn read_kept(&self, name: &KeptName) -> io::Result<Vec<u8>> {
-        self.lock().kept.get(name).cloned().ok_or(io::ErrorKind::NotFound.into())
-    }
-
-    fn remove_kept(&self, name: &KeptName) -> io::Result<()> {
-        self.lock().kept.remove(name);
-        Ok(())
-    }
-
-    fn log_deletions(&self, deletions: &[Deletion]) -> io::Result<()> {
-        self.lock().deletions.extend_from_slice(deletions);
-        Ok(())
-    }
-
-    fn forget_deletions_before(&self, time: BoothTime) -> io::Result<()> {
-        self.lock().deletions.retain(|deletion| deletion.deleted_at >= time);
-        Ok(())
-    }
 }

@@ -5,13 +5,14 @@ use std::time::Duration;
 use subtle::ConstantTimeEq as _;
 
 use crate::audit::{Subject, note};
-use crate::booth::{Booth, Tx, hash_of};
+use crate::booth::{Booth, Tx};
 use crate::limits::{SESSION_IDLE, SESSION_LIFE};
 use crate::reason::{Expected, Reason};
 use crate::records::{Account, StaffRole, StaffSession};
 use crate::refusal::Refusal;
 use crate::store::StoreError;
 use crate::time::BoothTime;
+use paros_protocol::ContentHash;
 
 /// How much a session's last use may be behind: more often it isn't written down.
 const USE_STEP: Duration = Duration::from_secs(60);
@@ -164,7 +165,7 @@ impl Booth {
                 end_session(tx, &session.token_hash)?;
             }
             tx.put(&StaffSession {
-                token_hash: hash_of(&bits.cookie).0,
+                token_hash: ContentHash::of(&bits.cookie).0,
                 account: name.to_owned(),
                 form_token: bits.form_token,
                 used_at: now,
@@ -179,7 +180,7 @@ impl Booth {
     /// # Errors
     /// [`Refusal::UnknownToken`] where nobody is, or not any more.
     pub fn find_login(&self, cookie: &[u8; 32], now: BoothTime) -> Result<LoggedIn, Refusal> {
-        let token_hash = hash_of(cookie).0;
+        let token_hash = ContentHash::of(cookie).0;
         let (session, account) = self.view(|tx| {
             let session: Option<StaffSession> = tx.get(&[&token_hash])?;
             let account: Option<Account> = match &session {
@@ -209,7 +210,7 @@ impl Booth {
     /// # Errors
     /// Those of the store.
     pub fn log_out(&self, cookie: &[u8; 32]) -> Result<(), Refusal> {
-        self.update(|tx| Ok(end_session(tx, &hash_of(cookie).0)?))
+        self.update(|tx| Ok(end_session(tx, &ContentHash::of(cookie).0)?))
     }
 }
 

@@ -1,8 +1,8 @@
 //! Who is let in.
 
 use super::common::*;
-use paros_booth_rules::hash_of;
 use paros_booth_rules::limits::SILENCE_OF_WIPED;
+use paros_protocol::ContentHash;
 
 #[test]
 fn a_fleets_token_lets_so_many_in_until_it_expires_or_is_revoked() {
@@ -22,7 +22,7 @@ fn a_fleets_token_lets_so_many_in_until_it_expires_or_is_revoked() {
     let ask = |byte| FleetEnrolment { enrolment_token: other, ..fleet_enrolment(byte) };
     booth.enrol_fleet(&ask(4), seconds(99)).expect("in time");
     assert_eq!(status(booth.enrol_fleet(&ask(5), seconds(100))), 401, "expired");
-    booth.revoke_enrol_token(&hash_of(&other.0).0, "ana", START).unwrap();
+    booth.revoke_enrol_token(&ContentHash::of(&other.0).0, "ana", START).unwrap();
     assert_eq!(status(booth.enrol_fleet(&ask(6), START)), 401, "revoked");
     booth.authenticate(&DeviceToken([4; 32])).expect("who was let in stays");
 }
@@ -31,7 +31,7 @@ fn a_fleets_token_lets_so_many_in_until_it_expires_or_is_revoked() {
 fn a_token_is_known_by_its_hash_until_it_is_taken_away() {
     let rig = Rig::new();
     let device = rig.enrol(3);
-    assert_eq!(device.token_hash, hash_of(&[3; 32]).0);
+    assert_eq!(device.token_hash, ContentHash::of(&[3; 32]).0);
     assert_eq!(status(rig.booth.authenticate(&DeviceToken([4; 32]))), 401);
     assert_eq!(status(rig.booth.authenticate(&DeviceToken(device.token_hash))), 401);
     rig.booth.revoke_device(device.headset, "ana", START).unwrap();

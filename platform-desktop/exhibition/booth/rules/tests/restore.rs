@@ -6,8 +6,7 @@ use std::sync::Arc;
 use super::common::*;
 use paros_booth_rules::records::{MailOrder, MailState, Tombstone};
 use paros_booth_rules::{
-    Booth, BoothPlan, BoothTime, Deletion, KeptName, MemoryFiles, ParcelFiles, SessionBits,
-    SiteKeys, view,
+    Booth, BoothPlan, BoothTime, Deletion, KeptName, ParcelFiles, SessionBits, SiteKeys, view,
 };
 use paros_booth_sqlite::SqliteStore;
 

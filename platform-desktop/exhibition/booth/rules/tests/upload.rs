@@ -1,8 +1,9 @@
 //! What is taken and kept.
 
 use super::common::*;
+use paros_booth_rules::ImportOutcome;
 use paros_booth_rules::records::ExportState;
-use paros_booth_rules::{ImportOutcome, hash_of};
+use paros_protocol::ContentHash;
 use paros_protocol::limits::MAX_PARCEL_BYTES;
 
 #[test]
@@ -46,7 +47,7 @@ fn no_sculpture_is_refused_and_nothing_of_it_stays() {
     let rig = Rig::new();
     let device = rig.enrol(1);
     let hashed = |mut parcel: Parcel| {
-        parcel.hash = hash_of(&parcel.bytes);
+        parcel.hash = ContentHash::of(&parcel.bytes);
         parcel
     };
     let mut wrong_bytes = Parcel::new(40, None);

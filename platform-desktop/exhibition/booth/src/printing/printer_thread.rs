@@ -15,9 +15,9 @@ use super::slicer::{SliceFault, Slicer};
 use super::slices::height_of;
 use crate::clock::booth_time;
 use crate::error::Error;
-use crate::exporter::make_stl;
-use crate::work_keeper::keep_work;
-use crate::worker::{Waker, Worker};
+use crate::models::exporter::make_stl;
+use crate::server::work_keeper::keep_work;
+use crate::server::worker::{Waker, Worker};
 
 /// How often a printer is looked at that prints, or is to.
 const LOOK_OFTEN: Duration = Duration::from_secs(5);

@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use tracing::warn;
 
 use crate::error::Error;
-use crate::folder_lock::FolderLock;
 use crate::random::random_number;
+use crate::store::folder_lock::FolderLock;
 
 /// A folder of this process, with one of each slice in it.
 pub(crate) struct SliceFolders {

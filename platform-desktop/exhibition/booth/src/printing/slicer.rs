@@ -16,7 +16,7 @@ use super::gcode::{Estimate, read_estimate};
 use super::options::SlicerOptions;
 use super::slice_folder::{SliceFolder, SliceFolders};
 use crate::error::Error;
-use crate::worker::LOW_PRIORITY;
+use crate::server::worker::LOW_PRIORITY;
 
 /// How long a slice may take: a sculpture at 256 takes some twenty seconds of a small processor.
 const MAX_SLICE_TIME: Duration = Duration::from_secs(240);

@@ -10,8 +10,8 @@ use tracing::{info, warn};
 use super::gcode::Estimate;
 use super::slicer::{SliceFault, Slicer};
 use crate::clock::booth_time;
-use crate::exporter::make_stl;
-use crate::work_keeper::keep_work;
+use crate::models::exporter::make_stl;
+use crate::server::work_keeper::keep_work;
 
 /// How often the thread looks for work that nobody told it of, as what was left by a start before.
 const LOOK_AGAIN: Duration = Duration::from_secs(30);

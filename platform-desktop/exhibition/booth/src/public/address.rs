@@ -16,7 +16,7 @@ use tokio_rustls::rustls::sign::SingleCertAndKey;
 
 use super::PublicOptions;
 use crate::error::Error;
-use crate::staff_certificate::load_certificate;
+use crate::server::staff_certificate::load_certificate;
 
 /// White modules around a QR code, as its standard wants them.
 const QUIET: usize = 4;

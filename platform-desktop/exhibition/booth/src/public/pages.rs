@@ -22,12 +22,12 @@ use tracing::warn;
 
 use super::address::path_of;
 use super::texts::PublicTexts;
-use crate::app::BoothApp;
 use crate::clock::booth_time;
-use crate::model::ModelFormat;
-use crate::page_guard::guard;
-use crate::rate::RateLimiter;
-use crate::routes::{Peer, bound_and_count};
+use crate::models::model::ModelFormat;
+use crate::server::app::BoothApp;
+use crate::server::page_guard::guard;
+use crate::server::rate::RateLimiter;
+use crate::server::routes::{Peer, bound_and_count};
 use crate::staff::{draw_badge, utc};
 use crate::viewer::{self, draw_viewer};
 

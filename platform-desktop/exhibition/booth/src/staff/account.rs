@@ -13,9 +13,9 @@ use super::done::Done;
 use super::forms::{FormView, Refused};
 use super::login::{begin_session, hash_password, verify_password};
 use super::page::{StaffForm, StaffView, form_token};
-use crate::app::BoothApp;
 use crate::clock::booth_time;
-use crate::routes::Peer;
+use crate::server::app::BoothApp;
+use crate::server::routes::Peer;
 
 /// The form's name on its page.
 const PASSWORD_FORM: &str = "password";

@@ -19,9 +19,9 @@ use super::login::hash_password;
 use super::page::{Fields, StaffAnswer, StaffForm, StaffView, action_button, form_token};
 use super::sculptures::utc;
 use super::texts::Texts;
-use crate::app::BoothApp;
 use crate::clock::booth_time;
-use crate::fleet_file::{FleetToken, make_fleet_file};
+use crate::commands::fleet_file::{FleetToken, make_fleet_file};
+use crate::server::app::BoothApp;
 
 /// Entries of the audit on a page.
 const LISTED_ENTRIES: usize = 100;

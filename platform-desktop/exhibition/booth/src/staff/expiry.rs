@@ -8,7 +8,7 @@ use paros_booth_rules::{BoothTime, LoggedIn};
 
 use super::admin_texts::AdminTexts;
 use super::sculptures::utc;
-use crate::settings::SiteFacts;
+use crate::commands::settings::SiteFacts;
 
 /// The time before an end from which on admins are told of it.
 const TOLD_BEFORE: Duration = Duration::from_secs(30 * 86_400);

@@ -14,8 +14,8 @@ use super::refusal_texts::tell_words_fault;
 use super::sculptures::{cards, missing_card};
 use super::svg::{draw_badge, draw_colour, draw_pictogram};
 use super::texts::Texts;
-use crate::app::BoothApp;
 use crate::clock::booth_time;
+use crate::server::app::BoothApp;
 
 /// `GET /staff/find`: by words, or by the numbers of a colour and four pictograms.
 pub(crate) async fn find(

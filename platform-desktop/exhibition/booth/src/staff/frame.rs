@@ -10,7 +10,7 @@ use paros_booth_rules::{Expected, LoggedIn, Reason, Refusal};
 use super::page::{Told, frame_page};
 use super::refusal_texts::tell_refusal;
 use super::texts::Texts;
-use crate::page_guard::add_headers;
+use crate::server::page_guard::add_headers;
 
 /// Makes a page of every error that isn't one, in the language of the browser. Who asks for a form's address, as by
 /// pressing Enter there after it was refused, gets its page.

@@ -13,8 +13,8 @@ use paros_protocol::{CommandKind, Heartbeat};
 use super::done::Done;
 use super::page::{StaffAnswer, StaffForm, StaffView, action_button};
 use super::texts::Texts;
-use crate::app::BoothApp;
 use crate::clock::booth_time;
+use crate::server::app::BoothApp;
 
 /// Commands of a headset that are shown.
 const LISTED_COMMANDS: usize = 3;

@@ -11,11 +11,11 @@ use tracing::info;
 
 use super::admin_texts::AdminTexts;
 use super::page::{StaffAnswer, StaffView, check_form, form_token};
-use crate::app::BoothApp;
 use crate::clock::booth_time;
-use crate::parcel_decode::check_parcel;
-use crate::routes::{read_length, read_parcel, refuse_after_body};
-use crate::spool_import::read_parcel_name;
+use crate::commands::spool_import::read_parcel_name;
+use crate::models::parcel_decode::check_parcel;
+use crate::server::app::BoothApp;
+use crate::server::routes::{read_length, read_parcel, refuse_after_body};
 
 /// The path of parcels that an admin brings, before the headset's number and the file's name.
 pub(crate) const IMPORT_PATH: &str = "/staff/import/";

@@ -20,11 +20,11 @@ use super::done::Done;
 use super::forms::{FormView, Refused};
 use super::page::{Fields, StaffAnswer, find_cookie, frame_page, with_cookie};
 use super::texts::Texts;
-use crate::app::BoothApp;
 use crate::clock::booth_time;
 use crate::random::random_bytes;
-use crate::rate::RateLimiter;
-use crate::routes::Peer;
+use crate::server::app::BoothApp;
+use crate::server::rate::RateLimiter;
+use crate::server::routes::Peer;
 
 /// The cookie of a login: sent to this host alone, over TLS alone, unseen by scripts, from no other site's pages.
 const COOKIE: &str = "__Host-paros";

@@ -16,9 +16,9 @@ use super::page::{StaffAnswer, StaffForm, form_token};
 use super::refusal_texts::tell_cause;
 use super::sculptures::{parse_id, refuse_form, utc};
 use super::texts::Texts;
-use crate::app::BoothApp;
 use crate::clock::booth_time;
 use crate::random::random_number;
+use crate::server::app::BoothApp;
 
 /// The form's name on the page of a sculpture.
 pub(super) const MAIL_FORM: &str = "mail";

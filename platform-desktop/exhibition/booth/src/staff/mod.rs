@@ -42,9 +42,9 @@ pub(crate) use svg::draw_badge;
 use paros_booth_rules::{Reason, Refusal};
 
 use self::page::{StaffAnswer, StaffView};
-use crate::app::BoothApp;
-use crate::model::ModelFormat;
-use crate::page_guard::guard;
+use crate::models::model::ModelFormat;
+use crate::server::app::BoothApp;
+use crate::server::page_guard::guard;
 use crate::viewer;
 
 /// The routes of the staff page.

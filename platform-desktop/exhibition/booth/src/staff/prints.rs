@@ -21,10 +21,10 @@ use super::print_texts::PrintTexts;
 use super::refusal_texts::tell_cause;
 use super::sculptures::{badge_of, parse_id, refuse_form, utc};
 use super::texts::Texts;
-use crate::app::BoothApp;
 use crate::clock::booth_time;
 use crate::printing::{Printer, PrinterView};
 use crate::random::random_number;
+use crate::server::app::BoothApp;
 
 /// The steps that staff take by hand, and how a form's address has them.
 const STEPS: [(PrintStep, &str); 5] = [

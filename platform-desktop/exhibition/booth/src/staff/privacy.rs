@@ -18,9 +18,9 @@ use super::page::{StaffAnswer, StaffForm, StaffView, action_button, frame_page};
 use super::sculptures::utc;
 use super::svg::draw_badge;
 use super::texts::Texts;
-use crate::app::BoothApp;
-use crate::badge_export::write_export;
 use crate::clock::booth_time;
+use crate::commands::badge_export::write_export;
+use crate::server::app::BoothApp;
 
 type Answer = Result<Response, StaffAnswer>;
 

@@ -23,9 +23,9 @@ use super::prints::{PRINT_FORM, prints_of};
 use super::slip::link_actions;
 use super::svg::draw_badge;
 use super::texts::Texts;
-use crate::app::BoothApp;
 use crate::clock::booth_time;
-use crate::model::ModelFormat;
+use crate::models::model::ModelFormat;
+use crate::server::app::BoothApp;
 use crate::viewer::draw_viewer;
 
 /// Sculptures of a list.

@@ -17,9 +17,9 @@ use super::prints::order_wish;
 use super::sculptures::{parse_id, utc};
 use super::svg::draw_badge;
 use super::texts::Texts;
-use crate::app::BoothApp;
 use crate::clock::booth_time;
 use crate::public::draw_qr;
+use crate::server::app::BoothApp;
 
 type Answer = Result<Response, StaffAnswer>;
 

@@ -4,13 +4,14 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 use paros_booth::{DiskFiles, Files, S3Files};
-use paros_booth_rules::{BoothTime, KeptName, KeptPart, MemoryFiles, ParcelFiles, hash_of};
-use paros_protocol::SculptureId;
+use paros_booth_rules::{BoothTime, KeptName, KeptPart, ParcelFiles};
+use paros_protocol::{ContentHash, SculptureId};
 
+use crate::rules::common::MemoryFiles;
 use crate::s3_server::S3Server;
 
 fn name_of(number: u8, part: KeptPart) -> KeptName {
-    KeptName { id: SculptureId([number; 16]), hash: hash_of(&[number]), part }
+    KeptName { id: SculptureId([number; 16]), hash: ContentHash::of(&[number]), part }
 }
 
 fn noise(length: usize) -> Vec<u8> {

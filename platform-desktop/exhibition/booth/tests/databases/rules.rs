@@ -2,7 +2,7 @@
 #[path = "../../rules/tests/badges.rs"]
 mod badges;
 #[path = "../../rules/tests/common/mod.rs"]
-mod common;
+pub(crate) mod common;
 #[path = "../../rules/tests/enrol.rs"]
 mod enrol;
 #[path = "../../rules/tests/find.rs"]

@@ -103,12 +103,12 @@ fn a_fleets_file_is_downloaded_lets_headsets_in_and_is_taken_back() {
         page.text().contains("&lt;b&gt;wall 1")
             && !page.text().contains(&word("enrolment_token = "))
     );
-    let hash = paros_booth_rules::hash_of(&token.0);
+    let hash = paros_protocol::ContentHash::of(&token.0);
     let revoked = ana.click("/staff/admin", &format!("/staff/admin/tokens/{hash}/revoke"));
     assert_eq!(revoked.status, 303);
     let asked = FleetEnrolment {
         enrolment_token: token,
-        token_hash: paros_booth_rules::hash_of(&[9; 32]),
+        token_hash: paros_protocol::ContentHash::of(&[9; 32]),
         hint: DeviceHint([9; 16]),
         name: DeviceName::new("Quest").expect("a name"),
     };

@@ -7,13 +7,13 @@ use std::sync::OnceLock;
 
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
-use paros_booth_rules::hash_of;
 use paros_core::TickInput;
 use paros_core::badge::BadgeNumber;
 use paros_core::codec::trace::{HEADER_BYTES, RECORD_BYTES};
 use paros_core::limits::INTERVALS;
 use paros_core::session::SessionMode;
 use paros_core::volume::Grid;
+use paros_protocol::ContentHash;
 use paros_protocol::*;
 use paros_shell::rmap;
 use paros_shell::statics::Resident;
@@ -161,7 +161,7 @@ impl Parcel {
 
     pub(crate) fn of_packed(facts: UploadFacts, first: &[u8], trace: &[u8]) -> Self {
         let bytes = [&facts.to_head()[..], first, trace].concat();
-        Parcel { facts, hash: hash_of(&bytes), bytes }
+        Parcel { facts, hash: ContentHash::of(&bytes), bytes }
     }
 }
 

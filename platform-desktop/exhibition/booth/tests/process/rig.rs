@@ -8,7 +8,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
 
-use paros_booth_rules::hash_of;
+use paros_protocol::ContentHash;
 use paros_protocol::*;
 use tokio_rustls::rustls::client::Resumption;
 use tokio_rustls::rustls::crypto::ring::default_provider;
@@ -77,7 +77,7 @@ impl BoothFolder {
         let fingerprint = line().rsplit(' ').next().expect("a word").to_owned();
         let ca = fs::read(self.path().join("keys/ca.pem")).expect("it was made");
         let ca = CertificateDer::from_pem_slice(&ca).expect("PEM");
-        assert_eq!(fingerprint, hash_of(&ca).to_string());
+        assert_eq!(fingerprint, ContentHash::of(&ca).to_string());
         // Where there is no account yet, a line more.
         let database = self.path().join("booth.sqlite");
         let accounts: u32 = if database.exists() {
@@ -293,7 +293,7 @@ impl Headset {
         let token = DeviceToken([byte; 32]);
         let asked = FleetEnrolment {
             enrolment_token: fleet,
-            token_hash: hash_of(&token.0),
+            token_hash: ContentHash::of(&token.0),
             hint: DeviceHint([byte; 16]),
             name: DeviceName::new("Quest").expect("a name"),
         };

@@ -1,17 +1,19 @@
 //! A booth in memory, and headsets that talk to it.
 #![allow(dead_code)] // each test uses its part of it
 
+mod memory_files;
+
 use std::sync::Arc;
 
 use paros_booth_rules::records::Device;
-use paros_booth_rules::{
-    Booth, BoothPlan, BoothTime, MemoryFiles, Refusal, SiteKeys, Store, hash_of,
-};
+use paros_booth_rules::{Booth, BoothPlan, BoothTime, Refusal, SiteKeys, Store};
 use paros_booth_sqlite::SqliteStore;
 use paros_core::badge::BadgeNumber;
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
 pub(crate) use paros_protocol::*;
+
+pub(crate) use self::memory_files::MemoryFiles;
 
 pub(crate) const SITE: SiteId = SiteId([5; 16]);
 pub(crate) const FLEET: EnrolmentToken = EnrolmentToken([77; 32]);
@@ -97,7 +99,7 @@ impl Rig {
 pub(crate) fn fleet_enrolment(byte: u8) -> FleetEnrolment {
     FleetEnrolment {
         enrolment_token: FLEET,
-        token_hash: hash_of(&[byte; 32]),
+        token_hash: ContentHash::of(&[byte; 32]),
         hint: DeviceHint([byte; 16]),
         name: DeviceName::new("Quest").expect("a name"),
     }
@@ -159,7 +161,7 @@ impl Parcel {
         let mut bytes = facts.to_head();
         bytes.extend(vec![facts.id.0[0]; facts.volume_bytes as usize]);
         bytes.extend(vec![9; facts.trace_bytes as usize]);
-        Parcel { id: facts.id, facts, hash: hash_of(&bytes), bytes }
+        Parcel { id: facts.id, facts, hash: ContentHash::of(&bytes), bytes }
     }
 
     /// The parcel with its hash, as it is sent.

@@ -14,9 +14,9 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 use crate::clock::booth_time;
-use crate::deletion_log::DELETIONS;
 use crate::error::Error;
-use crate::own_file::OwnPart;
+use crate::store::deletion_log::DELETIONS;
+use crate::store::own_file::OwnPart;
 
 /// What the archive begins with, up to its version, and up to the time of the copy in milliseconds.
 pub(crate) const ABOUT_START: &str = "backup of a Paros booth, version ";

@@ -14,9 +14,9 @@ use paros_shell::{with_intervals, with_size};
 use tracing::{info, warn};
 
 use crate::clock::booth_time;
-use crate::mesh_check::{MeshCheck, MeshReport};
-use crate::parcel_decode::unpack_volume;
-use crate::picture::draw_volume;
+use crate::models::mesh_check::{MeshCheck, MeshReport};
+use crate::models::parcel_decode::unpack_volume;
+use crate::models::picture::draw_volume;
 
 /// How long a mesh may take: a hundred times what one at 256 does.
 const MAX_EXPORT_TIME: Duration = Duration::from_secs(60);

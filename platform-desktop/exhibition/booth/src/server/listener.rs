@@ -15,9 +15,9 @@ use tokio::time::timeout;
 use tokio_rustls::TlsAcceptor;
 use tracing::{debug, warn};
 
-use crate::app::BoothApp;
-use crate::places::Places;
-use crate::routes::Peer;
+use crate::server::app::BoothApp;
+use crate::server::places::Places;
+use crate::server::routes::Peer;
 
 /// Connections at once: two of each of 256 headsets, and staff.
 const MAX_CONNECTIONS: usize = 640;

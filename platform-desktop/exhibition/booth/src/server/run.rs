@@ -15,25 +15,25 @@ use tokio::signal::unix::{Signal, SignalKind, signal};
 use tokio_rustls::TlsAcceptor;
 use tracing::{info, warn};
 
-use crate::app::{BoothApp, OpenBooth, WHOLE_THREADS, WORK_THREADS, Wakers};
 use crate::clock::booth_time;
-use crate::demo::{DemoFolder, add_demo};
+use crate::commands::demo::{DemoFolder, add_demo};
+use crate::commands::options::ServeOptions;
+use crate::commands::settings::{SiteFacts, list_settings};
 use crate::error::Error;
-use crate::exporter::export_next;
-use crate::folder_lock::FolderLock;
-use crate::keys::BoothKeys;
-use crate::leaf::{LeafKeeper, local_names, primary_address};
-use crate::mailer::Mailer;
-use crate::options::ServeOptions;
+use crate::models::exporter::export_next;
 use crate::printing::{Printer, Slicer, slice_next, start_printers};
 use crate::public::{self, PublicAddress};
 use crate::random::random_bytes;
-use crate::routes;
-use crate::server::{MakeRouter, serve};
-use crate::settings::{SiteFacts, list_settings};
+use crate::server::app::{BoothApp, OpenBooth, WHOLE_THREADS, WORK_THREADS, Wakers};
+use crate::server::keys::BoothKeys;
+use crate::server::leaf::{LeafKeeper, local_names, primary_address};
+use crate::server::listener::{MakeRouter, serve};
+use crate::server::mailer::Mailer;
+use crate::server::routes;
+use crate::server::staff_certificate::{StaffCertificate, end_of_pem};
+use crate::server::worker::{LOW_PRIORITY, WHOLE_PRIORITY, Worker, go_behind};
 use crate::staff::LoginGate;
-use crate::staff_certificate::{StaffCertificate, end_of_pem};
-use crate::worker::{LOW_PRIORITY, WHOLE_PRIORITY, Worker, go_behind};
+use crate::store::folder_lock::FolderLock;
 
 /// How often what is past its time is deleted.
 const SWEEP_EVERY: Duration = Duration::from_secs(300);

@@ -10,15 +10,15 @@ use std::sync::Arc;
 use clap::Args;
 use paros_booth_rules::SiteKeys;
 
-use crate::disk_files::DiskFiles;
 use crate::error::Error;
-use crate::files::Files;
-use crate::folder_lock::FolderLock;
-use crate::keys::BoothKeys;
-use crate::postgres_link::PostgresAddress;
-use crate::postgres_schema::SiteRow;
-use crate::postgres_store::PostgresStore;
-use crate::s3_files::S3Files;
+use crate::server::keys::BoothKeys;
+use crate::store::disk_files::DiskFiles;
+use crate::store::files::Files;
+use crate::store::folder_lock::FolderLock;
+use crate::store::postgres_link::PostgresAddress;
+use crate::store::postgres_schema::SiteRow;
+use crate::store::postgres_store::PostgresStore;
+use crate::store::s3_files::S3Files;
 
 /// Where what several booths share is. Without it everything is in the folder of one.
 #[derive(Clone, Default, Debug, Args)]

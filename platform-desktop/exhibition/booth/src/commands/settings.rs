@@ -6,12 +6,12 @@ use std::path::PathBuf;
 use clap::ValueEnum as _;
 use paros_booth_rules::BoothTime;
 
-use crate::mailer::MailOptions;
-use crate::options::{FolderOption, ServeOptions};
+use crate::commands::options::{FolderOption, ServeOptions};
+use crate::commands::shared::SharedOptions;
 use crate::printing::SlicerOptions;
 use crate::public::PublicOptions;
-use crate::shared::SharedOptions;
-use crate::staff_certificate::{StaffCertificate, StaffCertificateOptions};
+use crate::server::mailer::MailOptions;
+use crate::server::staff_certificate::{StaffCertificate, StaffCertificateOptions};
 
 /// What the pages tell of the booth itself.
 pub(crate) struct SiteFacts {
@@ -126,7 +126,7 @@ mod tests {
     use clap::{CommandFactory as _, Parser as _};
 
     use super::list_settings;
-    use crate::options::Options;
+    use crate::commands::options::Options;
 
     #[test]
     fn every_flag_is_listed_and_no_secret() {

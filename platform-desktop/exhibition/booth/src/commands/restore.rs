@@ -11,13 +11,13 @@ use zip::ZipArchive;
 use zip::read::{ZipFile, read_zipfile_from_stream};
 use zip::result::ZipError;
 
-use crate::app::OpenBooth;
-use crate::backup::{ABOUT, ABOUT_HEAD, ABOUT_START, DATABASE, KEYS, PARTS};
 use crate::clock::booth_time;
-use crate::deletion_log::{DELETIONS, read_deletions};
+use crate::commands::backup::{ABOUT, ABOUT_HEAD, ABOUT_START, DATABASE, KEYS, PARTS};
+use crate::commands::shared::SharedOptions;
 use crate::error::Error;
-use crate::own_file::OwnPart;
-use crate::shared::SharedOptions;
+use crate::server::app::OpenBooth;
+use crate::store::deletion_log::{DELETIONS, read_deletions};
+use crate::store::own_file::OwnPart;
 
 /// Makes a booth of a backup, in a new folder. What `deletions` names beside what the backup does is deleted again.
 /// Returns what it says of it. `is_again` is whether it may have been restored on this day before.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::threemf::read_stl;
+use crate::models::threemf::read_stl;
 
 /// "glTF", "JSON" and "BIN\0", as little-endian words.
 const MAGIC: u32 = 0x4654_6C67;

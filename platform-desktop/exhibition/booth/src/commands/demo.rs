@@ -4,7 +4,7 @@ use std::fs::{self, DirBuilder};
 use std::os::unix::fs::DirBuilderExt as _;
 use std::path::{Path, PathBuf};
 
-use paros_booth_rules::{Booth, BoothTime, Refusal, hash_of};
+use paros_booth_rules::{Booth, BoothTime, Refusal};
 use paros_core::badge::BadgeNumber;
 use paros_core::codec::trace::CORE_VERSION;
 use paros_core::session::SessionMode;
@@ -13,10 +13,10 @@ use paros_protocol::{
     EnrolmentToken, FinishCause, FleetEnrolment, Heartbeat, Parcel, SculptureId, UploadFacts,
 };
 
-use crate::demo_shapes::{SHAPES, SIDE, make_volume};
+use crate::commands::demo_shapes::{SHAPES, SIDE, make_volume};
+use crate::commands::options::ServeOptions;
 use crate::error::Error;
-use crate::options::ServeOptions;
-use crate::parcel_decode::check_parcel;
+use crate::models::parcel_decode::check_parcel;
 use crate::random::random_bytes;
 
 /// What the demo's headset is called.
@@ -81,7 +81,7 @@ fn fill(booth: &Booth, now: BoothTime) -> Result<(), Refusal> {
     booth.add_enrol_token(&fleet, (1, expires_at), "demo", None, now)?;
     let enrolment = FleetEnrolment {
         enrolment_token: fleet,
-        token_hash: hash_of(&token.0),
+        token_hash: ContentHash::of(&token.0),
         hint: DeviceHint(random_bytes()?),
         name: DeviceName::new(HEADSET_NAME)
             .ok_or_else(|| Refusal::BadRequest("expected a headset's name".into()))?,
@@ -111,7 +111,7 @@ fn make_parcel(
     (badge, badge_serial): (Option<BadgeNumber>, Option<BlockSerial>),
     finished_at: BoothTime,
 ) -> Result<Parcel, String> {
-    let ContentHash(hash) = hash_of(format!("sculpture {k} of the demo").as_bytes());
+    let ContentHash(hash) = ContentHash::of(format!("sculpture {k} of the demo").as_bytes());
     let mut id = [0; 16];
     id.copy_from_slice(&hash[..16]);
     let facts = UploadFacts {
@@ -140,7 +140,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::exporter::export_volume;
+    use crate::models::exporter::export_volume;
 
     #[test]
     fn all_shapes_are_sculptures_of_their_own_whose_mesh_is_closed() {
@@ -153,7 +153,7 @@ mod tests {
                 make_parcel(k, &volume, (Some(badge), None), BoothTime(1)).expect("a parcel");
             let facts = parcel.facts();
             check_parcel(facts, parcel.volume(), &[]).expect("it decodes");
-            let mut check = crate::mesh_check::MeshCheck::new();
+            let mut check = crate::models::mesh_check::MeshCheck::new();
             check.look_at(&export_volume(facts, &volume).expect("a mesh"));
             let mesh = check.finish().expect("a mesh");
             assert!(mesh.is_closed && mesh.triangles > 1000, "{k}: {}", mesh.triangles);

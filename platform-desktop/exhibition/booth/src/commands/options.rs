@@ -7,12 +7,12 @@ use clap::{Args, Parser, Subcommand};
 use paros_booth_rules::BoothPlan;
 use paros_booth_rules::limits::MAX_RETENTION_DAYS;
 
+use crate::commands::shared::SharedOptions;
 use crate::error::Error;
-use crate::mailer::MailOptions;
 use crate::printing::SlicerOptions;
 use crate::public::PublicOptions;
-use crate::shared::SharedOptions;
-use crate::staff_certificate::StaffCertificateOptions;
+use crate::server::mailer::MailOptions;
+use crate::server::staff_certificate::StaffCertificateOptions;
 
 /// Keeps what headsets send, and lets staff find it by its badge.
 #[derive(Debug, Parser)]

@@ -18,8 +18,8 @@ use tokio_rustls::rustls::sign::CertifiedKey;
 use tokio_rustls::rustls::version::TLS13;
 
 use crate::error::Error;
-use crate::keys::{BoothKeys, ca_params};
-use crate::staff_certificate::{StaffCertificate, has_name};
+use crate::server::keys::{BoothKeys, ca_params};
+use crate::server::staff_certificate::{StaffCertificate, has_name};
 
 /// How long a leaf is valid. Browsers of tablets take none that is valid for longer than 825 days.
 const LEAF_LIFE: Duration = Duration::from_secs(800 * 86_400);
@@ -175,8 +175,8 @@ mod tests {
     use std::time::{Duration, SystemTime};
 
     use super::{LEAF_AGE, LEAF_LIFE, LeafKeeper};
-    use crate::keys::BoothKeys;
-    use crate::staff_certificate::StaffCertificate;
+    use crate::server::keys::BoothKeys;
+    use crate::server::staff_certificate::StaffCertificate;
 
     #[test]
     fn a_leaf_is_made_anew_long_before_it_ends_and_for_other_addresses() {

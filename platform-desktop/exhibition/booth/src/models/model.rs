@@ -4,9 +4,9 @@ use axum::http::{HeaderName, header};
 use paros_booth_rules::records::Sculpture;
 use paros_booth_rules::{Booth, Refusal};
 
-use crate::exporter::make_stl;
-use crate::glb::write_glb;
-use crate::threemf::write_3mf;
+use crate::models::exporter::make_stl;
+use crate::models::glb::write_glb;
+use crate::models::threemf::write_3mf;
 
 /// A format of models.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
-use crate::exporter::make_stl;
+use crate::models::exporter::make_stl;
 
 /// The archive of a badge. Times are in milliseconds since 1970.
 ///

@@ -24,11 +24,11 @@ use paros_protocol::{
 use tokio::sync::OwnedSemaphorePermit;
 use tracing::{info, warn};
 
-use crate::app::{BoothApp, SMALL_PARCEL_BYTES};
-use crate::body::{BodyTimes, MAX_REQUEST_BYTES, bound_body, pass_over};
 use crate::clock::booth_time;
-use crate::parcel_decode::check_parcel;
-use crate::places::Place;
+use crate::models::parcel_decode::check_parcel;
+use crate::server::app::{BoothApp, SMALL_PARCEL_BYTES};
+use crate::server::body::{BodyTimes, MAX_REQUEST_BYTES, bound_body, pass_over};
+use crate::server::places::Place;
 use crate::staff;
 
 /// The times of a request's body.
@@ -164,7 +164,7 @@ pub(crate) async fn refuse_after_body(request: Request, refusal: Refusal) -> Ref
 }
 
 fn take_turn<K: Eq + std::hash::Hash>(
-    limiter: &crate::rate::RateLimiter<K>,
+    limiter: &crate::server::rate::RateLimiter<K>,
     who: K,
 ) -> Result<(), Refusal> {
     match limiter.take(who, Instant::now()) {

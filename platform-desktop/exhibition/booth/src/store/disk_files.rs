@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use paros_booth_rules::{BoothTime, Deletion, KeptName, KeptPart, ParcelFiles};
 use paros_shell::durable;
 
-use crate::deletion_log::DeletionLog;
-use crate::files::Files;
+use crate::store::deletion_log::DeletionLog;
+use crate::store::files::Files;
 
 /// Files in a folder.
 pub struct DiskFiles {

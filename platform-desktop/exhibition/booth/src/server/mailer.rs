@@ -23,9 +23,9 @@ use tracing::{info, warn};
 
 use crate::clock::booth_time;
 use crate::error::Error;
-use crate::exporter::make_stl;
+use crate::models::exporter::make_stl;
+use crate::models::threemf::write_3mf;
 use crate::public::PublicAddress;
-use crate::threemf::write_3mf;
 
 /// Bytes of a model that goes by mail: most servers take no more, in the letters that a mail is made of.
 const MAX_MODEL_BYTES: usize = 10_000_000;

@@ -1,15 +1,26 @@
 //! What the program does beside serving: to be called while it serves too, as the store takes several processes.
 
+pub(crate) mod backup;
+pub(crate) mod badge_export;
+pub(crate) mod demo;
+pub(crate) mod demo_shapes;
+pub(crate) mod fleet_file;
+pub(crate) mod options;
+pub(crate) mod restore;
+pub(crate) mod settings;
+pub(crate) mod shared;
+pub(crate) mod spool_import;
+
 use paros_booth_rules::{BoothPlan, Refusal};
 
-use crate::app::OpenBooth;
-use crate::backup::back_up;
 use crate::clock::booth_time;
+use crate::commands::backup::back_up;
+use crate::commands::fleet_file::{FleetToken, make_fleet_file};
+use crate::commands::options::{BoothTask, FolderOption};
+use crate::commands::restore::restore;
+use crate::commands::spool_import::import_spool;
 use crate::error::Error;
-use crate::fleet_file::{FleetToken, make_fleet_file};
-use crate::options::{BoothTask, FolderOption};
-use crate::restore::restore;
-use crate::spool_import::import_spool;
+use crate::server::app::OpenBooth;
 
 /// Who does what is done from the command line.
 const CONSOLE: &str = "console";

@@ -5,8 +5,8 @@ use std::fs::{self, DirBuilder};
 use std::os::unix::fs::DirBuilderExt as _;
 use std::path::Path;
 
-use paros_booth_rules::{SiteKeys, hash_of};
-use paros_protocol::SiteId;
+use paros_booth_rules::SiteKeys;
+use paros_protocol::{ContentHash, SiteId};
 use paros_shell::durable::write_private_file;
 use rcgen::{
     BasicConstraints, CertificateParams, DnType, IsCa, KeyPair, KeyUsagePurpose,
@@ -112,7 +112,7 @@ fn load(folder: &Path) -> Result<BoothKeys, Error> {
     let Ok(ca) = CertificateDer::from_pem_slice(&ca_pem) else {
         return bad(&path, "a certificate in PEM");
     };
-    let ca_hash = hash_of(&ca);
+    let ca_hash = ContentHash::of(&ca);
     let ca_pem = String::from_utf8_lossy(&ca_pem).into_owned();
     let (path, key) = read("ca.key")?;
     let Ok(ca_key) = KeyPair::from_pem(&String::from_utf8_lossy(&key)) else {

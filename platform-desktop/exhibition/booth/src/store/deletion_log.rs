@@ -11,7 +11,7 @@ use paros_booth_rules::{BoothTime, Deletion};
 use paros_shell::durable;
 
 use crate::error::Error;
-use crate::own_file::OwnPart;
+use crate::store::own_file::OwnPart;
 
 /// Its name in a booth's folder.
 pub(crate) const DELETIONS: &str = "deletions";

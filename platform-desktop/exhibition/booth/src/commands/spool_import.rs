@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use crate::clock::booth_time;
 use crate::error::Error;
-use crate::parcel_decode::check_parcel;
+use crate::models::parcel_decode::check_parcel;
 
 /// The outcomes of a folder's parcels, as `--json` has them.
 #[derive(Default, Serialize)]

@@ -10,21 +10,21 @@ use paros_booth_rules::{Booth, BoothPlan, Refusal, Store};
 use paros_booth_sqlite::SqliteStore;
 use tokio::runtime::Handle;
 
-use crate::backup::DATABASE;
+use crate::commands::backup::DATABASE;
+use crate::commands::settings::SiteFacts;
+use crate::commands::shared::SharedOptions;
 use crate::error::Error;
-use crate::files::Files;
-use crate::gate::Gate;
-use crate::keys::BoothKeys;
-use crate::metrics::Metrics;
-use crate::places::Places;
 use crate::printing::Printer;
 use crate::public::{PublicAddress, PublicGate};
 use crate::random::random_bytes;
-use crate::rate::RateLimiter;
-use crate::settings::SiteFacts;
-use crate::shared::SharedOptions;
+use crate::server::gate::Gate;
+use crate::server::keys::BoothKeys;
+use crate::server::metrics::Metrics;
+use crate::server::places::Places;
+use crate::server::rate::RateLimiter;
+use crate::server::worker::Waker;
 use crate::staff::LoginGate;
-use crate::worker::Waker;
+use crate::store::files::Files;
 
 /// Heartbeats and tokens that are at the store at once. They have places of their own: each takes a moment, and
 /// doesn't wait behind parcels that are synced to the disk.

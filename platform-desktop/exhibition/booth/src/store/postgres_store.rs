@@ -14,9 +14,9 @@ use postgres::error::SqlState;
 use postgres::types::{IsNull, ToSql, Type, to_sql_checked};
 use postgres::{Client, Statement};
 
-use crate::postgres_link::PostgresAddress;
-use crate::postgres_schema::{SiteRow, claim_site, make_tables, read_site};
 use crate::random::random_bytes;
+use crate::store::postgres_link::PostgresAddress;
+use crate::store::postgres_schema::{SiteRow, claim_site, make_tables, read_site};
 
 /// The longest pause after a conflict: a transaction takes a few milliseconds, and two that tried again at once would
 /// be in conflict again.

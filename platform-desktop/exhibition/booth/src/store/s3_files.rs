@@ -14,9 +14,9 @@ use paros_booth_rules::{BoothTime, Deletion, KeptName, ParcelFiles};
 use tokio::runtime::{Builder, Runtime};
 use tokio_rustls::rustls::crypto::ring::default_provider;
 
-use crate::disk_files::kept_file_name;
 use crate::error::Error;
-use crate::files::Files;
+use crate::store::disk_files::kept_file_name;
+use crate::store::files::Files;
 
 /// How long after a request's begin it is tried again: whoever waits for it has a place that others wait for.
 const RETRY_TIMEOUT: Duration = Duration::from_secs(10);

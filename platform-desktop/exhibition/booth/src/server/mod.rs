@@ -1,0 +1,18 @@
+//! The running booth: its routes, what they share, and the threads beside them.
+
+pub(crate) mod app;
+pub(crate) mod body;
+pub(crate) mod gate;
+pub(crate) mod keys;
+pub(crate) mod leaf;
+pub(crate) mod listener;
+pub(crate) mod mailer;
+pub(crate) mod metrics;
+pub(crate) mod page_guard;
+pub(crate) mod places;
+pub(crate) mod rate;
+pub(crate) mod routes;
+pub(crate) mod run;
+pub(crate) mod staff_certificate;
+pub(crate) mod work_keeper;
+pub(crate) mod worker;
