@@ -1,5 +1,7 @@
 //! What visitors, staff, thieves and misfortune do.
 
+use std::time::Duration;
+
 use paros_protocol::{CommandKind, Parcel, SculptureId, UploadFacts};
 use paros_upload::{BoothRequest, OutboxHost as _, RequestKind};
 
@@ -40,7 +42,7 @@ impl Exhibition {
             25 => self.steal(),
             26 => self.jump_clock(h),
             27 => self.headsets[h].host.session_id = self.dice.next_bits() * self.dice.below(2),
-            28 => _ = self.booth.booth.sweep(self.booth_time()),
+            28 => _ = self.booth.booth.sweep(self.booth_time(), Duration::MAX),
             29 => self.back_up_or_restore(),
             _ => {}
         }

@@ -1,6 +1,8 @@
 //! Months of badges: headsets that are wiped, silent or stuck, and a booth that comes back from backups. The devices are the
 //! naive ones of the protocol: they show the next number of what the last answer says they hold.
 
+use std::time::Duration;
+
 use paros_booth_rules::BoothTime;
 use paros_booth_rules::limits::LATE_DAYS;
 use paros_booth_rules::records::Device;
@@ -126,7 +128,7 @@ impl Year {
         for at in 0..self.headsets.len() {
             self.run_headset(at);
         }
-        self.booth.booth.sweep(self.now()).expect("nothing fails");
+        self.booth.booth.sweep(self.now(), Duration::MAX).expect("nothing fails");
         if self.today.is_multiple_of(BACKUP_DAYS) {
             self.backups.push(self.booth.back_up(self.now()));
             self.backups.drain(..self.backups.len().saturating_sub(BACKUPS));

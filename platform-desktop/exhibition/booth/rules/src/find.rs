@@ -58,13 +58,13 @@ impl Booth {
     pub fn find_by_badge(
         &self,
         heard: &HeardBadge,
-        now: BoothTime,
+        _now: BoothTime,
     ) -> Result<FoundByBadge, Refusal> {
         let whole = heard.badge().and_then(|badge| badge.number().ok());
         self.view(|tx| {
             let mut exact = None;
             if let Some(number) = whole {
-                let matches = find_matches(tx, number, now)?;
+                let matches = find_matches(tx, number)?;
                 if !matches.is_empty() {
                     return Ok(FoundByBadge::Exact(matches));
                 }
@@ -73,7 +73,7 @@ impl Booth {
             let mut nearest = Vec::new();
             for candidate in heard.candidates() {
                 let Ok(number) = candidate.number() else { continue };
-                let matches = find_matches(tx, number, now)?;
+                let matches = find_matches(tx, number)?;
                 if !matches.is_empty() {
                     nearest.push((candidate, matches));
                 }
@@ -92,27 +92,27 @@ impl Booth {
     ///
     /// # Errors
     /// [`Refusal::NotFound`], or those of the store.
-    pub fn find_sculpture(&self, id: &SculptureId, now: BoothTime) -> Result<Sculpture, Refusal> {
+    pub fn find_sculpture(&self, id: &SculptureId, _now: BoothTime) -> Result<Sculpture, Refusal> {
         let found: Option<Sculpture> = self.view(|tx| tx.get(&[&id.0]))?;
-        found.filter(|found| found.keep_day >= now.day()).ok_or(NO_SCULPTURE)
+        found.ok_or(NO_SCULPTURE)
     }
 
     /// The sculptures that are shown, the newest first.
     ///
     /// # Errors
     /// Those of the store.
-    pub fn list_newest(&self, count: usize, now: BoothTime) -> Result<Vec<Sculpture>, Refusal> {
+    pub fn list_newest(&self, count: usize, _now: BoothTime) -> Result<Vec<Sculpture>, Refusal> {
         let shown = "WHERE withdrawn_at IS NULL ORDER BY received_at DESC, id LIMIT ?1";
-        self.list_sculptures(shown, count, now)
+        self.list_sculptures(shown, count)
     }
 
     /// The sculptures that are withdrawn, the last one first.
     ///
     /// # Errors
     /// Those of the store.
-    pub fn list_withdrawn(&self, count: usize, now: BoothTime) -> Result<Vec<Sculpture>, Refusal> {
+    pub fn list_withdrawn(&self, count: usize, _now: BoothTime) -> Result<Vec<Sculpture>, Refusal> {
         let withdrawn = "WHERE withdrawn_at IS NOT NULL ORDER BY withdrawn_at DESC, id LIMIT ?1";
-        self.list_sculptures(withdrawn, count, now)
+        self.list_sculptures(withdrawn, count)
     }
 
     /// The sculptures that were announced and haven't come, the newest first.
@@ -141,29 +141,16 @@ impl Booth {
         self.view(|tx| tx.count::<R>(rest, values))
     }
 
-    fn list_sculptures(
-        &self,
-        query: &str,
-        count: usize,
-        now: BoothTime,
-    ) -> Result<Vec<Sculpture>, Refusal> {
-        let mut found: Vec<Sculpture> =
-            self.view(|tx| tx.find(query, &[&count.min(MAX_LISTED)]))?;
-        found.retain(|sculpture| sculpture.keep_day >= now.day());
-        Ok(found)
+    fn list_sculptures(&self, query: &str, count: usize) -> Result<Vec<Sculpture>, Refusal> {
+        self.view(|tx| tx.find(query, &[&count.min(MAX_LISTED)]))
     }
 }
 
 pub(crate) const NO_SCULPTURE: Refusal = Refusal::NotFound(Reason::NoSculpture);
 
-fn find_matches(
-    tx: &mut Tx<'_>,
-    number: BadgeNumber,
-    now: BoothTime,
-) -> Result<BadgeMatches, StoreError> {
+fn find_matches(tx: &mut Tx<'_>, number: BadgeNumber) -> Result<BadgeMatches, StoreError> {
     let shown = "WHERE badge = ?1 AND withdrawn_at IS NULL ORDER BY received_at DESC, id";
     let mut kept: Vec<Sculpture> = tx.find(shown, &[&number.get()])?;
-    kept.retain(|sculpture| sculpture.keep_day >= now.day());
     kept.sort_by_key(Sculpture::is_badge_lapsed);
     let announced = "WHERE badge = ?1 ORDER BY headset, sculpture";
     Ok(BadgeMatches { kept, missing: tx.find(announced, &[&number.get()])? })

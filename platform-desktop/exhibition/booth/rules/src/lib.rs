@@ -15,6 +15,7 @@ mod accounts;
 mod audit;
 mod badges;
 mod booth;
+mod clock;
 mod commands;
 mod deletions;
 mod devices;
@@ -46,6 +47,7 @@ mod work;
 
 pub use badges::BadgeTotals;
 pub use booth::{Booth, BoothPlan, SiteKeys};
+pub use clock::ClockJump;
 pub use deletions::Deletion;
 pub use find::{BadgeMatches, FoundByBadge, MissingSculpture};
 pub use heartbeat::device_status;

@@ -1,11 +1,13 @@
 //! What becomes of sculptures: withdrawn, brought back, kept for longer, deleted by hand or by age.
 
 use std::io::ErrorKind;
+use std::time::Duration;
 
 use paros_protocol::{ContentHash, SculptureId};
 
 use crate::audit::{Subject, drop_old_entries, note};
 use crate::booth::{Booth, Tx};
+use crate::clock::seen_time;
 use crate::deletions::Deletion;
 use crate::find::NO_SCULPTURE;
 use crate::limits::{AUDIT_DAYS, MAX_WORKERS, SWEEP_BATCH};
@@ -23,7 +25,9 @@ use crate::work::{drop_old_leases, end_work};
 /// What a sweep did.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct SweepReport {
-    /// Sculptures past their last day, or withdrawn for too long.
+    /// Sculptures that expired.
+    pub withdrawn: usize,
+    /// Sculptures that had been withdrawn for long enough.
     pub deleted: usize,
     /// Traces that were too old.
     pub traces: usize,
@@ -34,33 +38,50 @@ pub struct SweepReport {
 }
 
 impl Booth {
-    /// Hides a sculpture, for its visitor. It can be brought back until it is deleted by age.
+    /// Hides a sculpture, for its visitor. It is deleted `withdrawn_days` later, and can be brought back until then.
     ///
     /// # Errors
     /// [`Refusal::NotFound`], or those of the store.
     pub fn withdraw(&self, id: &SculptureId, account: &str, now: BoothTime) -> Result<(), Refusal> {
-        self.set_withdrawn(id, Some(now), account, now)
+        self.update(|tx| {
+            let sculpture = get_sculpture(tx, id)?;
+            let seen_at = seen_time(tx, now)?;
+            withdraw(tx, sculpture, (Some(account), "withdraw"), (seen_at, now))
+        })
     }
 
-    /// Brings a withdrawn sculpture back.
+    /// Brings a withdrawn sculpture back. An expired sculpture is kept for `withdrawn_days` more, and withdrawn again then.
     ///
     /// # Errors
-    /// [`Refusal::NotFound`] where there is none, or it was withdrawn for too long; or those of the store.
+    /// [`Refusal::NotFound`] where there is none; or those of the store.
     pub fn bring_back(
         &self,
         id: &SculptureId,
         account: &str,
         now: BoothTime,
     ) -> Result<(), Refusal> {
-        self.set_withdrawn(id, None, account, now)
+        self.update(|tx| {
+            let mut sculpture = get_sculpture(tx, id)?;
+            let days = 2 * u32::from(self.plan.withdrawn_days);
+            let keep_day = seen_time(tx, now)?.day().saturating_add(days);
+            sculpture.keep_day = sculpture.keep_day.max(keep_day);
+            sculpture.withdrawn_at = None;
+            tx.put(&sculpture)?;
+            Ok(note(tx, now, Some(account), "bring back", subject_of(&sculpture))?)
+        })
+    }
+
+    /// The last day on which lists and its visitor's page show a sculpture.
+    #[must_use]
+    pub fn last_shown_day(&self, sculpture: &Sculpture) -> u32 {
+        sculpture.keep_day.saturating_sub(u32::from(self.plan.withdrawn_days))
     }
 
     /// Until when a sculpture can be brought back; `None` where it isn't withdrawn.
     #[must_use]
     pub fn withdrawn_until(&self, sculpture: &Sculpture) -> Option<BoothTime> {
-        let by_age = BoothTime::of_day(sculpture.keep_day.saturating_add(1));
         let days = DAY * u32::from(self.plan.withdrawn_days);
-        sculpture.withdrawn_at.map(|withdrawn_at| withdrawn_at.after(days).min(by_age))
+        sculpture.withdrawn_at.map(|withdrawn_at| withdrawn_at.after(days))
     }
 
     /// Keeps a sculpture until the end of a day at least.
@@ -75,7 +96,7 @@ impl Booth {
         now: BoothTime,
     ) -> Result<(), Refusal> {
         self.update(|tx| {
-            let mut sculpture = get_kept(tx, id, now)?;
+            let mut sculpture = get_sculpture(tx, id)?;
             sculpture.keep_day = sculpture.keep_day.max(last_day);
             tx.put(&sculpture)?;
             Ok(note(tx, now, Some(account), "keep longer", subject_of(&sculpture))?)
@@ -100,40 +121,44 @@ impl Booth {
         now: BoothTime,
     ) -> Result<(), Refusal> {
         self.update(|tx| {
-            let sculpture: Sculpture = tx.get(&[&id.0])?.ok_or(NO_SCULPTURE)?;
+            let sculpture = get_sculpture(tx, id)?;
             self.bury(tx, &sculpture, now)?;
             Ok(note(tx, now, account, action, subject_of_buried(&sculpture))?)
         })?;
         self.remove_buried_files()
     }
 
-    /// Deletes all that is past its time; to be called every few minutes. It does so many at once as its limits say.
+    /// Withdraws expired sculptures, and deletes what was withdrawn for `withdrawn_days` and all else that is past its time.
+    /// Call it every few minutes. If the clock jumped by more than `most` since the last sweep, time stands still until an
+    /// admin confirms the clock, or it is set right.
     ///
     /// # Errors
     /// Those of store and disk. What was done before stays done.
-    pub fn sweep(&self, now: BoothTime) -> Result<SweepReport, Refusal> {
+    pub fn sweep(&self, now: BoothTime, most: Duration) -> Result<SweepReport, Refusal> {
+        let seen_at = self.follow_clock(now, most)?;
         let mut report = SweepReport {
-            deleted: self.bury_old(now)?,
-            traces: self.drop_old_traces(now)?,
+            withdrawn: self.withdraw_expired((seen_at, now))?,
+            deleted: self.bury_withdrawn((seen_at, now))?,
+            traces: self.drop_old_traces(seen_at)?,
             ..SweepReport::default()
         };
         self.remove_buried_files()?;
-        self.files.forget_deletions_before(days_before(now, self.plan.horizon_days))?;
+        let horizon = seen_at.days_before(self.plan.horizon_days);
+        self.files.forget_deletions_before(horizon)?;
         (report.tombstones, report.announcements) = self.update(|tx| {
             let ended = "DELETE FROM tombstones WHERE id IN
                 (SELECT id FROM tombstones WHERE ends_on <= ?1 AND has_files = 0 LIMIT ?2)
                 RETURNING id";
-            let ended = tx.run(ended, &[&now.day(), &SWEEP_BATCH])?;
-            let horizon = days_before(now, self.plan.horizon_days);
+            let ended = tx.run(ended, &[&seen_at.day(), &SWEEP_BATCH])?;
             let old = "DELETE FROM announcements WHERE (headset, sculpture) IN
                 (SELECT headset, sculpture FROM announcements WHERE heard_at < ?1 LIMIT ?2)
                 RETURNING headset";
             let old = tx.run(old, &[&horizon, &SWEEP_BATCH])?;
-            drop_old_entries(tx, days_before(now, AUDIT_DAYS))?;
+            drop_old_entries(tx, seen_at.days_before(AUDIT_DAYS))?;
             drop_old_leases(tx, now)?;
             Ok((ended.len(), old.len()))
         })?;
-        self.sweep_badges(now)?;
+        self.sweep_badges(seen_at)?;
         Ok(report)
     }
 
@@ -216,30 +241,6 @@ impl Booth {
         }
     }
 
-    fn set_withdrawn(
-        &self,
-        id: &SculptureId,
-        withdrawn_at: Option<BoothTime>,
-        account: &str,
-        now: BoothTime,
-    ) -> Result<(), Refusal> {
-        self.update(|tx| {
-            let mut sculpture = get_kept(tx, id, now)?;
-            if is_withdrawn_too_long(&sculpture, self.plan.withdrawn_days, now) {
-                return Err(NO_SCULPTURE);
-            }
-            // Withdrawn twice, it doesn't stay for longer.
-            sculpture.withdrawn_at = withdrawn_at.map(|now| sculpture.withdrawn_at.unwrap_or(now));
-            tx.put(&sculpture)?;
-            if withdrawn_at.is_some() {
-                withdraw_mails(tx, &id.0)?;
-                withdraw_prints(tx, &id.0, now)?;
-            }
-            let action = if withdrawn_at.is_some() { "withdraw" } else { "bring back" };
-            Ok(note(tx, now, Some(account), action, subject_of(&sculpture))?)
-        })
-    }
-
     /// Puts a tombstone in a sculpture's place.
     pub(crate) fn bury(
         &self,
@@ -277,29 +278,51 @@ impl Booth {
         }
     }
 
-    fn bury_old(&self, now: BoothTime) -> Result<usize, Refusal> {
-        let old = "WHERE keep_day < ?1 OR withdrawn_at < ?2 ORDER BY id LIMIT ?3";
-        let withdrawn_before = days_before(now, self.plan.withdrawn_days);
-        let mut count = 0;
+    /// Withdraws the sculptures whose last `withdrawn_days` have begun. Returns their number.
+    fn withdraw_expired(&self, (seen_at, now): (BoothTime, BoothTime)) -> Result<usize, Refusal> {
+        let expired = "WHERE keep_day < ?1 AND withdrawn_at IS NULL ORDER BY id LIMIT ?2";
+        let before = seen_at.day().saturating_add(u32::from(self.plan.withdrawn_days));
+        self.in_batches(|tx| {
+            let expired: Vec<Sculpture> = tx.find(expired, &[&before, &SWEEP_BATCH])?;
+            let count = expired.len();
+            for sculpture in expired {
+                withdraw(tx, sculpture, (None, "withdraw by age"), (seen_at, now))?;
+            }
+            Ok(count)
+        })
+    }
+
+    /// Buries the sculptures that have been withdrawn for `withdrawn_days`. Returns their number.
+    fn bury_withdrawn(&self, (seen_at, now): (BoothTime, BoothTime)) -> Result<usize, Refusal> {
+        let old = "WHERE withdrawn_at <= ?1 ORDER BY id LIMIT ?2";
+        let before = seen_at.days_before(self.plan.withdrawn_days);
+        self.in_batches(|tx| {
+            let old: Vec<Sculpture> = tx.find(old, &[&before, &SWEEP_BATCH])?;
+            for sculpture in &old {
+                self.bury(tx, sculpture, now)?;
+                note(tx, now, None, "delete by age", subject_of_buried(sculpture))?;
+            }
+            Ok(old.len())
+        })
+    }
+
+    /// Repeats work on [`SWEEP_BATCH`] records, a transaction each time, until fewer are left. Returns the sum.
+    fn in_batches(
+        &self,
+        mut work: impl FnMut(&mut Tx<'_>) -> Result<usize, Refusal>,
+    ) -> Result<usize, Refusal> {
+        let mut sum = 0;
         loop {
-            let buried = self.update(|tx| {
-                let values: [&dyn ToValue; 3] = [&now.day(), &withdrawn_before, &SWEEP_BATCH];
-                let old: Vec<Sculpture> = tx.find(old, &values)?;
-                for sculpture in &old {
-                    self.bury(tx, sculpture, now)?;
-                    note(tx, now, None, "delete by age", subject_of_buried(sculpture))?;
-                }
-                Ok(old.len())
-            })?;
-            count += buried;
-            if buried < SWEEP_BATCH {
-                return Ok(count);
+            let count = self.update(&mut work)?;
+            sum += count;
+            if count < SWEEP_BATCH {
+                return Ok(sum);
             }
         }
     }
 
-    fn drop_old_traces(&self, now: BoothTime) -> Result<usize, Refusal> {
-        let before = days_before(now, self.plan.trace_days);
+    fn drop_old_traces(&self, seen_at: BoothTime) -> Result<usize, Refusal> {
+        let before = seen_at.days_before(self.plan.trace_days);
         let old = "WHERE received_at < ?1 AND has_trace = 1 ORDER BY id LIMIT ?2";
         let old: Vec<Sculpture> = self.view(|tx| tx.find(old, &[&before, &SWEEP_BATCH]))?;
         for Sculpture { id, hash, .. } in &old {
@@ -337,22 +360,22 @@ pub(crate) const fn kept_name(id: &[u8; 16], hash: &[u8; 32], part: KeptPart) ->
     KeptName { id: SculptureId(*id), hash: ContentHash(*hash), part }
 }
 
-/// The time so many days ago.
-fn days_before(now: BoothTime, days: u16) -> BoothTime {
-    BoothTime(now.0.saturating_sub((DAY * u32::from(days)).as_millis() as u64))
-}
-
-fn is_withdrawn_too_long(sculpture: &Sculpture, days: u16, now: BoothTime) -> bool {
-    sculpture.withdrawn_at.is_some_and(|withdrawn_at| withdrawn_at < days_before(now, days))
-}
-
-pub(crate) fn get_kept(
+/// Withdraws a sculpture with its mails and prints. Withdrawn again, it doesn't stay for longer.
+fn withdraw(
     tx: &mut Tx<'_>,
-    id: &SculptureId,
-    now: BoothTime,
-) -> Result<Sculpture, Refusal> {
-    let found: Option<Sculpture> = tx.get(&[&id.0])?;
-    found.filter(|found| found.keep_day >= now.day()).ok_or(NO_SCULPTURE)
+    mut sculpture: Sculpture,
+    (account, action): (Option<&str>, &str),
+    (seen_at, now): (BoothTime, BoothTime),
+) -> Result<(), Refusal> {
+    sculpture.withdrawn_at.get_or_insert(seen_at);
+    tx.put(&sculpture)?;
+    withdraw_mails(tx, &sculpture.id)?;
+    withdraw_prints(tx, &sculpture.id, now)?;
+    Ok(note(tx, now, account, action, subject_of(&sculpture))?)
+}
+
+pub(crate) fn get_sculpture(tx: &mut Tx<'_>, id: &SculptureId) -> Result<Sculpture, Refusal> {
+    tx.get(&[&id.0])?.ok_or(NO_SCULPTURE)
 }
 
 pub(crate) fn subject_of(sculpture: &Sculpture) -> Subject {

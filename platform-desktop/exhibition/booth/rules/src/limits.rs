@@ -13,6 +13,12 @@ pub const LATE_DAYS: u32 = 10;
 /// data daily, need 278. It bounds what can have been leased since a backup was made.
 pub const DAY_BLOCKS: u16 = 512;
 
+/// The longest step of the clock between two sweeps, which are five minutes apart, that no admin has to confirm.
+pub const MAX_CLOCK_STEP: Duration = Duration::from_secs(3600);
+
+/// The longest time between two starts that no admin has to confirm: a booth that is packed up for two weeks.
+pub const MAX_CLOCK_GAP: Duration = Duration::from_secs(14 * 86_400);
+
 /// Blocks that one headset is leased in a day at most: thirty times what visits take. A headset that lies about its losses
 /// takes no more from the others.
 pub const MAX_HEADSET_DAY_BLOCKS: usize = 32;

@@ -10,7 +10,7 @@ use paros_protocol::SculptureId;
 use crate::audit::note;
 use crate::booth::{Booth, Tx};
 use crate::find::NO_SCULPTURE;
-use crate::lifecycle::{get_kept, subject_of};
+use crate::lifecycle::{get_sculpture, subject_of};
 use crate::limits::{
     MAX_MAIL_TRIES, MAX_MAILS_OF_ONE, MAX_RETRY_WAIT, MAX_WORKERS, MIN_RETRY_WAIT,
 };
@@ -67,7 +67,7 @@ impl Booth {
             return Err(Refusal::Unfit(Expected::MailAddress));
         }
         self.update(|tx| {
-            let sculpture = get_kept(tx, id, now)?;
+            let sculpture = get_sculpture(tx, id)?;
             if sculpture.withdrawn_at.is_some() {
                 return Err(NO_SCULPTURE);
             }

@@ -54,7 +54,7 @@ impl Booth {
         now: BoothTime,
     ) -> Result<(), Refusal> {
         self.update(|tx| {
-            let (mut order, sculpture) = get_order(tx, order, now)?;
+            let (mut order, sculpture) = get_order(tx, order)?;
             if order.state != PrintState::Sliced || order.estimate != EstimateState::Known {
                 return Err(Refusal::Conflict(Reason::NotSliced));
             }

@@ -5,7 +5,7 @@ use paros_protocol::SculptureId;
 use crate::audit::note;
 use crate::booth::{Booth, Tx};
 use crate::find::NO_SCULPTURE;
-use crate::lifecycle::{get_kept, subject_of};
+use crate::lifecycle::{get_sculpture, subject_of};
 use crate::limits::{MAX_LISTED, MAX_PRINTS_OF_ONE, MAX_WORKERS};
 use crate::print_wish::{PrintSize, PrintWish, check_minutes_can_be_found};
 use crate::reason::Reason;
@@ -108,7 +108,7 @@ impl Booth {
             PrintSize::Minutes(minutes) => (0, Some(minutes)),
         };
         self.update(|tx| {
-            let sculpture = get_kept(tx, id, now)?;
+            let sculpture = get_sculpture(tx, id)?;
             if sculpture.withdrawn_at.is_some() {
                 return Err(NO_SCULPTURE);
             }
@@ -197,7 +197,7 @@ impl Booth {
         now: BoothTime,
     ) -> Result<(), Refusal> {
         self.update(|tx| {
-            let (mut order, sculpture) = get_order(tx, order, now)?;
+            let (mut order, sculpture) = get_order(tx, order)?;
             if step == PrintStep::Retry {
                 if sculpture.withdrawn_at.is_some() {
                     return Err(NO_SCULPTURE);
@@ -314,13 +314,9 @@ pub(crate) fn take_step(
 }
 
 /// An order, and the sculpture that is kept.
-pub(crate) fn get_order(
-    tx: &mut Tx<'_>,
-    order: u64,
-    now: BoothTime,
-) -> Result<(PrintOrder, Sculpture), Refusal> {
+pub(crate) fn get_order(tx: &mut Tx<'_>, order: u64) -> Result<(PrintOrder, Sculpture), Refusal> {
     let order: PrintOrder = tx.get(&[&order])?.ok_or(NO_ORDER)?;
-    let sculpture = get_kept(tx, &SculptureId(order.sculpture), now)?;
+    let sculpture = get_sculpture(tx, &SculptureId(order.sculpture))?;
     Ok((order, sculpture))
 }
 

@@ -6,6 +6,7 @@ use paros_protocol::{ContentHash, Parcel, ParcelFault, ParcelOutcome, SculptureI
 
 use crate::audit::{Subject, note};
 use crate::booth::{Booth, Tx};
+use crate::clock::seen_time;
 use crate::parcel_files::{KeptName, KeptPart};
 use crate::reason::Reason;
 use crate::records::{Device, ExportState, Sculpture, Tombstone};
@@ -108,6 +109,7 @@ impl Booth {
                 return Ok(outcome);
             }
             let claimed_badge = self.claim_badge(tx, headset, facts, now)?;
+            let seen_day = seen_time(tx, now)?.day();
             tx.put(&Sculpture {
                 id: id.0,
                 headset,
@@ -116,7 +118,7 @@ impl Booth {
                 claimed_badge,
                 facts: facts.to_json(),
                 received_at: now,
-                keep_day: now.day().saturating_add(u32::from(self.plan.retention_days)),
+                keep_day: seen_day.saturating_add(u32::from(self.plan.retention_days)),
                 withdrawn_at: None,
                 has_trace: !trace.is_empty(),
                 export: ExportState::Queued,

@@ -2,7 +2,7 @@
 
 use super::common::*;
 use paros_booth_rules::records::{ExportState, MailOrder, MailState, Tombstone};
-use paros_booth_rules::{BoothPlan, KeptPart, update};
+use paros_booth_rules::{BoothPlan, KeptPart, SweepReport, update};
 
 fn kept_parts(rig: &Rig) -> Vec<KeptPart> {
     rig.files.kept_names().into_iter().map(|name| name.part).collect()
@@ -19,12 +19,13 @@ fn withdrawn_is_hidden_and_undone_for_seven_days() {
     assert_eq!(rig.booth.list_withdrawn(9, START).unwrap().len(), 1);
     // Withdrawn once more, it stays no longer.
     rig.booth.withdraw(&parcel.id, "ana", days(3)).unwrap();
-    rig.booth.sweep(days(6)).unwrap();
+    rig.sweep(days(6));
     rig.booth.bring_back(&parcel.id, "ana", days(6)).expect("in time");
     assert_eq!(rig.booth.list_newest(9, days(6)).unwrap().len(), 1);
     rig.booth.withdraw(&parcel.id, "ana", days(7)).unwrap();
-    assert_eq!(status(rig.booth.bring_back(&parcel.id, "ana", days(15))), 404);
-    assert_eq!(rig.booth.sweep(days(15)).unwrap().deleted, 1);
+    assert_eq!(rig.sweep(days(12)).deleted, 0);
+    assert_eq!(rig.sweep(days(13)).deleted, 1, "the booth had seen six days pass");
+    assert_eq!(status(rig.booth.bring_back(&parcel.id, "ana", days(13))), 404);
     assert_eq!(rig.booth.list_withdrawn(9, days(15)).unwrap(), []);
     assert_eq!(kept_parts(&rig), []);
 }
@@ -56,8 +57,8 @@ fn what_is_deleted_leaves_a_tombstone_until_the_horizon() {
     let late = rig.upload(&device, &parcel, days(49)).unwrap();
     assert_eq!(late, ParcelOutcome::Deleted);
     assert_eq!(kept_parts(&rig), []);
-    assert_eq!(rig.booth.sweep(days(49)).unwrap().tombstones, 0);
-    assert_eq!(rig.booth.sweep(days(50)).unwrap().tombstones, 1);
+    assert_eq!(rig.sweep(days(49)).tombstones, 0);
+    assert_eq!(rig.sweep(days(50)).tombstones, 1);
     assert_eq!(status(rig.booth.delete(&parcel.id, "ana", START)), 404);
 }
 
@@ -69,10 +70,11 @@ fn sculptures_go_by_age() {
     let late = Parcel::new(2, leased(200_000));
     rig.upload(&device, &early, START).unwrap();
     rig.upload(&device, &late, days(1)).unwrap();
-    assert_eq!(rig.booth.sweep(days(30)).unwrap().deleted, 0, "the last day isn't over");
-    assert_eq!(rig.booth.list_newest(9, days(31)).unwrap().len(), 1, "swept or not");
-    assert_eq!(status(rig.booth.withdraw(&early.id, "ana", days(31))), 404);
-    assert_eq!(rig.booth.sweep(days(31)).unwrap().deleted, 1);
+    assert_eq!(rig.sweep(days(23)).withdrawn, 0);
+    assert_eq!(rig.sweep(days(24)).withdrawn, 1, "its last seven days");
+    assert_eq!(rig.booth.list_newest(9, days(24)).unwrap()[0].id, late.id.0);
+    assert_eq!(rig.sweep(days(30)), SweepReport { withdrawn: 1, ..SweepReport::default() });
+    assert_eq!(rig.sweep(days(31)).deleted, 1);
     let sent = rig.upload(&device, &early, days(31)).unwrap();
     assert_eq!(sent, ParcelOutcome::Deleted);
 }
@@ -84,7 +86,8 @@ fn a_sweep_takes_any_number() {
     for id in 1..=150 {
         rig.upload(&device, &Parcel::new(id, None), START).unwrap();
     }
-    assert_eq!(rig.booth.sweep(days(40)).unwrap().deleted, 150);
+    assert_eq!(rig.sweep(days(40)).withdrawn, 150);
+    assert_eq!(rig.sweep(days(47)).deleted, 150);
     assert_eq!(kept_parts(&rig), []);
     assert_eq!(rig.booth.count::<Tombstone>("WHERE has_files = 1", &[]).unwrap(), 0);
 }
@@ -96,8 +99,8 @@ fn traces_are_kept_for_fourteen_days() {
     let parcel = Parcel::with_trace(1);
     let signed = rig.upload(&device, &parcel, START).unwrap();
     assert_eq!(kept_parts(&rig), [KeptPart::Sculpture, KeptPart::Trace]);
-    assert_eq!(rig.booth.sweep(days(14)).unwrap().traces, 0);
-    assert_eq!(rig.booth.sweep(days(15)).unwrap().traces, 1);
+    assert_eq!(rig.sweep(days(14)).traces, 0);
+    assert_eq!(rig.sweep(days(15)).traces, 1);
     assert_eq!(kept_parts(&rig), [KeptPart::Sculpture]);
     assert!(!rig.booth.find_sculpture(&parcel.id, days(15)).unwrap().has_trace);
     assert_eq!(rig.upload(&device, &parcel, days(15)).unwrap(), signed, "it is known");
@@ -126,8 +129,8 @@ fn announcements_are_forgotten_when_nobody_waits_any_more() {
     let device = rig.enrol(1);
     let announced = Parcel::new(1, None).announcement(UploadStatus::Kept);
     rig.beat(&device, &announcing(&heartbeat(device.headset), &[announced]), START);
-    assert_eq!(rig.booth.sweep(days(50)).unwrap().announcements, 0);
-    assert_eq!(rig.booth.sweep(days(51)).unwrap().announcements, 1);
+    assert_eq!(rig.sweep(days(50)).announcements, 0);
+    assert_eq!(rig.sweep(days(51)).announcements, 1);
 }
 
 #[test]

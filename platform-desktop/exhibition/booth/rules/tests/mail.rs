@@ -85,8 +85,9 @@ fn what_is_withdrawn_or_deleted_is_not_sent_and_its_address_is_forgotten() {
     booth.bring_back(&id, "bob", START).unwrap();
     assert_eq!(booth.next_mail(days(1)).unwrap(), None, "it is asked for anew");
     booth.ask_mail(&id, (ANA, false), 3, "bob", seconds(1)).unwrap();
-    // Past its last day, before the sweep.
+    assert_eq!(rig.sweep(days(400)).withdrawn, 1);
     assert_eq!(booth.next_mail(days(400)).unwrap(), None);
+    booth.bring_back(&id, "bob", days(400)).unwrap();
     assert_eq!((rig.mail(&id).state, rig.mail(&id).address), (MailState::Failed, None));
     booth.ask_mail(&id, (ANA, false), 4, "bob", seconds(2)).unwrap();
     booth.delete(&id, "bob", seconds(3)).unwrap();

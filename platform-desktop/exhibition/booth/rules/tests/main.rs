@@ -1,6 +1,7 @@
 //! The booth's decisions over a database in memory. `platform-desktop/exhibition/booth/tests/databases` runs these modules over databases.
 
 mod badges;
+mod clock;
 mod common;
 mod enrol;
 mod find;

@@ -111,7 +111,7 @@ impl Play {
             Step::Delete(k) => _ = booth.delete(&self.parcels[usize::from(k)].id, "a", self.now),
             Step::Sweep(days) => {
                 self.now = BoothTime(self.now.0 + u64::from(days) * 86_400_000);
-                booth.sweep(self.now).unwrap();
+                self.rig.sweep(self.now);
             }
         }
     }

@@ -109,7 +109,11 @@ impl KeepOption {
     /// How long everything is kept.
     #[must_use]
     pub fn plan(&self) -> BoothPlan {
-        BoothPlan { retention_days: self.keep_days, ..BoothPlan::default() }
+        let plan = BoothPlan::default();
+        let retention_days = self.keep_days;
+        // Of a short retention, visitors see the sculpture for the first half.
+        let withdrawn_days = plan.withdrawn_days.min(retention_days / 2);
+        BoothPlan { retention_days, withdrawn_days, ..plan }
     }
 }
 

@@ -171,10 +171,10 @@ impl PageVisit {
 }
 
 /// `GET /s/{id}/{token}`.
-async fn show(visit: PageVisit) -> Response {
+async fn show(State(app): State<Arc<BoothApp>>, visit: PageVisit) -> Response {
     let PageVisit { texts, ref sculpture, .. } = visit;
     let at = visit.path();
-    let last_day = utc(BoothTime::of_day(sculpture.keep_day));
+    let last_day = utc(BoothTime::of_day(app.booth.last_shown_day(sculpture)));
     page(
         texts,
         Some(&at),

@@ -7,7 +7,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, SystemTime};
 
-use paros_booth_rules::Booth;
+use paros_booth_rules::limits::{MAX_CLOCK_GAP, MAX_CLOCK_STEP};
+use paros_booth_rules::{Booth, ClockJump, Refusal};
 use paros_shell::durable::take_storage_warnings;
 use tokio::net::TcpListener;
 use tokio::runtime::{Builder, Runtime};
@@ -301,10 +302,10 @@ async fn keep_leaf(leaf: Arc<LeafKeeper>, names: LeafNames, mut hangup: Signal) 
 }
 
 async fn sweep_now_and_then(app: Arc<BoothApp>) {
+    let mut most = MAX_CLOCK_GAP;
     loop {
-        match app.run(|app| app.booth.sweep(booth_time())).await {
-            Ok(report) if report != Default::default() => info!(?report, "swept"),
-            Ok(_) => {}
+        match app.run(move |app| sweep(app, most)).await {
+            Ok(()) => most = MAX_CLOCK_STEP,
             Err(error) => warn!(%error, "the sweep failed"),
         }
         for warning in take_storage_warnings() {
@@ -312,6 +313,21 @@ async fn sweep_now_and_then(app: Arc<BoothApp>) {
         }
         tokio::time::sleep(SWEEP_EVERY).await;
     }
+}
+
+fn sweep(app: &BoothApp, most: Duration) -> Result<(), Refusal> {
+    let report = app.booth.sweep(booth_time(), most)?;
+    if report != Default::default() {
+        info!(?report, "swept");
+    }
+    if let Some(ClockJump { seen_at, now }) = app.booth.find_clock_jump(booth_time())? {
+        let (seen_at, now) = (seen_at.seconds(), now.seconds());
+        warn!(
+            seen_at,
+            now, "the clock jumped: nothing expires until an admin confirms it on the staff page"
+        );
+    }
+    Ok(())
 }
 
 fn start_log(is_json: bool) {

@@ -13,9 +13,9 @@ use paros_protocol::{ContentHash, SculptureId};
 
 use super::admin_texts::AdminTexts;
 use super::done::Done;
-use super::expiry::draw_expiry;
 use super::forms::{FormView, Refused};
 use super::login::hash_password;
+use super::notices::AdminNotices;
 use super::page::{Fields, StaffAnswer, StaffForm, StaffView, action_button, form_token};
 use super::sculptures::utc;
 use super::texts::Texts;
@@ -65,11 +65,15 @@ async fn admin_page(
 ) -> Answer {
     let (login, texts) = (&view.login, view.texts);
     let words = AdminTexts::of(texts);
-    let found = app.run(|app| Ok((app.booth.list_accounts()?, app.booth.list_enrol_tokens()?)));
-    let (accounts, tokens) = found.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
+    let now = booth_time();
+    let found = app.run(move |app| {
+        let notices = AdminNotices::find(app, true, now)?;
+        Ok((app.booth.list_accounts()?, app.booth.list_enrol_tokens()?, notices))
+    });
+    let (accounts, tokens, notices) = found.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
     let host = headers.get(header::HOST).and_then(|host| host.to_str().ok()).unwrap_or_default();
     let body = html! {
-        (draw_expiry(&app.facts, words, login, &tokens, booth_time()))
+        (notices.draw(app, words, login, now))
         p { a href="/staff/audit" { (words.audit) } }
         p { a href="/staff/import" { (words.import) } }
         h2 { (words.accounts) }

@@ -56,6 +56,7 @@ pub(crate) struct AdminTexts {
     pub(crate) take_back: &'static str,
     pub(crate) keep_address: &'static str,
     pub(crate) privacy_title: &'static str,
+    pub(crate) clock_is_right: &'static str,
     pub(crate) import: &'static str,
     pub(crate) import_about: &'static str,
     pub(crate) import_needs_script: &'static str,
@@ -105,6 +106,18 @@ impl AdminTexts {
         }
     }
 
+    /// Asks whether a clock that jumped is right.
+    pub(crate) fn clock_jumped(&self, now: &str, seen_at: &str) -> String {
+        match self.language {
+            Language::English => format!(
+                "The clock of this machine jumped: it shows {now}, and the booth last saw it at {seen_at}. Until you answer, no sculpture expires. If the clock is wrong, set it right; this question then goes away."
+            ),
+            Language::Greek => format!(
+                "Το ρολόι του υπολογιστή άλλαξε απότομα: δείχνει {now}, ενώ το περίπτερο το είδε τελευταία στις {seen_at}. Ώσπου να απαντήσετε, κανένα γλυπτό δεν λήγει. Αν το ρολόι είναι λάθος, διορθώστε το· η ερώτηση τότε φεύγει."
+            ),
+        }
+    }
+
     /// Says that the site's own authority ends on a day.
     pub(crate) fn authority_ends(&self, day: &str) -> String {
         match self.language {
@@ -122,14 +135,14 @@ impl AdminTexts {
         let BoothPlan { retention_days, trace_days, withdrawn_days, horizon_days } = plan;
         match self.language {
             Language::English => vec![
-                format!("What you sculpted is kept for {retention_days} days after the day on which it came, under the badge that you were shown. Your name isn't asked for. With it goes how long you sculpted, in which language, and whether you are under age, if you said so."),
+                format!("What you sculpted is kept for {retention_days} days after the day on which it came, under the badge that you were shown; in its last {withdrawn_days} days it is hidden. Your name isn't asked for. With it goes how long you sculpted, in which language, and whether you are under age, if you said so."),
                 format!("Where the exhibition records your hands' motion, that is kept for {trace_days} days. By itself a headset sends none."),
                 "An e-mail address is kept until the mail was sent, or has failed, unless you agree that it stays as long as the sculpture. It is in no log and no backup.".into(),
                 format!("You may withdraw your sculpture: it is hidden at once, can be brought back for {withdrawn_days} days, and is deleted then. Or have it deleted at once, with all that is known under your badge. Tell the staff your badge; they also give you a copy of all of it."),
                 format!("Of a deleted sculpture only its number stays, for {horizon_days} days, so that a headset that still has it deletes it too. Then your badge may be given to somebody else."),
             ],
             Language::Greek => vec![
-                format!("Ό,τι σκαλίσατε κρατιέται {retention_days} ημέρες μετά την ημέρα που έφτασε, με το σήμα που είδατε. Δεν ζητάμε το όνομά σας. Μαζί του κρατιέται πόση ώρα σκαλίζατε, σε ποια γλώσσα, και αν είστε ανήλικος, εφόσον το είπατε."),
+                format!("Ό,τι σκαλίσατε κρατιέται {retention_days} ημέρες μετά την ημέρα που έφτασε, με το σήμα που είδατε· τις τελευταίες {withdrawn_days} ημέρες είναι κρυμμένο. Δεν ζητάμε το όνομά σας. Μαζί του κρατιέται πόση ώρα σκαλίζατε, σε ποια γλώσσα, και αν είστε ανήλικος, εφόσον το είπατε."),
                 format!("Όπου η έκθεση καταγράφει την κίνηση των χεριών σας, αυτή κρατιέται {trace_days} ημέρες. Από μόνη της μια συσκευή δεν τη στέλνει."),
                 "Μια διεύθυνση e-mail κρατιέται ώσπου να σταλεί το μήνυμα ή να αποτύχει, εκτός αν συμφωνείτε να μείνει όσο και το γλυπτό. Δεν υπάρχει σε κανένα ημερολόγιο και σε κανένα αντίγραφο ασφαλείας.".into(),
                 format!("Μπορείτε να αποσύρετε το γλυπτό σας: κρύβεται αμέσως, μπορεί να επανέλθει για {withdrawn_days} ημέρες, και μετά διαγράφεται. Ή να διαγραφεί αμέσως, με όλα όσα είναι γνωστά με το σήμα σας. Πείτε το σήμα σας στο προσωπικό· σας δίνει και αντίγραφο όλων."),
@@ -187,6 +200,7 @@ const ENGLISH: AdminTexts = AdminTexts {
     take_back: "Take the last one back",
     keep_address: "The visitor agrees that the address is kept as long as the sculpture",
     privacy_title: "What is kept of you, and for how long",
+    clock_is_right: "The clock is right",
     import: "Sculptures from a headset's disk",
     import_about: "For a headset that is broken or can't reach the booth: copy its outbox, and choose the files here. They are taken as if the headset had sent them.",
     import_needs_script: "This page needs JavaScript. The command import-spool does without.",
@@ -243,6 +257,7 @@ const GREEK: AdminTexts = AdminTexts {
     take_back: "Αναίρεση της τελευταίας επιλογής",
     keep_address: "Ο επισκέπτης συμφωνεί να κρατηθεί η διεύθυνση όσο και το γλυπτό",
     privacy_title: "Τι κρατιέται από εσάς, και για πόσο",
+    clock_is_right: "Το ρολόι είναι σωστό",
     import: "Γλυπτά από τον δίσκο συσκευής",
     import_about: "Για συσκευή που χάλασε ή δεν φτάνει το περίπτερο: αντιγράψτε τα εξερχόμενά της και διαλέξτε τα αρχεία εδώ. Λαμβάνονται σαν να τα έστειλε η συσκευή.",
     import_needs_script: "Αυτή η σελίδα χρειάζεται JavaScript. Η εντολή import-spool όχι.",

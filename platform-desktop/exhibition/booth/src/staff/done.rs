@@ -33,10 +33,11 @@ pub(crate) enum Done {
     PasswordChanged,
     TokenMade,
     TokenRevoked,
+    ClockConfirmed,
 }
 
 /// As the cookie has it, and as people are told in English and in Greek, by [`Done`].
-const TEXTS: [(Done, &str, [&str; 2]); 21] = [
+const TEXTS: [(Done, &str, [&str; 2]); 22] = [
     (
         Done::MailAsked,
         "mail",
@@ -116,6 +117,14 @@ const TEXTS: [(Done, &str, [&str; 2]); 21] = [
             "Το αρχείο ανακλήθηκε: δεν εγγράφει πια συσκευές.",
         ],
     ),
+    (
+        Done::ClockConfirmed,
+        "clock",
+        [
+            "The clock is confirmed. Sculptures age again.",
+            "Το ρολόι επιβεβαιώθηκε. Τα γλυπτά λήγουν πάλι κανονικά.",
+        ],
+    ),
 ];
 
 /// What of a cookie is the same each time.
@@ -180,6 +189,6 @@ mod tests {
             headers.insert("cookie", format!("done={key}x").parse().unwrap());
             assert_eq!(Done::of_request(&headers), None);
         }
-        assert_eq!(Done::TokenRevoked as usize + 1, TEXTS.len());
+        assert_eq!(Done::ClockConfirmed as usize + 1, TEXTS.len());
     }
 }

@@ -4,7 +4,6 @@ mod account;
 mod admin;
 mod admin_texts;
 mod done;
-mod expiry;
 mod find;
 mod forms;
 mod frame;
@@ -12,6 +11,7 @@ mod headsets;
 mod import;
 mod login;
 mod mails;
+mod notices;
 mod page;
 mod print_texts;
 mod prints;
@@ -55,6 +55,7 @@ pub(crate) fn router(app: &Arc<BoothApp>) -> Router<Arc<BoothApp>> {
         .route("/staff/admin/accounts/{name}/{action}", post(admin::change_account))
         .route("/staff/admin/tokens", post(admin::add_token))
         .route("/staff/admin/tokens/{hash}/revoke", post(admin::revoke_token))
+        .route("/staff/admin/clock", post(notices::confirm_clock))
         .route("/staff/audit", get(admin::show_audit))
         .route("/staff/import", get(import::show_import))
         .route(&format!("{IMPORT_PATH}{{headset}}/{{name}}"), put(import::import_parcel))

@@ -14,9 +14,9 @@ use paros_protocol::SculptureId;
 
 use super::admin_texts::AdminTexts;
 use super::done::Done;
-use super::expiry::draw_expiry;
 use super::forms::{FormView, Refused};
 use super::mails::{MAIL_FORM, mails_of};
+use super::notices::AdminNotices;
 use super::page::{StaffAnswer, StaffForm, StaffView, action_button};
 use super::print_texts::PrintTexts;
 use super::prints::{PRINT_FORM, prints_of};
@@ -37,14 +37,15 @@ type Answer = Result<Response, StaffAnswer>;
 pub(crate) async fn show_newest(State(app): State<Arc<BoothApp>>, view: StaffView) -> Answer {
     let texts = view.texts;
     let is_admin = view.login.check_admin().is_ok();
+    let now = booth_time();
     let found = app.run(move |app| {
-        let tokens = if is_admin { app.booth.list_enrol_tokens()? } else { Vec::new() };
-        Ok((app.booth.list_newest(LISTED, booth_time())?, tokens))
+        let notices = AdminNotices::find(app, is_admin, now)?;
+        Ok((app.booth.list_newest(LISTED, now)?, notices))
     });
-    let (found, tokens) = found.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
+    let (found, notices) = found.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
     let words = AdminTexts::of(texts);
     let body = html! {
-        (draw_expiry(&app.facts, words, &view.login, &tokens, booth_time()))
+        (notices.draw(&app, words, &view.login, now))
         (cards(texts, &found))
     };
     Ok(view.page(texts.newest, &body))

@@ -1,6 +1,8 @@
 //! The tests of the decisions, which their own crate runs over a database in memory: here over `crate::new_store`.
 #[path = "../../rules/tests/badges.rs"]
 mod badges;
+#[path = "../../rules/tests/clock.rs"]
+mod clock;
 #[path = "../../rules/tests/common/mod.rs"]
 pub(crate) mod common;
 #[path = "../../rules/tests/enrol.rs"]

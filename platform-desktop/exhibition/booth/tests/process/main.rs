@@ -12,6 +12,7 @@ mod chromium;
 mod demo;
 mod import;
 mod kills;
+mod lost;
 mod mail;
 mod page;
 mod parcels;

@@ -12,7 +12,7 @@ pub use devices::{Announcement, Command, CommandState, Device, EnrolToken};
 pub use people::{Account, AuditEntry, MailOrder, MailState, StaffRole, StaffSession};
 pub use prints::{EstimateState, PrintOrder, PrintState};
 pub use sculptures::{ExportState, Sculpture, Tombstone};
-pub use work::{WorkKind, WorkLease};
+pub use work::{SeenTime, WorkKind, WorkLease};
 
 /// The version of the tables. A change of a record raises it.
 pub const SCHEMA_VERSION: i64 = 1;

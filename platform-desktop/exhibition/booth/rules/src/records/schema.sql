@@ -164,6 +164,11 @@ CREATE TABLE print_orders (
 CREATE INDEX print_orders_sculpture ON print_orders (sculpture);
 CREATE INDEX print_orders_state ON print_orders (state);
 
+CREATE TABLE seen_time (
+    row INTEGER NOT NULL PRIMARY KEY,
+    seen_at INTEGER NOT NULL
+) STRICT;
+
 CREATE TABLE work_leases (
     kind INTEGER NOT NULL,
     subject BLOB NOT NULL,

@@ -19,6 +19,16 @@ stored_enum! {
 }
 
 record! {
+    /// The time that the booth has seen pass: a single row.
+    pub struct SeenTime in "seen_time", key 1 {
+        /// Always 0.
+        pub row: u8,
+        /// The system clock's time at the last sweep before which it didn't jump.
+        pub seen_at: BoothTime,
+    }
+}
+
+record! {
     /// That a process does some work, and the others leave it alone.
     pub struct WorkLease in "work_leases", key 2 {
         /// What is done.

@@ -4,9 +4,10 @@
 mod memory_files;
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use paros_booth_rules::records::Device;
-use paros_booth_rules::{Booth, BoothPlan, BoothTime, Refusal, SiteKeys, Store};
+use paros_booth_rules::{Booth, BoothPlan, BoothTime, Refusal, SiteKeys, Store, SweepReport};
 use paros_booth_sqlite::SqliteStore;
 use paros_core::badge::BadgeNumber;
 use paros_core::session::SessionMode;
@@ -52,6 +53,11 @@ impl Rig {
         let booth = Booth::new(store.clone(), files.clone(), keys, plan);
         booth.add_enrol_token(&FLEET, (250, days(1000)), "all", None, START).expect("room");
         Rig { booth, store, files }
+    }
+
+    /// Sweeps after any time: the clock doesn't jump, however long ago the last sweep was.
+    pub(crate) fn sweep(&self, now: BoothTime) -> SweepReport {
+        self.booth.sweep(now, Duration::MAX).unwrap()
     }
 
     /// A headset, with a token of this byte.

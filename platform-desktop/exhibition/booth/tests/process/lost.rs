@@ -1,0 +1,77 @@
+//! A machine whose clock is wrong.
+
+use std::fs;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use paros_shell::require::require_or_skip;
+
+use crate::rig::{BoothFolder, Headset, Parcel};
+use crate::staff::Browser;
+
+#[test]
+fn a_clock_three_years_ahead_deletes_nothing_and_asks() {
+    // The program `faketime` would outlive a booth that is killed: its library alone is used.
+    let library =
+        Command::new("faketime").args(["-f", "+1095d", "printenv", "LD_PRELOAD"]).output();
+    let Some(library) = require_or_skip(library.map_err(|_| "no faketime")).expect("faketime")
+    else {
+        return;
+    };
+    let library = String::from_utf8(library.stdout).expect("text");
+    let folder = BoothFolder::new("clock-ahead");
+    let parcel = Parcel::with_trace(1);
+    let mut booth = folder.start();
+    let headset = Headset::enrol(&booth.client, folder.fleet_token(), 1);
+    assert!(headset.upload(&booth.client, &parcel).expect("an answer").is_ok());
+    let ana = Browser::first(&booth.client, &booth.first_code().expect("a code"));
+    assert!(!ana.get("/staff").text().contains("/staff/admin/clock"));
+    let cookie = ana.cookie;
+    booth.terminate();
+    let files = folder.files("sculptures").len();
+
+    // Its page can't be reached: its certificate is of a time that is yet to come. The sweep runs at once.
+    let log = fs::File::create(folder.path().with_file_name("ahead.log")).expect("room");
+    let mut ahead = folder.command(&["--listen", "127.0.0.1:0"]);
+    let ahead = ahead.env("LD_PRELOAD", library.trim()).env("FAKETIME", "+1095d");
+    let mut ahead = ahead
+        .env("FAKETIME_DONT_FAKE_MONOTONIC", "1")
+        .stdout(Stdio::null())
+        .stderr(log)
+        .spawn()
+        .expect("it starts");
+    let told = || fs::read_to_string(folder.path().with_file_name("ahead.log")).expect("a log");
+    let start = Instant::now();
+    while !told().contains("the clock jumped") {
+        assert!(start.elapsed() < Duration::from_secs(60), "{}", told());
+        sleep(Duration::from_millis(50));
+    }
+    let _ = ahead.kill();
+    let _ = ahead.wait();
+    assert_eq!(folder.files("sculptures").len(), files);
+    let booth = folder.start();
+    let ana = Browser { client: &booth.client, cookie };
+    let page = ana.get(&format!("/staff/sculptures/{}", parcel.facts.id));
+    assert!(page.status == 200 && page.text().contains("/withdraw"), "{page:?}");
+}
+
+#[test]
+fn an_admin_answers_for_a_clock_that_jumped() {
+    let folder = BoothFolder::new("clock-question");
+    let mut booth = folder.start();
+    let cookie = Browser::first(&booth.client, &booth.first_code().expect("a code")).cookie;
+    booth.terminate();
+    // The booth was switched off for 20 days.
+    let database = rusqlite::Connection::open(folder.path().join("booth.sqlite")).unwrap();
+    let moved = "UPDATE seen_time SET seen_at = seen_at - 20 * 86400000";
+    assert_eq!(database.execute(moved, []).unwrap(), 1);
+    let booth = folder.start();
+    let ana = Browser { client: &booth.client, cookie };
+    let page = ana.get("/staff");
+    assert!(page.text().contains("The clock of this machine jumped"), "{page:?}");
+    assert!(ana.get("/staff/admin").text().contains("/staff/admin/clock"));
+    assert_eq!(ana.click("/staff", "/staff/admin/clock").status, 303);
+    assert!(!ana.get("/staff").text().contains("/staff/admin/clock"));
+    assert!(ana.get("/staff/audit").text().contains("confirm clock"));
+}
