@@ -73,7 +73,7 @@ pub enum StoreError {
     /// The database is damaged, and what was found.
     #[error(
         "the database is damaged ({0}) and left as it is; restore a backup into another folder \
-         (paros-booth restore)"
+         (paros-booth restore), or, without a backup, make a booth of the sculptures' files (paros-booth rescue)"
     )]
     Damaged(String),
     /// The database's error.

@@ -6,6 +6,7 @@ pub(crate) mod demo;
 pub(crate) mod demo_shapes;
 pub(crate) mod fleet_file;
 pub(crate) mod options;
+pub(crate) mod rescue;
 pub(crate) mod restore;
 pub(crate) mod settings;
 pub(crate) mod shared;
@@ -17,6 +18,7 @@ use crate::clock::booth_time;
 use crate::commands::backup::back_up;
 use crate::commands::fleet_file::{FleetToken, make_fleet_file};
 use crate::commands::options::{BoothTask, FolderOption};
+use crate::commands::rescue::rescue;
 use crate::commands::restore::restore;
 use crate::commands::spool_import::import_spool;
 use crate::error::Error;
@@ -44,6 +46,7 @@ pub(crate) fn run(command: &BoothTask) -> Result<String, Error> {
         BoothTask::Restore { folder, file, deletions, again } => {
             restore(file, folder.path_alone()?, deletions.as_deref(), *again)
         }
+        BoothTask::Rescue { folder, lost, keep } => rescue(lost, folder.path_alone()?, keep.plan()),
         BoothTask::ImportSpool { folder, keep, outbox, headset, json } => {
             let OpenBooth { booth, .. } = open(folder, keep.plan())?;
             import_spool(&booth, outbox, *headset, *json, CONSOLE)

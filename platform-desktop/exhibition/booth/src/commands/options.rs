@@ -157,6 +157,18 @@ pub enum BoothTask {
         #[arg(long)]
         again: bool,
     },
+    /// Make a booth of the sculptures' files of another one whose database is lost, and of which there is no backup.
+    Rescue {
+        /// The folder of the new booth: one that isn't there yet, or is empty.
+        #[command(flatten)]
+        folder: FolderOption,
+        /// How long sculptures are kept.
+        #[command(flatten)]
+        keep: KeepOption,
+        /// The folder of the booth whose database is lost. Nothing in it is changed.
+        #[arg(value_name = "LOST")]
+        lost: PathBuf,
+    },
     /// Take the parcels that were copied from the disk of a headset that is broken or has no way to the booth.
     ImportSpool {
         /// Where everything is kept.

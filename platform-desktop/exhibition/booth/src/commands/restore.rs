@@ -5,7 +5,7 @@ use std::io::{self, BufReader, Read as _, Write as _};
 use std::os::unix::fs::{DirBuilderExt as _, OpenOptionsExt as _};
 use std::path::{Path, PathBuf};
 
-use paros_booth_rules::{BoothPlan, BoothTime, RestoreReport};
+use paros_booth_rules::{BoothPlan, BoothTime, Deletion, RestoreReport};
 use paros_protocol::{ContentHash, SculptureId};
 use zip::ZipArchive;
 use zip::read::{ZipFile, read_zipfile_from_stream};
@@ -31,36 +31,75 @@ pub(crate) fn restore(
     deletions: Option<&Path>,
     is_again: bool,
 ) -> Result<String, Error> {
-    let is_free = fs::read_dir(folder).map_or_else(
-        |error| error.kind() == io::ErrorKind::NotFound,
-        |mut entries| entries.next().is_none(),
-    );
-    if !is_free {
-        let why = "expected a folder that isn't there yet, or is empty";
-        return Err(Error::Input(format!("{}: {why}", folder.display())));
-    }
     // Read first: a wrong name is told before the disk is filled.
     let since = deletions.map(read_deletions).transpose()?.unwrap_or_default();
-    let fail = |error: io::Error| Error::at(folder, error);
-    let part = OwnPart::new_folder(folder).map_err(fail)?;
-    let copied_at = unpack(archive, &part.path)?;
+    let new = NewBooth::begin(folder)?;
+    let copied_at = unpack(archive, new.path())?;
     let use_of_today = UseOfBackup { copied_at, day: booth_time().day() };
     use_of_today.check_first(archive, is_again)?;
-    let log = part.path.join(DELETIONS);
-    let mut deletions = if log.is_file() { read_deletions(&log)? } else { Vec::new() };
+    let mut deletions = read_log(new.path())?;
     deletions.extend(since);
     let open =
-        OpenBooth::open(&part.path, &SharedOptions::default(), BoothPlan::default(), u64::MAX)?;
+        OpenBooth::open(new.path(), &SharedOptions::default(), BoothPlan::default(), u64::MAX)?;
     let report = open.booth.make_restored(&deletions, copied_at, booth_time());
     let report = report.map_err(|refusal| bad(archive, &refusal))?;
     drop(open);
-    for inner in ["keys", "sculptures", ""] {
-        File::open(part.path.join(inner)).and_then(|folder| folder.sync_all()).map_err(fail)?;
-    }
     // Before there is a booth that hands badges out.
     use_of_today.note(archive)?;
-    part.rename(folder).map_err(fail)?;
+    new.finish()?;
     Ok(tell(folder, &report))
+}
+
+/// A booth's folder under a temporary name, which is removed unless it is finished.
+pub(crate) struct NewBooth<'a> {
+    part: OwnPart,
+    folder: &'a Path,
+}
+
+impl<'a> NewBooth<'a> {
+    /// Makes the temporary folder.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if `folder` is there and isn't empty; an I/O error.
+    pub(crate) fn begin(folder: &'a Path) -> Result<Self, Error> {
+        let is_free = fs::read_dir(folder).map_or_else(
+            |error| error.kind() == io::ErrorKind::NotFound,
+            |mut entries| entries.next().is_none(),
+        );
+        if !is_free {
+            let why = "expected a folder that isn't there yet, or is empty";
+            return Err(Error::Input(format!("{}: {why}", folder.display())));
+        }
+        let part = OwnPart::new_folder(folder).map_err(|error| Error::at(folder, error))?;
+        Ok(NewBooth { part, folder })
+    }
+
+    /// Returns the temporary path.
+    pub(crate) fn path(&self) -> &Path {
+        &self.part.path
+    }
+
+    /// Syncs the folder, and gives it its name.
+    ///
+    /// # Errors
+    /// An I/O error. Then there is no such folder.
+    pub(crate) fn finish(self) -> Result<(), Error> {
+        let NewBooth { part, folder } = self;
+        let fail = |error: io::Error| Error::at(folder, error);
+        for inner in ["keys", "sculptures", ""] {
+            File::open(part.path.join(inner)).and_then(|folder| folder.sync_all()).map_err(fail)?;
+        }
+        part.rename(folder).map_err(fail)
+    }
+}
+
+/// Reads the log of deletions in a booth's folder; it is empty if there is none.
+///
+/// # Errors
+/// The log can't be read.
+pub(crate) fn read_log(folder: &Path) -> Result<Vec<Deletion>, Error> {
+    let log = folder.join(DELETIONS);
+    if log.is_file() { read_deletions(&log) } else { Ok(Vec::new()) }
 }
 
 /// That a backup was restored on a day. Two booths of one backup begin with the same badges on the same day.

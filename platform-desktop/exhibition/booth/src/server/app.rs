@@ -168,7 +168,7 @@ fn open_sqlite(folder: &Path) -> Result<(Arc<dyn Store>, BoothKeys), Error> {
         fs::read_dir(folder.join("sculptures")).is_ok_and(|mut all| all.next().is_some());
     if !has_records && (has_sculptures || BoothKeys::are_in(folder)) {
         let why = "it is missing or empty, and the booth's keys or sculptures are here; restore a backup into another \
-            folder (paros-booth restore), or name another folder for a new booth";
+            folder (paros-booth restore), or, without a backup, make a booth of the sculptures' files (paros-booth rescue)";
         return Err(Error::Input(format!("{}: {why}", database.display())));
     }
     let keys = BoothKeys::load_or_draw(folder, !has_records)?;

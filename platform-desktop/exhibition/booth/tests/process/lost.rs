@@ -1,6 +1,8 @@
-//! A machine whose clock is wrong.
+//! A machine whose clock is wrong, and a booth whose database is lost.
 
+use std::collections::BTreeMap;
 use std::fs;
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -9,6 +11,20 @@ use paros_shell::require::require_or_skip;
 
 use crate::rig::{BoothFolder, Headset, Parcel};
 use crate::staff::Browser;
+
+/// The bytes of all files in a folder and its folders, by path.
+fn read_tree(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut files = BTreeMap::new();
+    for entry in fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("a file").path();
+        if path.is_dir() {
+            files.extend(read_tree(&path));
+        } else {
+            files.insert(path.display().to_string(), fs::read(&path).expect("a file"));
+        }
+    }
+    files
+}
 
 #[test]
 fn a_clock_three_years_ahead_deletes_nothing_and_asks() {
@@ -74,4 +90,54 @@ fn an_admin_answers_for_a_clock_that_jumped() {
     assert_eq!(ana.click("/staff", "/staff/admin/clock").status, 303);
     assert!(!ana.get("/staff").text().contains("/staff/admin/clock"));
     assert!(ana.get("/staff/audit").text().contains("confirm clock"));
+}
+
+#[test]
+fn a_booth_is_made_of_the_files_of_one_that_lost_its_database() {
+    let folder = BoothFolder::new("rescue-lost");
+    let parcels =
+        [Parcel::volume(1), Parcel::with_trace(2), Parcel::with_trace(3), Parcel::volume(4)];
+    let booth = folder.start();
+    let headset = Headset::enrol(&booth.client, folder.fleet_token(), 1);
+    for parcel in &parcels {
+        assert!(headset.upload(&booth.client, parcel).expect("an answer").is_ok());
+    }
+    drop(booth);
+    let lost = folder.path();
+    let kept = |k: usize, end| {
+        lost.join(format!("sculptures/{}-{}.{end}", parcels[k].facts.id, parcels[k].hash))
+    };
+    for name in ["booth.sqlite", "booth.sqlite-wal", "booth.sqlite-shm"] {
+        let _ = fs::remove_file(lost.join(name));
+    }
+    // The trace of one was too old, and a file is damaged.
+    fs::remove_file(kept(2, "trace")).unwrap();
+    fs::write(kept(3, "sculpture"), &fs::read(kept(3, "sculpture")).unwrap()[..99]).unwrap();
+    let refusal = folder.run(&["--listen", "127.0.0.1:0"]).expect_err("its records are gone");
+    assert!(refusal.contains("paros-booth rescue"), "{refusal}");
+
+    let before = read_tree(&lost);
+    let new = BoothFolder::new("rescue-new");
+    let told = new.run(&["rescue", lost.to_str().unwrap()]).expect("a booth");
+    assert!(told.contains(": 3 sculptures\n"), "{told}");
+    let damaged = format!("{}-{}.sculpture: left out: ", parcels[3].facts.id, parcels[3].hash);
+    assert!(told.contains(&damaged), "{told}");
+    assert_eq!(read_tree(&lost), before, "nothing in the folder is changed");
+    let again = new.run(&["rescue", lost.to_str().unwrap()]).expect_err("the folder isn't free");
+    assert!(again.contains("expected a folder that isn't there yet"), "{again}");
+    let booth = new.start();
+    let ana = Browser::first(&booth.client, &booth.first_code().expect("a code"));
+    let page = ana.get("/staff");
+    for parcel in &parcels[..3] {
+        assert!(page.text().contains(&parcel.facts.id.to_string()), "{page:?}");
+    }
+    // A headset that has a sculpture still is told that the booth has it.
+    let headset = Headset::enrol(&booth.client, new.fleet_token(), 1);
+    assert!(headset.upload(&booth.client, &parcels[1]).expect("an answer").is_ok());
+
+    let empty = BoothFolder::new("rescue-empty");
+    fs::create_dir_all(empty.path().join("sculptures")).unwrap();
+    let to = BoothFolder::new("rescue-of-nothing");
+    let error = to.run(&["rescue", empty.path().to_str().unwrap()]).expect_err("nothing there");
+    assert!(error.contains("no sculpture can be read") && !to.path().exists(), "{error}");
 }
