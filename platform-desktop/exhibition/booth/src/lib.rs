@@ -38,11 +38,16 @@ pub use store::postgres_link::PostgresAddress;
 pub use store::postgres_store::PostgresStore;
 pub use store::s3_files::S3Files;
 
+use rustix::fs::Mode;
+use rustix::process::umask;
+
 /// Does what the command line asks. Returns output as whole lines.
 ///
 /// # Errors
 /// What failed.
 pub fn run(options: &Options) -> Result<String, Error> {
+    // All that the booth writes is its owner's: keys, visitors' sculptures, addresses.
+    umask(Mode::RWXG | Mode::RWXO);
     match &options.command {
         Some(command) => commands::run(command),
         None => server::run::run(&options.serve).map(|()| String::new()),

@@ -1,6 +1,7 @@
 //! A thread for each printer on the network: it sends what is to be sent, asks how it is, and stops what was taken back.
 //! A printer that is off costs its own thread a few seconds now and then, and nobody else anything.
 
+use std::io;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -155,6 +156,7 @@ impl PrinterThread {
         let sliced = match self.slicer.slice(&stl, scale, self.profile.as_deref()) {
             Ok(sliced) => sliced,
             Err(SliceFault::Over) => return Ok(()),
+            Err(SliceFault::Disk(why)) => return Err(Refusal::Files(io::Error::other(why))),
             Err(SliceFault::TooLarge) => return refuse("it is larger than the printer"),
             Err(SliceFault::Failed(why)) => return refuse(&why),
         };

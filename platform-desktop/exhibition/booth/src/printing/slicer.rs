@@ -17,6 +17,7 @@ use super::options::SlicerOptions;
 use super::slice_folder::{SliceFolder, SliceFolders};
 use crate::error::Error;
 use crate::server::worker::LOW_PRIORITY;
+use crate::store::disk_files::check_folder;
 
 /// How long a slice may take: a sculpture at 256 takes some twenty seconds of a small processor.
 const MAX_SLICE_TIME: Duration = Duration::from_secs(240);
@@ -59,6 +60,8 @@ struct Bounds {
 pub(crate) enum SliceFault {
     /// The print is larger than its printer.
     TooLarge,
+    /// The slicer's folder can't be written, as on a full disk: try again later.
+    Disk(String),
     /// Something else, for people.
     Failed(String),
     /// The booth ends.
@@ -120,7 +123,7 @@ impl Slicer {
         if self.is_over.load(Ordering::Relaxed) {
             return Err(SliceFault::Over);
         }
-        let failed = |error: io::Error| SliceFault::Failed(format!("the slicer's folder: {error}"));
+        let failed = |error: io::Error| SliceFault::Disk(format!("the slicer's folder: {error}"));
         let folder = self.folders.make_next().map_err(failed)?;
         File::create(folder.path().join("model.stl"))
             .and_then(|mut file| file.write_all(stl))
@@ -128,6 +131,7 @@ impl Slicer {
         let profile = profile.or(self.profile.as_deref());
         let status = self.run(folder.path(), scale, profile)?;
         if !status.success() {
+            check_folder(folder.path()).map_err(failed)?;
             return Err(fault_of(folder.path(), status));
         }
         let gcode = folder.path().join("print.gcode");

@@ -1,5 +1,6 @@
 //! The thread that slices one print after the other, and finds the size that fits a time.
 
+use std::io;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -21,11 +22,15 @@ pub(crate) fn slice_next(booth: &Booth, slicer: &Arc<Slicer>) -> Duration {
     let sliced = booth.next_slice(booth_time()).and_then(|job| {
         let Some(job) = job else { return Ok(LOOK_AGAIN) };
         let subject = job.order.order.to_le_bytes();
-        let outcome = keep_work(booth, WorkKind::Slice, &subject, || slice(booth, slicer, &job))?;
-        let Some(outcome) = outcome else {
+        let outcome = keep_work(booth, WorkKind::Slice, &subject, || slice(booth, slicer, &job));
+        let Some(outcome) = outcome.transpose() else {
             booth.leave_work(WorkKind::Slice, &subject)?;
             return Ok(LOOK_AGAIN);
         };
+        let outcome = outcome.inspect_err(|_| {
+            // If this fails too, the lease ends by itself.
+            let _ = booth.leave_work(WorkKind::Slice, &subject);
+        })?;
         info!(order = job.order.order, ?outcome, "print sliced");
         booth.note_slice(job.order.order, &outcome, booth_time())?;
         Ok(Duration::ZERO)
@@ -59,6 +64,7 @@ fn slice(booth: &Booth, slicer: &Slicer, job: &PrintJob) -> Result<Option<SliceO
             Ok(Some(SliceOutcome::Known { height, minutes, tenths_gram }))
         }
         Err(SliceFault::Over) => Ok(None),
+        Err(SliceFault::Disk(why)) => Err(Refusal::Files(io::Error::other(why))),
         Err(SliceFault::TooLarge) => unknown("it is larger than the printer"),
         Err(SliceFault::Failed(why)) => unknown(&why),
     }

@@ -3,13 +3,14 @@
 use std::fs;
 use std::net::IpAddr;
 use std::path::Path;
-use std::sync::Arc;
-use std::time::Duration;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use paros_booth_rules::{Booth, BoothPlan, Refusal, Store};
 use paros_booth_sqlite::SqliteStore;
 use tokio::runtime::Handle;
 
+use crate::clock::booth_time;
 use crate::commands::backup::DATABASE;
 use crate::commands::settings::SiteFacts;
 use crate::commands::shared::SharedOptions;
@@ -70,6 +71,9 @@ const MAX_WAITING: usize = 640;
 /// How long a request waits in a line of the booth's, so that its headset hears before it gives up by itself.
 const LONGEST_WAIT: Duration = Duration::from_secs(5);
 
+/// The time for which a health check holds: anybody may ask for one, and each writes to the disk.
+const CHECK_LIFE: Duration = Duration::from_secs(2);
+
 /// What all requests share.
 pub(crate) struct BoothApp {
     /// What decides.
@@ -99,6 +103,8 @@ pub(crate) struct BoothApp {
     models: Gate,
     /// The threads for work on whole parcels and models.
     of_wholes: Handle,
+    /// The time of the last health check that succeeded.
+    checked_at: Mutex<Option<Instant>>,
 }
 
 /// What tells threads of work.
@@ -209,7 +215,24 @@ impl BoothApp {
             decodes: Gate::new(MAX_DECODES, MAX_WAITING, LONGEST_WAIT),
             models: Gate::new(MAX_MODELS, MAX_WAITING_MODELS, LONGEST_WAIT_FOR_MODEL),
             of_wholes,
+            checked_at: Mutex::default(),
         }
+    }
+
+    /// Checks that the store and the files can be written to; not again within [`CHECK_LIFE`].
+    ///
+    /// # Errors
+    /// Those of store and disk.
+    pub(crate) fn check_writes(&self) -> Result<(), Refusal> {
+        let mut checked_at = self.checked_at.lock().unwrap_or_else(PoisonError::into_inner);
+        if checked_at.is_some_and(|at| at.elapsed() < CHECK_LIFE) {
+            return Ok(());
+        }
+        *checked_at = None;
+        self.booth.check_store(booth_time())?;
+        self.files.check_writes()?;
+        *checked_at = Some(Instant::now());
+        Ok(())
     }
 
     /// Does work that waits for the disk, on a thread for such, when it is its turn.

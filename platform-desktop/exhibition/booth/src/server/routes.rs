@@ -15,7 +15,7 @@ use axum::routing::{get, post, put};
 use axum::{Router, middleware};
 use futures_util::StreamExt as _;
 use paros_booth_rules::Refusal;
-use paros_booth_rules::records::{Device, ExportState, Sculpture};
+use paros_booth_rules::records::{Device, Sculpture};
 use paros_protocol::limits::MAX_PARCEL_FILE_BYTES;
 use paros_protocol::{
     DeviceToken, FLEET_ENROLMENT_PATH, FleetEnrolment, HEARTBEAT_PATH, Heartbeat, LinkTimes,
@@ -270,9 +270,9 @@ async fn enrol_fleet(State(app): State<Arc<BoothApp>>, bytes: Bytes) -> Answer {
     Ok(json_answer(answer.to_json()))
 }
 
-/// `GET /healthz`: whether store and disk answer.
+/// `GET /healthz`: 200 if the store and the files can be written to.
 async fn tell_health(State(app): State<Arc<BoothApp>>) -> Answer {
-    app.run(|app| app.booth.list_newest(1, booth_time()).map(drop)).await?;
+    app.run(BoothApp::check_writes).await?;
     Ok("ok\n".into_response())
 }
 
@@ -280,13 +280,31 @@ async fn tell_health(State(app): State<Arc<BoothApp>>) -> Answer {
 async fn tell_metrics(State(app): State<Arc<BoothApp>>) -> Answer {
     let text = app.run(|app| {
         let kept = app.booth.count::<Sculpture>("", &[])?;
-        let queued = app.booth.count::<Sculpture>("WHERE export = ?1", &[&ExportState::Queued])?;
+        let queues = app.booth.measure_queues(booth_time())?;
         let devices = app.booth.count::<Device>("WHERE revoked_at IS NULL", &[])?;
         let free = app.booth.count_badges()?.free;
         Ok(app.metrics.write(&[
             ("paros_booth_sculptures", "Sculptures kept.", kept),
             ("paros_booth_kept_bytes", "Bytes of kept files.", app.files.used_bytes()),
-            ("paros_booth_exports_queued", "Meshes to make.", queued),
+            (
+                "paros_booth_room_bytes",
+                "Bytes of files for which there is room.",
+                app.files.room_bytes(),
+            ),
+            ("paros_booth_exports_queued", "Meshes to make.", queues.exports),
+            ("paros_booth_missing", "Sculptures announced that haven't arrived.", queues.missing),
+            ("paros_booth_mails_queued", "Mails to send.", queues.mails),
+            (
+                "paros_booth_oldest_mail_seconds",
+                "Age of the oldest mail to send.",
+                queues.oldest_mail.as_secs(),
+            ),
+            ("paros_booth_prints_queued", "Prints that wait for a printer.", queues.prints),
+            (
+                "paros_booth_oldest_print_seconds",
+                "Age of the oldest of these prints.",
+                queues.oldest_print.as_secs(),
+            ),
             ("paros_booth_headsets", "Headsets enrolled.", devices),
             ("paros_booth_badge_blocks_free", "Blocks of 64 badges to be leased.", free),
         ]))

@@ -1,15 +1,20 @@
 //! Kept files in a folder. All names are made of hexadecimal digits.
 
 use std::fs::{self, File};
-use std::io;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use paros_booth_rules::{BoothTime, Deletion, KeptName, KeptPart, ParcelFiles};
 use paros_shell::durable;
+use rustix::fs::statvfs;
 
 use crate::store::deletion_log::DeletionLog;
 use crate::store::files::Files;
+use crate::store::own_file::OwnPart;
+
+/// The length of a file that checks a folder: a sculpture's file is a fifth of that.
+const CHECKED_BYTES: usize = 1 << 16;
 
 /// Files in a folder.
 pub struct DiskFiles {
@@ -91,6 +96,26 @@ impl Files for DiskFiles {
     fn used_bytes(&self) -> u64 {
         self.used_bytes.load(Ordering::Relaxed)
     }
+
+    fn room_bytes(&self) -> u64 {
+        let on_disk =
+            statvfs(&self.kept).map_or(0, |disk| disk.f_bavail.saturating_mul(disk.f_frsize));
+        self.quota_bytes.saturating_sub(self.used_bytes()).min(on_disk)
+    }
+
+    fn check_writes(&self) -> io::Result<()> {
+        check_folder(&self.kept)
+    }
+}
+
+/// Checks that a folder has room for a file.
+///
+/// # Errors
+/// The error of the disk.
+pub(crate) fn check_folder(folder: &Path) -> io::Result<()> {
+    let (_removed, mut file) = OwnPart::new_file(&folder.join("check"))?;
+    file.write_all(&[0; CHECKED_BYTES])?;
+    file.sync_all()
 }
 
 /// The name of a kept file, wherever it is.

@@ -175,6 +175,14 @@ impl Files for S3Files {
     fn used_bytes(&self) -> u64 {
         self.used_bytes.load(Ordering::Relaxed)
     }
+
+    fn room_bytes(&self) -> u64 {
+        self.quota_bytes.saturating_sub(self.used_bytes())
+    }
+
+    fn check_writes(&self) -> io::Result<()> {
+        self.put(&self.path("check"), Vec::new())
+    }
 }
 
 impl Drop for S3Files {

@@ -10,6 +10,7 @@ mod attacks;
 mod backup;
 mod chromium;
 mod demo;
+mod full_disk;
 mod import;
 mod kills;
 mod lost;

@@ -1,0 +1,64 @@
+//! The queues, for those who watch the booth.
+
+use std::time::Duration;
+
+use crate::booth::Booth;
+use crate::records::{
+    Announcement, ExportState, MailOrder, MailState, PrintOrder, PrintState, Sculpture, SeenTime,
+};
+use crate::refusal::Refusal;
+use crate::time::BoothTime;
+
+/// The lengths of the queues, and the ages of their oldest entries.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct QueueReport {
+    /// Sculptures whose mesh is yet to be made.
+    pub exports: u64,
+    /// Sculptures that headsets announced and that haven't arrived.
+    pub missing: u64,
+    /// Mails that wait to be sent.
+    pub mails: u64,
+    /// The time for which the oldest of these mails has waited; 0 if there is none.
+    pub oldest_mail: Duration,
+    /// Prints that wait for a printer.
+    pub prints: u64,
+    /// The time for which the oldest of these prints has waited; 0 if there is none.
+    pub oldest_print: Duration,
+}
+
+/// The row of [`SeenTime`] that [`Booth::check_store`] writes.
+const CHECK_ROW: u8 = 1;
+
+impl Booth {
+    /// Measures the queues.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn measure_queues(&self, now: BoothTime) -> Result<QueueReport, Refusal> {
+        self.view(|tx| {
+            let mails = "WHERE state = ?1 ORDER BY asked_at";
+            let oldest_mail = tx.find_first::<MailOrder>(mails, &[&MailState::Queued])?;
+            let (ordered, sliced) = (PrintState::Ordered, PrintState::Sliced);
+            let prints = "WHERE state IN (?1, ?2) ORDER BY asked_at";
+            let oldest_print = tx.find_first::<PrintOrder>(prints, &[&ordered, &sliced])?;
+            let age =
+                |asked_at: Option<BoothTime>| asked_at.map_or(Duration::ZERO, |at| now.since(at));
+            Ok(QueueReport {
+                exports: tx.count::<Sculpture>("WHERE export = ?1", &[&ExportState::Queued])?,
+                missing: tx.count::<Announcement>("", &[])?,
+                mails: tx.count::<MailOrder>("WHERE state = ?1", &[&MailState::Queued])?,
+                oldest_mail: age(oldest_mail.map(|mail| mail.asked_at)),
+                prints: tx.count::<PrintOrder>("WHERE state IN (?1, ?2)", &[&ordered, &sliced])?,
+                oldest_print: age(oldest_print.map(|print| print.asked_at)),
+            })
+        })
+    }
+
+    /// Checks that the store can be written to.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn check_store(&self, now: BoothTime) -> Result<(), Refusal> {
+        self.update(|tx| Ok(tx.put(&SeenTime { row: CHECK_ROW, seen_at: now })?))
+    }
+}
