@@ -56,7 +56,7 @@ reasons! {
     NotSliced: "a print is sent once it is sliced",
     PrinterTaken: "the printer has another print",
     FirstAccountThere: "there is an account",
-    NameTaken: "the name is taken",
+    NameTaken: "the name is taken, or looks like another account's",
     LastAdmin: "somebody has to be an admin",
 }
 

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use subtle::ConstantTimeEq as _;
+use unicode_security::skeleton;
 
 use crate::audit::{Subject, note};
 use crate::booth::{Booth, Tx};
@@ -91,7 +92,7 @@ impl Booth {
     /// Makes an account.
     ///
     /// # Errors
-    /// [`Refusal::Conflict`] where the name is taken, or for a bad name.
+    /// [`Refusal::Conflict`] where the name is taken, or looks like one that is; or for a bad name.
     pub fn add_account(
         &self,
         name: &str,
@@ -102,7 +103,8 @@ impl Booth {
     ) -> Result<(), Refusal> {
         let account = make_account(name, password_hash, role)?;
         self.update(|tx| {
-            if tx.get::<Account>(&[&account.name])?.is_some() {
+            let others = tx.find::<Account>("", &[])?;
+            if others.iter().any(|other| look_alike(&other.name, name)) {
                 return Err(Refusal::Conflict(Reason::NameTaken));
             }
             tx.put(&account)?;
@@ -221,6 +223,20 @@ fn make_account(name: &str, password_hash: &str, role: StaffRole) -> Result<Acco
     }
     let (name, password_hash) = (name.to_owned(), password_hash.to_owned());
     Ok(Account { name, password_hash, role, is_disabled: false })
+}
+
+/// Returns `true` if people may take one name for the other: in capitals, or with letters of another script that look the
+/// same.
+fn look_alike(name: &str, other: &str) -> bool {
+    let forms = visible_forms(name);
+    visible_forms(other).iter().any(|form| forms.contains(form))
+}
+
+/// Returns the skeletons of UTS #39 of a name as it is written, in small letters and in capitals: Greek and Latin names look
+/// alike in capitals alone (`ΑΝΝΑ`).
+fn visible_forms(name: &str) -> [String; 3] {
+    let written = [name.to_owned(), name.to_lowercase(), name.to_uppercase()];
+    written.map(|name| skeleton(&name).collect::<String>().to_lowercase())
 }
 
 /// Ends all logins of an account.

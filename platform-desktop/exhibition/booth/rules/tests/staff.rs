@@ -28,6 +28,21 @@ fn the_first_account_is_an_admins_and_there_is_one_first() {
 }
 
 #[test]
+fn a_name_that_looks_like_anothers_is_refused() {
+    let Rig { booth, .. } = Rig::new();
+    booth.add_first_admin("anna", "hash", START).unwrap();
+    let add = |name| booth.add_account(name, "x", StaffRole::Attendant, "anna", START);
+    // Capitals; a Cyrillic first letter; Greek capitals; a Greek capital among Latin letters; Cyrillic beside Greek.
+    for name in ["anna", "ANNA", "Anna", "\u{430}nna", "ΑΝΝΑ", "anΝa", "\u{430}Νna"] {
+        assert_eq!(status(add(name)), 409, "{name}");
+    }
+    for name in ["Άννα", "hanna", "ana", "Γιώργος", "anna.k", "anna2"] {
+        add(name).expect(name);
+    }
+    assert_eq!(status(add("ΓΙΏΡΓΟΣ")), 409);
+}
+
+#[test]
 fn a_login_lasts_while_it_is_used_and_no_longer_than_a_day() {
     let Rig { booth, .. } = Rig::new();
     booth.add_first_admin("ana", "hash", START).unwrap();

@@ -121,7 +121,7 @@ const fn reason_in_greek(reason: Reason) -> &'static str {
         Reason::NotSliced => "μια εκτύπωση στέλνεται αφού τεμαχιστεί",
         Reason::PrinterTaken => "ο εκτυπωτής έχει άλλη εκτύπωση",
         Reason::FirstAccountThere => "υπάρχει ήδη λογαριασμός",
-        Reason::NameTaken => "το όνομα υπάρχει ήδη",
+        Reason::NameTaken => "το όνομα υπάρχει ήδη, ή μοιάζει με άλλου λογαριασμού",
         Reason::LastAdmin => "κάποιος πρέπει να μείνει διαχειριστής",
     }
 }
