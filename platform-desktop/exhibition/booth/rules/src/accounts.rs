@@ -1,7 +1,7 @@
-//! What staff may change of their own accounts.
+//! New passwords of accounts. The shell hashes them.
 
 use crate::audit::{Subject, note};
-use crate::booth::Booth;
+use crate::booth::{Booth, Tx};
 use crate::reason::Reason;
 use crate::records::Account;
 use crate::refusal::Refusal;
@@ -21,13 +21,50 @@ impl Booth {
         now: BoothTime,
     ) -> Result<(), Refusal> {
         self.update(|tx| {
-            let account: Option<Account> = tx.get(&[&name])?;
-            let account = account.filter(|account| !account.is_disabled);
-            let mut account = account.ok_or(Refusal::NotFound(Reason::NoAccount))?;
-            password_hash.clone_into(&mut account.password_hash);
-            tx.put(&account)?;
-            end_sessions(tx, name)?;
+            let account = find_account(tx, name)?;
+            if account.is_disabled {
+                return Err(Refusal::NotFound(Reason::NoAccount));
+            }
+            put_password(tx, account, password_hash)?;
             Ok(note(tx, now, Some(name), "change password", Subject::default())?)
         })
     }
+
+    /// Gives an account whose password is forgotten a new one, ends all its logins, and lets it in if it was shut out.
+    /// Returns `true` if it was. `by` is the admin, or the command line.
+    ///
+    /// # Errors
+    /// [`Refusal::NotFound`] where there is no such account; or those of the store.
+    pub fn reset_password(
+        &self,
+        name: &str,
+        password_hash: &str,
+        by: &str,
+        now: BoothTime,
+    ) -> Result<bool, Refusal> {
+        self.update(|tx| {
+            let account = find_account(tx, name)?;
+            let was_disabled = account.is_disabled;
+            put_password(tx, account, password_hash)?;
+            if was_disabled {
+                let action = format!("enable account {name}");
+                note(tx, now, Some(by), &action, Subject::default())?;
+            }
+            let action = format!("reset password of {name}");
+            note(tx, now, Some(by), &action, Subject::default())?;
+            Ok(was_disabled)
+        })
+    }
+}
+
+fn find_account(tx: &mut Tx<'_>, name: &str) -> Result<Account, Refusal> {
+    tx.get(&[&name])?.ok_or(Refusal::NotFound(Reason::NoAccount))
+}
+
+/// Sets the password, lets the account in, and ends all its logins.
+fn put_password(tx: &mut Tx<'_>, account: Account, password_hash: &str) -> Result<(), Refusal> {
+    let password_hash = password_hash.to_owned();
+    let account = Account { password_hash, is_disabled: false, ..account };
+    tx.put(&account)?;
+    Ok(end_sessions(tx, &account.name)?)
 }

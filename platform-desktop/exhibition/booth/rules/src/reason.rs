@@ -33,6 +33,7 @@ reasons! {
     AdminsOnly: "only an admin may do this",
     WrongLogin: "name or password is wrong",
     WrongPassword: "the password of now is another",
+    OwnPassword: "your own password is changed on your account's page",
     WrongFirstCode: "the code is another, or was used",
     NoPage: "there is no such page",
     NoHeadset: "no headset of this number",

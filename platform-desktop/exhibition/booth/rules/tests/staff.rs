@@ -87,6 +87,30 @@ fn who_is_shut_out_is_out_at_once_and_an_admin_is_left() {
 }
 
 #[test]
+fn a_reset_password_ends_all_logins_and_lets_its_account_in() {
+    let Rig { booth, .. } = Rig::new();
+    booth.add_first_admin("ana", "hash", START).unwrap();
+    booth.add_account("bob", "hash of bob", StaffRole::Attendant, "ana", START).unwrap();
+    booth.log_in("bob", &bits(1), START).unwrap();
+    booth.log_in("ana", &bits(3), START).unwrap();
+    assert!(!booth.reset_password("bob", "second", "ana", START).unwrap());
+    assert_eq!(booth.password_hash("bob").unwrap().as_deref(), Some("second"));
+    assert_eq!(status(booth.find_login(&bits(1).cookie, START)), 401);
+    booth.find_login(&bits(3).cookie, START).expect("another's");
+    booth.set_account_disabled("bob", true, "ana", START).unwrap();
+    assert!(booth.reset_password("bob", "third", "console", START).unwrap(), "it was shut out");
+    assert_eq!(booth.password_hash("bob").unwrap().as_deref(), Some("third"));
+    assert_eq!(booth.list_accounts().unwrap()[1].role, StaffRole::Attendant);
+    assert_eq!(status(booth.reset_password("eve", "x", "ana", START)), 404);
+    let audit = booth.list_audit(9).unwrap();
+    let has = |by: &str, action: &str| {
+        audit.iter().any(|entry| entry.account.as_deref() == Some(by) && entry.action == action)
+    };
+    assert!(has("ana", "reset password of bob") && has("console", "reset password of bob"));
+    assert!(has("console", "enable account bob"));
+}
+
+#[test]
 fn a_new_password_ends_all_logins_of_its_account() {
     let Rig { booth, .. } = Rig::new();
     booth.add_first_admin("ana", "hash", START).unwrap();

@@ -7,6 +7,7 @@ pub(crate) mod demo_shapes;
 pub(crate) mod fleet_file;
 pub(crate) mod options;
 pub(crate) mod rescue;
+pub(crate) mod reset_password;
 pub(crate) mod restore;
 pub(crate) mod settings;
 pub(crate) mod shared;
@@ -19,6 +20,7 @@ use crate::commands::backup::back_up;
 use crate::commands::fleet_file::{FleetToken, make_fleet_file};
 use crate::commands::options::{BoothTask, FolderOption};
 use crate::commands::rescue::rescue;
+use crate::commands::reset_password::reset_password;
 use crate::commands::restore::restore;
 use crate::commands::spool_import::import_spool;
 use crate::error::Error;
@@ -50,6 +52,10 @@ pub(crate) fn run(command: &BoothTask) -> Result<String, Error> {
         BoothTask::ImportSpool { folder, keep, outbox, headset, json } => {
             let OpenBooth { booth, .. } = open(folder, keep.plan())?;
             import_spool(&booth, outbox, *headset, *json, CONSOLE)
+        }
+        BoothTask::ResetPassword { folder, name } => {
+            let OpenBooth { booth, .. } = open(folder, BoothPlan::default())?;
+            reset_password(&booth, name, CONSOLE)
         }
     }
 }

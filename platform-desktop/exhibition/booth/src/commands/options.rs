@@ -187,4 +187,12 @@ pub enum BoothTask {
         #[arg(long)]
         json: bool,
     },
+    /// Draw a new password for an account whose owner forgot it, and print it. Ends all logins of the account.
+    ResetPassword {
+        /// Where everything is kept.
+        #[command(flatten)]
+        folder: FolderOption,
+        /// The account.
+        name: String,
+    },
 }

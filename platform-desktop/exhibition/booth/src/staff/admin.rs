@@ -14,9 +14,9 @@ use paros_protocol::{ContentHash, SculptureId};
 use super::admin_texts::AdminTexts;
 use super::done::Done;
 use super::forms::{FormView, Refused};
-use super::login::hash_password;
 use super::notices::AdminNotices;
 use super::page::{Fields, StaffAnswer, StaffForm, StaffView, action_button, form_token};
+use super::passwords::hash_password;
 use super::sculptures::utc;
 use super::texts::Texts;
 use crate::clock::booth_time;
@@ -33,6 +33,7 @@ const MAX_DAYS: u16 = 365;
 /// The forms' names on the page.
 const ACCOUNT_FORM: &str = "account";
 const TOKEN_FORM: &str = "token";
+const RESET_FORM: &str = "reset";
 
 type Answer = Result<Response, StaffAnswer>;
 
@@ -77,7 +78,7 @@ async fn admin_page(
         p { a href="/staff/audit" { (words.audit) } }
         p { a href="/staff/import" { (words.import) } }
         h2 { (words.accounts) }
-        div class="wide" tabindex="0" role="region" aria-label=(words.accounts) { (accounts_table(texts, words, login, &accounts)) }
+        div class="wide" tabindex="0" role="region" aria-label=(words.accounts) { (accounts_table(texts, words, login, &accounts, FormView::of(refused, RESET_FORM))) }
         (new_account_form(texts, words, login, FormView::of(refused, ACCOUNT_FORM)))
         h2 { (words.fleet_tokens) }
         @if !tokens.is_empty() {
@@ -131,6 +132,33 @@ async fn make_account(
     let hash = hash_password(app, fields.get("password")).await?;
     let (name, by) = (fields.get("name"), login.account.clone());
     app.run(move |app| app.booth.add_account(name.trim(), &hash, role, &by, booth_time())).await
+}
+
+/// `POST /staff/admin/accounts/{name}/password`: a new password for somebody who forgot theirs.
+pub(crate) async fn reset_password(
+    State(app): State<Arc<BoothApp>>,
+    Path(name): Path<String>,
+    headers: HeaderMap,
+    form: StaffForm,
+) -> Answer {
+    match set_password_of(&app, name, &form).await {
+        Ok(()) => Ok(Done::PasswordReset.lead_to("/staff/admin")),
+        Err(refusal) => refuse_form(&app, &headers, form, (RESET_FORM, refusal)).await,
+    }
+}
+
+async fn set_password_of(
+    app: &Arc<BoothApp>,
+    name: String,
+    StaffForm { login, fields, .. }: &StaffForm,
+) -> Result<(), Refusal> {
+    // The form for their own asks for the password of now, as a tablet may be left on a table.
+    if name == login.account {
+        return Err(Refusal::Forbidden(Reason::OwnPassword));
+    }
+    let hash = hash_password(app, fields.get("password")).await?;
+    let by = login.account.clone();
+    app.run(move |app| app.booth.reset_password(&name, &hash, &by, booth_time())).await.map(drop)
 }
 
 /// `POST /staff/admin/accounts/{name}/{action}`: `disable` or `enable`.
@@ -233,10 +261,15 @@ fn accounts_table(
     words: &AdminTexts,
     login: &LoggedIn,
     accounts: &[Account],
+    form: FormView<'_>,
 ) -> Markup {
     html! {
+        (form.why(""))
         table {
-            tr { th scope="col" { (texts.name) } th scope="col" { (words.role) } th scope="col" { (words.state) } }
+            tr {
+                th scope="col" { (texts.name) } th scope="col" { (words.role) }
+                th scope="col" { (words.state) } th scope="col" { (texts.password) }
+            }
             @for Account { name, role, is_disabled, .. } in accounts {
                 tr {
                     th scope="row" { (name) }
@@ -249,7 +282,27 @@ fn accounts_table(
                             (action_button(login, &format!("/staff/admin/accounts/{name}/disable"), words.disable, "danger"))
                         }
                     }
+                    td {
+                        @if *name != login.account { (reset_form(words, login, name, form)) }
+                    }
                 }
+            }
+        }
+    }
+}
+
+/// The form that gives another's account a new password.
+fn reset_form(words: &AdminTexts, login: &LoggedIn, name: &str, form: FormView<'_>) -> Markup {
+    let form = form.only_if("name", name);
+    html! {
+        details open[form.is_refused()] {
+            summary { (words.new_password) }
+            form class="narrow" method="post" action={ "/staff/admin/accounts/" (name) "/password" } {
+                input type="hidden" name="form" value=(form_token(login));
+                input type="hidden" name="name" value=(name) autocomplete="username";
+                (form.new_password_field(words.first_password, "password"))
+                p { (words.all_logins_end) }
+                button { (words.change_password) }
             }
         }
     }

@@ -31,6 +31,7 @@ pub(crate) enum Done {
     AccountDisabled,
     AccountEnabled,
     PasswordChanged,
+    PasswordReset,
     TokenMade,
     TokenRevoked,
     ClockConfirmed,
@@ -108,6 +109,14 @@ const TEXTS: [(Done, &str, [&str; 2]); 22] = [
     (Done::AccountDisabled, "disable", ["The account is shut out.", "Ο λογαριασμός αποκλείστηκε."]),
     (Done::AccountEnabled, "enable", ["The account is let in again.", "Ο λογαριασμός επανήλθε."]),
     (Done::PasswordChanged, "password", ["The password is changed.", "Ο κωδικός άλλαξε."]),
+    (
+        Done::PasswordReset,
+        "reset",
+        [
+            "The account has its new password, and its logins have ended.",
+            "Ο λογαριασμός έχει νέο κωδικό, και οι συνδέσεις του τελείωσαν.",
+        ],
+    ),
     (Done::TokenMade, "token", ["The file was made.", "Το αρχείο δημιουργήθηκε."]),
     (
         Done::TokenRevoked,

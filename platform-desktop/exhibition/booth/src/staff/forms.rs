@@ -5,8 +5,8 @@ use axum::response::Response;
 use maud::{Markup, html};
 use paros_booth_rules::{Expected, Reason, Refusal};
 
-use super::login::MIN_PASSWORD_CHARS;
 use super::page::Fields;
+use super::passwords::MIN_PASSWORD_CHARS;
 use super::refusal_texts::tell_refusal;
 use super::texts::Texts;
 
@@ -60,6 +60,11 @@ impl<'a> FormView<'a> {
     /// A form of a page on which one may have been refused.
     pub(crate) fn of(refused: Option<&'a Refused>, form: &str) -> Self {
         FormView(refused.filter(|refused| refused.form == form))
+    }
+
+    /// The same form, if it was sent with this value in a field: of several forms on a page one was refused.
+    pub(crate) fn only_if(self, name: &str, value: &str) -> Self {
+        FormView(self.0.filter(|refused| refused.fields.get(name) == value))
     }
 
     /// Whether it was refused.

@@ -4,14 +4,12 @@ use std::net::IpAddr;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use argon2::password_hash::phc::PasswordHash;
-use argon2::{Argon2, PasswordHasher as _, PasswordVerifier as _};
 use axum::extract::{Extension, Form, Request, State};
 use axum::http::HeaderMap;
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Redirect, Response};
 use maud::html;
-use paros_booth_rules::{Expected, Reason, Refusal, SessionBits};
+use paros_booth_rules::{Reason, Refusal, SessionBits};
 use std::sync::Arc;
 use subtle::ConstantTimeEq as _;
 use tokio::sync::Semaphore;
@@ -19,6 +17,7 @@ use tokio::sync::Semaphore;
 use super::done::Done;
 use super::forms::{FormView, Refused};
 use super::page::{Fields, StaffAnswer, find_cookie, frame_page, with_cookie};
+use super::passwords::{hash_password, verify_password};
 use super::texts::Texts;
 use crate::clock::booth_time;
 use crate::random::random_bytes;
@@ -33,9 +32,6 @@ const COOKIE: &str = "__Host-paros";
 const LOGIN_FORM: &str = "login";
 const FIRST_FORM: &str = "first";
 
-/// The shortest password.
-pub(super) const MIN_PASSWORD_CHARS: usize = 10;
-
 /// Passwords that are hashed at once: each takes 19 MiB.
 const MAX_HASHES: usize = 2;
 
@@ -45,7 +41,7 @@ pub(crate) struct LoginGate {
     first_code: Mutex<Option<String>>,
     of_account: RateLimiter<String>,
     of_address: RateLimiter<IpAddr>,
-    hashes: Semaphore,
+    pub(super) hashes: Semaphore,
 }
 
 impl LoginGate {
@@ -242,39 +238,4 @@ fn first_page(texts: &Texts, refused: Option<&Refused>) -> Response {
         }
     };
     frame_page(texts, None, None, texts.first_account, &body)
-}
-
-pub(super) async fn hash_password(
-    app: &Arc<BoothApp>,
-    password: String,
-) -> Result<String, Refusal> {
-    if password.chars().count() < MIN_PASSWORD_CHARS {
-        return Err(Refusal::Unfit(Expected::Password(MIN_PASSWORD_CHARS)));
-    }
-    let _turn = app.logins.hashes.acquire().await;
-    app.run(move |_| {
-        let salt = random_bytes::<16>()?;
-        let hash = Argon2::default().hash_password_with_salt(password.as_bytes(), &salt);
-        hash.map(|hash| hash.to_string()).map_err(|error| std::io::Error::other(error).into())
-    })
-    .await
-}
-
-/// Whether a password is that of a hash. Without one it takes as long.
-pub(super) async fn verify_password(
-    app: &Arc<BoothApp>,
-    password: String,
-    hash: Option<String>,
-) -> Result<bool, Refusal> {
-    let _turn = app.logins.hashes.acquire().await;
-    app.run(move |_| {
-        let argon2 = Argon2::default();
-        let Some(hash) = hash else {
-            let _ = argon2.hash_password_with_salt(password.as_bytes(), &[0; 16]);
-            return Ok(false);
-        };
-        let Ok(hash) = PasswordHash::new(&hash) else { return Ok(false) };
-        Ok(argon2.verify_password(password.as_bytes(), &hash).is_ok())
-    })
-    .await
 }

@@ -13,6 +13,7 @@ mod login;
 mod mails;
 mod notices;
 mod page;
+mod passwords;
 mod print_texts;
 mod prints;
 mod privacy;
@@ -35,6 +36,7 @@ pub(crate) use frame::keep_frame;
 pub(crate) use import::IMPORT_PATH;
 pub(crate) use login::LoginGate;
 pub(crate) use page::Fields;
+pub(crate) use passwords::{draw_password, make_hash};
 pub(crate) use prints::read_size;
 pub(crate) use sculptures::utc;
 pub(crate) use svg::draw_badge;
@@ -52,6 +54,7 @@ pub(crate) fn router(app: &Arc<BoothApp>) -> Router<Arc<BoothApp>> {
     let for_admins = Router::new()
         .route("/staff/admin", get(admin::show_admin))
         .route("/staff/admin/accounts", post(admin::add_account))
+        .route("/staff/admin/accounts/{name}/password", post(admin::reset_password))
         .route("/staff/admin/accounts/{name}/{action}", post(admin::change_account))
         .route("/staff/admin/tokens", post(admin::add_token))
         .route("/staff/admin/tokens/{hash}/revoke", post(admin::revoke_token))

@@ -97,6 +97,7 @@ const fn reason_in_greek(reason: Reason) -> &'static str {
         Reason::AdminsOnly => "αυτό το κάνουν μόνο διαχειριστές",
         Reason::WrongLogin => "λάθος όνομα ή κωδικός",
         Reason::WrongPassword => "ο τωρινός κωδικός είναι άλλος",
+        Reason::OwnPassword => "ο δικός σας κωδικός αλλάζει στη σελίδα του λογαριασμού σας",
         Reason::WrongFirstCode => "ο κωδικός είναι άλλος, ή χρησιμοποιήθηκε ήδη",
         Reason::NoPage => "δεν υπάρχει τέτοια σελίδα",
         Reason::NoHeadset => "δεν υπάρχει συσκευή με αυτόν τον αριθμό",

@@ -70,6 +70,85 @@ fn admins_make_accounts_and_attendants_are_kept_out_of_what_is_not_theirs() {
 }
 
 #[test]
+fn a_forgotten_password_is_reset_by_another_admin() {
+    let folder = BoothFolder::new("admin-reset");
+    let booth = folder.start();
+    let client = &booth.client;
+    let ana = Browser::first(client, &booth.first_code().expect("a code"));
+    ana.fill("/staff/admin", "/staff/admin/accounts", ACCOUNT);
+    let log_in = |password: &str| {
+        post_form(client, "/staff/login", "", &format!("name=bob&password={password}"))
+    };
+    let bob = Browser { client, cookie: cookie_of(&log_in("battery+horse+correct")) };
+    let to = "/staff/admin/accounts/bob/password";
+    let reset =
+        |password: &str| ana.fill("/staff/admin", to, &format!("&name=bob&password={password}"));
+    let short = reset("short");
+    assert_eq!(short.status, 400);
+    let form = short.text().split("<details open>").nth(1).expect("the form is open");
+    assert!(form.contains(to) && form.contains("role=\"alert\""), "{form}");
+    assert_eq!(short.text().matches("<details open>").count(), 1, "no other form is");
+    assert_eq!(bob.get("/staff").status, 200);
+    assert_eq!(ana.click("/staff/admin", "/staff/admin/accounts/bob/disable").status, 303);
+    let done = reset("staple+horse+correct");
+    assert!(done.status == 303 && cookie_of(&done) == "done=reset", "{done:?}");
+    assert!(bob.get("/staff").head.contains("location: /staff/login"), "the old login is over");
+    assert_eq!(log_in("battery+horse+correct").status, 403);
+    let bob = Browser { client, cookie: cookie_of(&log_in("staple+horse+correct")) };
+    assert_eq!(bob.get("/staff").status, 200, "it is let in again");
+    assert!(ana.get("/staff/audit").text().contains("reset password of bob</td><td>ana</td>"));
+    // Her own needs the password of now; his form and a name that nobody has lead nowhere.
+    assert!(!ana.get("/staff/admin").text().contains("accounts/ana/password"));
+    let token = |browser: &Browser, page| {
+        let page = browser.get(page);
+        page.text().split("name=\"form\" value=\"").nth(1).expect("a form")[..32].to_owned()
+    };
+    let send = |browser: &Browser, name: &str, token: &str| {
+        let form = format!("form={token}&name={name}&password=wrong+horse+battery");
+        let to = format!("/staff/admin/accounts/{name}/password");
+        post_form(client, &to, &browser.cookie, &form).status
+    };
+    let (of_ana, of_bob) = (token(&ana, "/staff/admin"), token(&bob, "/staff/account"));
+    assert_eq!(send(&ana, "ana", &of_ana), 403);
+    assert_eq!(send(&ana, "eve", &of_ana), 404);
+    assert_eq!(send(&bob, "ana", &of_bob), 403);
+}
+
+#[test]
+fn a_forgotten_password_is_reset_by_a_command_while_the_booth_serves() {
+    let folder = BoothFolder::new("admin-reset-command");
+    let none = folder.run(&["reset-password", "ana"]).expect_err("there is no booth");
+    assert!(none.contains("there is no booth"), "{none}");
+    let booth = folder.start();
+    let none = folder.run(&["reset-password", "ana"]).expect_err("there are no accounts");
+    assert!(none.contains("a code for the first one"), "{none}");
+    let client = &booth.client;
+    let ana = Browser::first(client, &booth.first_code().expect("a code"));
+    ana.fill("/staff/admin", "/staff/admin/accounts", ACCOUNT);
+    let unknown = folder.run(&["reset-password", "eve"]).expect_err("an unknown name");
+    assert_eq!(unknown, "paros-booth: \"eve\": no such account; the accounts are ana, bob\n");
+    let reset = |name: &str| {
+        let told = folder.run(&["reset-password", name]).expect("it is there");
+        let password = told.lines().next().and_then(|line| line.split(": ").nth(1));
+        (password.expect("a password").to_owned(), told.contains("It was shut out"))
+    };
+    let (first, was_shut_out) = reset("ana");
+    assert!(first.len() == 19 && !was_shut_out, "{first}");
+    assert!(ana.get("/staff").head.contains("location: /staff/login"), "her logins are over");
+    let log_in = |name: &str, password: &str| {
+        post_form(client, "/staff/login", "", &format!("name={name}&password={password}"))
+    };
+    assert_eq!(log_in("ana", "correct+horse+battery").status, 403);
+    let ana = Browser { client, cookie: cookie_of(&log_in("ana", &first)) };
+    assert!(ana.get("/staff/audit").text().contains("reset password of ana</td><td>console</td>"));
+    assert_eq!(ana.click("/staff/admin", "/staff/admin/accounts/bob/disable").status, 303);
+    let (second, was_shut_out) = reset("bob");
+    assert!(was_shut_out && second != first);
+    assert_eq!(log_in("bob", &second).status, 303);
+    assert!(!folder.log().contains(&second) && !folder.log().contains(&first));
+}
+
+#[test]
 fn a_fleets_file_is_downloaded_lets_headsets_in_and_is_taken_back() {
     let folder = BoothFolder::new("admin-tokens");
     let booth = folder.start();
