@@ -29,6 +29,7 @@ macro_rules! reasons {
 reasons! {
     ForeignHeartbeat: "the heartbeat is another headset's",
     ShutOut: "this headset was shut out",
+    ForeignPage: "the form is of another site's page",
     ForeignForm: "the form is of another login",
     AdminsOnly: "only an admin may do this",
     WrongLogin: "name or password is wrong",

@@ -102,8 +102,8 @@ pub(crate) fn router(app: &Arc<BoothApp>) -> Router {
             PublicAnswer(texts_of_browser(&headers), Refusal::NotFound(Reason::NoSculpture))
                 .into_response()
         })
-        .layer(from_fn(hide_from_robots))
-        .layer(from_fn(guard));
+        .layer(from_fn(guard))
+        .layer(from_fn(hide_address));
     Router::new()
         .merge(of_visit)
         .merge(viewer::router())
@@ -112,11 +112,13 @@ pub(crate) fn router(app: &Arc<BoothApp>) -> Router {
         .with_state(app.clone())
 }
 
-/// As the address is the key, no search engine is to have it.
-async fn hide_from_robots(request: Request, next: Next) -> Response {
+/// Keeps the address, which is the key, from search engines and from the log of a proxy.
+async fn hide_address(request: Request, next: Next) -> Response {
     let mut answer = next.run(request).await;
     let robots = HeaderName::from_static("x-robots-tag");
     answer.headers_mut().insert(robots, HeaderValue::from_static("noindex, nofollow"));
+    let referrer = HeaderValue::from_static("no-referrer");
+    answer.headers_mut().insert(header::REFERRER_POLICY, referrer);
     answer
 }
 

@@ -12,6 +12,7 @@ mod import;
 mod login;
 mod mails;
 mod notices;
+mod origin;
 mod page;
 mod passwords;
 mod print_texts;
@@ -105,6 +106,7 @@ pub(crate) fn router(app: &Arc<BoothApp>) -> Router<Arc<BoothApp>> {
             "/staff/page.js",
             get(|| async { asset("text/javascript", include_str!("page.js")) }),
         )
+        .route_layer(from_fn(origin::check_origin))
         .route_layer(from_fn(guard))
         .merge(viewer::router())
 }

@@ -93,6 +93,7 @@ fn expected_in_greek(expected: Expected) -> String {
 const fn reason_in_greek(reason: Reason) -> &'static str {
     match reason {
         Reason::ForeignHeartbeat => "το μήνυμα είναι άλλης συσκευής",
+        Reason::ForeignPage => "η φόρμα είναι σε σελίδα άλλου ιστότοπου",
         Reason::ForeignForm => "η φόρμα είναι άλλης σύνδεσης",
         Reason::AdminsOnly => "αυτό το κάνουν μόνο διαχειριστές",
         Reason::WrongLogin => "λάθος όνομα ή κωδικός",

@@ -75,7 +75,7 @@ fn staff_make_the_first_account_and_log_in_and_out() {
     for header in [
         "content-security-policy: default-src 'none';",
         "x-content-type-options: nosniff",
-        "referrer-policy: no-referrer",
+        "referrer-policy: same-origin",
         "cache-control: no-store",
     ] {
         assert!(page.head.contains(header), "{header}: {}", page.head);
@@ -103,6 +103,53 @@ fn staff_make_the_first_account_and_log_in_and_out() {
     assert_eq!(booth.first_code(), None);
     let browser = Browser { client: &booth.client, cookie };
     assert_eq!(browser.get("/staff").status, 200);
+}
+
+#[test]
+fn forms_of_other_sites_are_refused() {
+    let folder = BoothFolder::new("staff-origin");
+    let booth = folder.start();
+    let client = &booth.client;
+    let browser = Browser::first(client, &booth.first_code().expect("a code"));
+    let send = |path: &str, form: &str, headers: &[(&str, &str)]| {
+        let kind = ("Content-Type", "application/x-www-form-urlencoded".to_owned());
+        let more = headers.iter().map(|&(name, value)| (name, value.to_owned()));
+        let headers: Vec<_> =
+            [kind, ("Cookie", browser.cookie.clone())].into_iter().chain(more).collect();
+        client.ask("POST", path, &headers, form.as_bytes()).expect("an answer")
+    };
+    let login = "name=ana&password=correct+horse+battery";
+    for foreign in [
+        &[("Origin", "https://evil.example")][..],
+        &[("Origin", "http://booth")],
+        &[("Origin", "https://booth:8443")],
+        &[("Origin", "https://booth.evil.example")],
+        &[("Origin", "null")],
+        &[("Sec-Fetch-Site", "cross-site")],
+        &[("Sec-Fetch-Site", "same-site")],
+        &[("Origin", "https://booth"), ("Sec-Fetch-Site", "cross-site")],
+        &[("Origin", "https://booth"), ("Origin", "https://evil.example")],
+    ] {
+        let refused = send("/staff/login", login, foreign);
+        assert_eq!(refused.status, 403, "{foreign:?}");
+        assert!(refused.text().contains("another site"), "{foreign:?}: {}", refused.text());
+        assert_eq!(send("/staff/logout", "", foreign).status, 403, "{foreign:?}");
+        assert_eq!(browser.get("/staff").status, 200, "{foreign:?}: still logged in");
+    }
+    // The rig asks for the host "booth".
+    for own in [
+        &[][..],
+        &[("Origin", "https://booth")],
+        &[("Origin", "https://Booth"), ("Sec-Fetch-Site", "same-origin")],
+        &[("Sec-Fetch-Site", "none")],
+    ] {
+        assert_eq!(send("/staff/login", login, own).status, 303, "{own:?}");
+    }
+    let followed = [("Cookie", browser.cookie.clone()), ("Sec-Fetch-Site", "cross-site".into())];
+    let page = client.ask("GET", "/staff", &followed, &[]).expect("an answer");
+    assert_eq!(page.status, 200, "a link of another site's page leads here");
+    let gone = send("/staff/logout", "", &[("Origin", "https://booth")]);
+    assert_eq!(gone.status, 303);
 }
 
 #[test]
