@@ -95,15 +95,13 @@ fn list_slicer(options: &SlicerOptions) -> [(&'static str, String); 3] {
     ]
 }
 
-fn list_public(options: &PublicOptions) -> [(&'static str, String); 5] {
-    let PublicOptions { public_listen, public_url, public_cert, public_key, public_proxy } =
-        options;
+fn list_public(options: &PublicOptions) -> [(&'static str, String); 4] {
+    let PublicOptions { public_listen, public_url, public_cert, public_key } = options;
     [
         ("--public-listen", or_none(*public_listen)),
         ("--public-url", or_none(public_url.as_ref())),
         ("--public-cert", path(public_cert)),
         ("--public-key", path(public_key)),
-        ("--public-proxy", or_none(*public_proxy)),
     ]
 }
 

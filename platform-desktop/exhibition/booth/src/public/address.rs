@@ -1,7 +1,7 @@
 //! Where visitors' pages are, and links to them.
 
 use std::fmt::Write as _;
-use std::net::{IpAddr, SocketAddr};
+use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -26,8 +26,6 @@ const QUIET: usize = 4;
 pub(crate) struct PublicAddress {
     /// Where the booth listens.
     pub(crate) listen: SocketAddr,
-    /// Whose word is believed on who asks.
-    pub(crate) proxy: Option<IpAddr>,
     /// TLS, where no proxy sees to it.
     pub(crate) tls: Option<TlsAcceptor>,
     url: Arc<str>,
@@ -52,7 +50,7 @@ impl PublicAddress {
             (Some(cert), Some(key)) => Some(load_tls(cert, key)?),
             _ => None,
         };
-        Ok(Some(PublicAddress { listen, proxy: options.public_proxy, tls, url: url.into() }))
+        Ok(Some(PublicAddress { listen, tls, url: url.into() }))
     }
 
     /// A visitor's link. It is shown to the visitor and to staff alone, and never logged.

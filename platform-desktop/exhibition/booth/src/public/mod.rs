@@ -4,13 +4,13 @@ mod address;
 mod pages;
 mod texts;
 
-use std::net::{IpAddr, SocketAddr};
+use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::Args;
 
 pub(crate) use address::{PublicAddress, draw_qr};
-pub(crate) use pages::{PublicGate, router};
+pub(crate) use pages::router;
 
 /// Where visitors find their sculptures. Without an address there are no QR codes, and mails carry files alone.
 #[derive(Clone, Debug, Default, Args)]
@@ -27,7 +27,4 @@ pub struct PublicOptions {
     /// Its private key, in PEM.
     #[arg(long, value_name = "FILE", requires = "public_cert")]
     pub public_key: Option<PathBuf>,
-    /// The proxy's address as the booth sees it, whose `X-Forwarded-For` is believed.
-    #[arg(long, value_name = "ADDRESS", requires = "public_listen")]
-    pub public_proxy: Option<IpAddr>,
 }

@@ -1,7 +1,7 @@
-//! The visitor's pages. Each stands behind its link; without a valid one all answers are the same.
+//! The visitor's pages. Each stands behind its link; without a valid one all answers are the same. A wrong link costs a look
+//! into the database, and keeps nobody out: of 2^128 tokens none is guessed, however often somebody tries.
 
 use std::collections::HashMap;
-use std::net::IpAddr;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -26,46 +26,12 @@ use crate::clock::booth_time;
 use crate::models::model::ModelFormat;
 use crate::server::app::BoothApp;
 use crate::server::page_guard::guard;
-use crate::server::rate::RateLimiter;
-use crate::server::routes::{Peer, bound_and_count};
+use crate::server::routes::bound_and_count;
 use crate::staff::{draw_badge, utc};
 use crate::viewer::{self, draw_viewer};
 
 /// Bytes of a form: a word.
 const MAX_FORM_BYTES: usize = 4 << 10;
-
-/// Who guesses, and who downloads.
-pub(crate) struct PublicGate {
-    proxy: Option<IpAddr>,
-    /// Wrong links of an address: whoever typed one wrongly has some more.
-    wrong: RateLimiter<IpAddr>,
-    /// Models of a sculpture: each takes a second of a processor.
-    models: RateLimiter<[u8; 16]>,
-}
-
-impl PublicGate {
-    /// With the proxy whose word is believed on who asks.
-    pub(crate) fn new(proxy: Option<IpAddr>) -> Self {
-        PublicGate {
-            proxy,
-            wrong: RateLimiter::new(20, 1.0 / 15.0),
-            models: RateLimiter::new(12, 1.0 / 20.0),
-        }
-    }
-
-    /// Who asks. Of addresses of six the network counts, as one household has all of its addresses.
-    fn who(&self, peer: IpAddr, headers: &HeaderMap) -> IpAddr {
-        let forwarded = headers.get("x-forwarded-for").and_then(|value| value.to_str().ok());
-        let last = forwarded.and_then(|list| list.rsplit(',').next()?.trim().parse().ok());
-        let who = if self.proxy == Some(peer) { last.unwrap_or(peer) } else { peer };
-        match who {
-            IpAddr::V6(address) if address.to_ipv4_mapped().is_none() => {
-                IpAddr::V6((address.to_bits() >> 64 << 64).into())
-            }
-            who => who,
-        }
-    }
-}
 
 /// The sculpture of a valid link, and in which language its page is.
 pub(crate) struct PageVisit {
@@ -131,11 +97,6 @@ impl FromRequestParts<Arc<BoothApp>> for PageVisit {
     ) -> Result<Self, PublicAnswer> {
         let texts = texts_of_browser(&parts.headers);
         let fail = |refusal| PublicAnswer(texts, refusal);
-        let peer = parts.extensions.get::<Peer>().map(|peer| peer.0);
-        let who = app.public.who(peer.unwrap_or(IpAddr::from([0, 0, 0, 0])), &parts.headers);
-        if !app.public.wrong.has_left(&who, Instant::now()) {
-            return Err(fail(Refusal::Busy { what: "wrong links", retry_after: 60 }));
-        }
         let link = Path::<HashMap<String, String>>::from_request_parts(parts, app).await.ok();
         let hex = |name| SculptureId::parse_hex(link.as_ref()?.get(name)?);
         let found = match (hex("id"), hex("token")) {
@@ -147,12 +108,7 @@ impl FromRequestParts<Arc<BoothApp>> for PageVisit {
             }
             _ => Err(Refusal::NotFound(Reason::NoSculpture)),
         };
-        let (sculpture, token) = found.map_err(|refusal| {
-            if matches!(refusal, Refusal::NotFound(_)) {
-                app.public.wrong.take(who, Instant::now());
-            }
-            fail(refusal)
-        })?;
+        let (sculpture, token) = found.map_err(fail)?;
         let texts = match parts.uri.query() {
             Some("language=el") => PublicTexts::of(Language::Greek),
             Some("language=en") => PublicTexts::of(Language::English),
@@ -216,7 +172,7 @@ async fn send_model(
     format: ModelFormat,
 ) -> Answer {
     let PageVisit { sculpture, texts, .. } = visit;
-    if !app.public.models.take(sculpture.id, Instant::now()) {
+    if !app.models_of_links.take(sculpture.id, Instant::now()) {
         let refusal = Refusal::Overloaded { retry_after: 20 };
         return Err(PublicAnswer(texts, refusal));
     }
@@ -295,7 +251,6 @@ impl IntoResponse for PublicAnswer {
         let PublicAnswer(texts, refusal) = self;
         let why = match &refusal {
             Refusal::NotFound(_) => texts.not_here,
-            Refusal::Busy { .. } => texts.too_often,
             Refusal::Unfit(_) | Refusal::BadRequest(_) => texts.delete_really,
             _ => texts.busy,
         };
@@ -318,28 +273,4 @@ fn texts_of_browser(headers: &HeaderMap) -> &'static PublicTexts {
     let wanted = headers.get(header::ACCEPT_LANGUAGE).and_then(|value| value.to_str().ok());
     let is_greek = wanted.is_some_and(|wanted| wanted.starts_with("el"));
     PublicTexts::of(if is_greek { Language::Greek } else { Language::English })
-}
-
-#[cfg(test)]
-mod tests {
-    use std::net::IpAddr;
-
-    use axum::http::HeaderMap;
-
-    use super::PublicGate;
-
-    #[test]
-    fn who_asks_is_the_peer_or_what_the_proxy_says() {
-        let address = |text: &str| -> IpAddr { text.parse().unwrap() };
-        let gate = PublicGate::new(Some(address("10.0.0.1")));
-        let mut headers = HeaderMap::new();
-        assert_eq!(gate.who(address("10.0.0.1"), &headers), address("10.0.0.1"));
-        // What stands before the proxy's own word is anybody's.
-        headers.insert("x-forwarded-for", "1.1.1.1, 2.2.2.2".parse().unwrap());
-        assert_eq!(gate.who(address("10.0.0.1"), &headers), address("2.2.2.2"));
-        assert_eq!(gate.who(address("10.0.0.2"), &headers), address("10.0.0.2"));
-        let six = |text: &str| gate.who(address(text), &HeaderMap::new());
-        assert_eq!(six("2001:db8:1:2:3:4:5:6"), six("2001:db8:1:2:ffff::1"));
-        assert_ne!(six("2001:db8:1:2::1"), six("2001:db8:1:3::1"));
-    }
 }

@@ -16,7 +16,7 @@ use crate::commands::settings::SiteFacts;
 use crate::commands::shared::SharedOptions;
 use crate::error::Error;
 use crate::printing::Printer;
-use crate::public::{PublicAddress, PublicGate};
+use crate::public::PublicAddress;
 use crate::random::random_bytes;
 use crate::server::gate::Gate;
 use crate::server::keys::BoothKeys;
@@ -88,7 +88,8 @@ pub(crate) struct BoothApp {
     pub printers: Vec<Printer>,
     /// Where visitors' pages are, if they have some.
     pub public_address: Option<PublicAddress>,
-    pub(crate) public: PublicGate,
+    /// Models of a sculpture that its visitor's link asks for: each takes a second of a processor.
+    pub(crate) models_of_links: RateLimiter<[u8; 16]>,
     /// What pages tell of the booth itself.
     pub(crate) facts: SiteFacts,
     pub(crate) logins: LoginGate,
@@ -200,7 +201,7 @@ impl BoothApp {
             metrics: Metrics::default(),
             wakers,
             printers,
-            public: PublicGate::new(public_address.as_ref().and_then(|address| address.proxy)),
+            models_of_links: RateLimiter::new(12, 1.0 / 20.0),
             public_address,
             facts,
             logins,

@@ -48,12 +48,6 @@ impl<K: Eq + Hash> RateLimiter<K> {
         is_there
     }
 
-    /// Whether somebody has a request left, without taking it.
-    pub(crate) fn has_left(&self, who: &K, now: Instant) -> bool {
-        let buckets = self.buckets.lock().unwrap_or_else(PoisonError::into_inner);
-        buckets.get(who).is_none_or(|bucket| self.fill(bucket, now) >= 1.0)
-    }
-
     fn fill(&self, bucket: &Bucket, now: Instant) -> f32 {
         let seconds = now.saturating_duration_since(bucket.at).as_secs_f32();
         (bucket.left + seconds * self.per_second).min(self.burst)
@@ -72,9 +66,7 @@ mod tests {
         let start = Instant::now();
         let count = |who, now| (0..9).filter(|_| limiter.take(who, now)).count();
         assert_eq!(count(1, start), 3);
-        assert!(!limiter.has_left(&1, start) && limiter.has_left(&2, start));
         assert_eq!(count(2, start), 3, "each has a bucket");
-        assert!(limiter.has_left(&1, start + Duration::from_secs(1)));
         assert_eq!(count(1, start + Duration::from_secs(1)), 2);
         assert_eq!(count(1, start + Duration::from_secs(99)), 3, "it fills no further");
     }
