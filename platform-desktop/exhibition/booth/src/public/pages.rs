@@ -25,6 +25,7 @@ use super::texts::PublicTexts;
 use crate::clock::booth_time;
 use crate::models::model::ModelFormat;
 use crate::server::app::BoothApp;
+use crate::server::connections::{Connection, Holder};
 use crate::server::page_guard::guard;
 use crate::server::routes::bound_and_count;
 use crate::staff::{draw_badge, utc};
@@ -109,6 +110,9 @@ impl FromRequestParts<Arc<BoothApp>> for PageVisit {
             _ => Err(Refusal::NotFound(Reason::NoSculpture)),
         };
         let (sculpture, token) = found.map_err(fail)?;
+        if let Some(connection) = parts.extensions.get::<Arc<Connection>>() {
+            connection.hold(Holder::Link(sculpture.id));
+        }
         let texts = match parts.uri.query() {
             Some("language=el") => PublicTexts::of(Language::Greek),
             Some("language=en") => PublicTexts::of(Language::English),

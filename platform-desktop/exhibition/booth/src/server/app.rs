@@ -210,7 +210,7 @@ impl BoothApp {
             of_stranger: RateLimiter::new(250, 2.0),
             small_parcels: Gate::new(MAX_SMALL_PARCELS, MAX_WAITING, LONGEST_WAIT),
             large_parcels: Gate::new(MAX_LARGE_PARCELS, MAX_WAITING, LONGEST_WAIT),
-            parcels_of_device: Arc::new(Places::new(usize::MAX, MAX_PARCELS_OF_ONE)),
+            parcels_of_device: Arc::new(Places::new(MAX_PARCELS_OF_ONE)),
             small: Gate::new(MAX_SMALL, MAX_WAITING, LONGEST_WAIT),
             work: Gate::new(MAX_WORK, MAX_WAITING, LONGEST_WAIT),
             decodes: Gate::new(MAX_DECODES, MAX_WAITING, LONGEST_WAIT),

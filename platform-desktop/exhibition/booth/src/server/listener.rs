@@ -2,7 +2,7 @@
 
 use std::net::SocketAddr;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use axum::{Extension, Router};
 use hyper::server::conn::http1;
@@ -16,14 +16,8 @@ use tokio_rustls::TlsAcceptor;
 use tracing::{debug, warn};
 
 use crate::server::app::BoothApp;
-use crate::server::places::Places;
+use crate::server::connections::{Connections, Holder, MAX_CONNECTIONS};
 use crate::server::routes::Peer;
-
-/// Connections at once: two of each of 256 headsets, and staff.
-const MAX_CONNECTIONS: usize = 640;
-
-/// Connections of one address at once: who holds them all leaves others their share.
-const MAX_CONNECTIONS_OF_ONE: usize = 256;
 
 /// How long a handshake may take.
 const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(10);
@@ -48,7 +42,7 @@ pub(crate) async fn serve(
     end: impl Future<Output = ()>,
 ) {
     let graceful = GracefulShutdown::new();
-    let places = Arc::new(Places::new(MAX_CONNECTIONS, MAX_CONNECTIONS_OF_ONE));
+    let connections = Arc::new(Connections::new(MAX_CONNECTIONS));
     let mut end = std::pin::pin!(end);
     loop {
         let accepted = tokio::select! {
@@ -56,18 +50,24 @@ pub(crate) async fn serve(
             () = &mut end => break,
         };
         match accepted {
-            Ok((stream, peer)) => match places.take(peer.ip()) {
-                Some(place) => {
-                    let (app, tls, watcher) = (app.clone(), tls.clone(), graceful.watcher());
-                    tokio::spawn(async move {
-                        let _place = place;
-                        app.metrics.connections.add(1);
-                        serve_connection(router(&app), stream, peer, tls, watcher).await;
-                        app.metrics.connections.subtract_one();
-                    });
+            Ok((stream, peer)) => {
+                let holder = Holder::Network(Peer(peer.ip()).network());
+                match connections.open(holder, Instant::now()) {
+                    Some(open) => {
+                        let (app, tls, watcher) = (app.clone(), tls.clone(), graceful.watcher());
+                        tokio::spawn(async move {
+                            app.metrics.connections.add(1);
+                            let routes = router(&app).layer(Extension(open.clone()));
+                            tokio::select! {
+                                () = serve_connection(routes, stream, peer, tls, watcher) => {}
+                                () = open.closed() => app.metrics.closed_early.add(1),
+                            }
+                            app.metrics.connections.subtract_one();
+                        });
+                    }
+                    None => app.metrics.turned_away.add(1),
                 }
-                None => app.metrics.turned_away.add(1),
-            },
+            }
             Err(error) => {
                 warn!(%error, "no connection could be taken");
                 // As when no more files can be open: it takes a moment.

@@ -16,8 +16,10 @@ pub(crate) struct Metrics {
     pub parcels: Count,
     /// Connections that are open.
     pub connections: Count,
-    /// Connections that were turned away, as there were too many.
+    /// Connections that were turned away, as all places were taken by those who keep theirs.
     pub turned_away: Count,
+    /// Connections that made room for others.
+    pub closed_early: Count,
 }
 
 /// A number that threads count.
@@ -67,6 +69,11 @@ impl Metrics {
             ("paros_booth_heartbeats_total", "Heartbeats answered.", &self.heartbeats),
             ("paros_booth_parcel_bytes_total", "Bytes of parcels received.", &self.parcel_bytes),
             ("paros_booth_parcels_total", "Parcels kept.", &self.parcels),
+            (
+                "paros_booth_closed_early_total",
+                "Connections closed to make room.",
+                &self.closed_early,
+            ),
             ("paros_booth_turned_away_total", "Connections turned away.", &self.turned_away),
         ] {
             head(&mut text, name, help, "counter");

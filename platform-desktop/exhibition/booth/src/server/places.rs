@@ -1,4 +1,4 @@
-//! Places of which there are so many, and so many for each of those who want one.
+//! Places, so many for each of those who want one.
 
 use std::collections::HashMap;
 use std::hash::Hash;
@@ -6,7 +6,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// Who has how many places.
 pub(crate) struct Places<K> {
-    most: usize,
     most_of_one: usize,
     counts: Mutex<HashMap<K, usize>>,
 }
@@ -18,16 +17,15 @@ pub(crate) struct Place<K: Eq + Hash> {
 }
 
 impl<K: Eq + Hash + Copy> Places<K> {
-    pub(crate) fn new(most: usize, most_of_one: usize) -> Self {
-        Places { most, most_of_one, counts: Mutex::default() }
+    pub(crate) fn new(most_of_one: usize) -> Self {
+        Places { most_of_one, counts: Mutex::default() }
     }
 
-    /// A place for somebody; `None` where all are taken, or all of theirs.
+    /// A place for somebody; `None` where all of theirs are taken.
     pub(crate) fn take(self: &Arc<Self>, who: K) -> Option<Place<K>> {
         let mut counts = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
-        let all: usize = counts.values().sum();
         let count = counts.get(&who).copied().unwrap_or(0);
-        if all >= self.most || count >= self.most_of_one {
+        if count >= self.most_of_one {
             return None;
         }
         counts.insert(who, count + 1);
@@ -54,15 +52,13 @@ mod tests {
     use super::Places;
 
     #[test]
-    fn each_has_its_share_of_all() {
-        let places = Arc::new(Places::new(5, 2));
+    fn each_has_so_many() {
+        let places = Arc::new(Places::new(2));
         let take = |who| places.take(who);
         let mut taken: Vec<_> = [1, 1, 2, 2].map(|who| take(who).expect("one is left")).into();
-        assert!(take(1).is_none(), "its share is two");
-        taken.push(take(3).expect("one is left"));
-        assert!(take(4).is_none(), "there are five");
+        assert!(take(1).is_none() && take(2).is_none(), "each has two");
         taken.remove(0);
-        assert!(take(4).is_some(), "one was given back");
+        assert!(take(1).is_some(), "one was given back");
         drop(taken);
         assert!(places.counts.lock().unwrap().is_empty());
     }

@@ -28,6 +28,7 @@ use crate::clock::booth_time;
 use crate::models::parcel_decode::check_parcel;
 use crate::server::app::{BoothApp, SMALL_PARCEL_BYTES};
 use crate::server::body::{BodyTimes, MAX_REQUEST_BYTES, bound_body, pass_over};
+use crate::server::connections::{Connection, Holder};
 use crate::server::places::Place;
 use crate::staff;
 
@@ -41,6 +42,16 @@ const LONGEST_IDLE: Duration = Duration::from_secs(60);
 /// Who asks.
 #[derive(Clone, Copy)]
 pub(crate) struct Peer(pub(crate) IpAddr);
+
+impl Peer {
+    /// Returns the network that the address counts as: 64 bits of IPv6, as a household has all of these addresses.
+    pub(crate) fn network(self) -> IpAddr {
+        match self.0.to_canonical() {
+            IpAddr::V6(address) => IpAddr::V6((address.to_bits() >> 64 << 64).into()),
+            address @ IpAddr::V4(_) => address,
+        }
+    }
+}
 
 type Answer = Result<Response, RefusalAnswer>;
 
@@ -68,12 +79,14 @@ pub(crate) fn router(app: &Arc<BoothApp>) -> Router {
         .with_state(app.clone())
 }
 
-/// Ends a request whose body takes too long, and counts its answer.
+/// Ends a request whose body takes too long, counts its answer, and notes that its connection is used.
 pub(crate) async fn bound_and_count(
     State(app): State<Arc<BoothApp>>,
+    Extension(connection): Extension<Arc<Connection>>,
     request: Request,
     next: Next,
 ) -> Response {
+    connection.touch(Instant::now());
     let length = read_length(request.headers()).ok();
     let path = request.uri().path();
     let is_parcel = [PARCEL_PATH, staff::IMPORT_PATH].iter().any(|start| path.starts_with(start));
@@ -116,11 +129,13 @@ pub(crate) fn read_length(headers: &HeaderMap) -> Result<u64, Refusal> {
 async fn authenticate(
     State(app): State<Arc<BoothApp>>,
     Extension(Peer(peer)): Extension<Peer>,
+    Extension(connection): Extension<Arc<Connection>>,
     mut request: Request,
     next: Next,
 ) -> Answer {
     match find_device(&app, peer, request.headers()).await {
         Ok(device) => {
+            connection.hold(Holder::Headset(device.headset));
             request.extensions_mut().insert(device);
             Ok(next.run(request).await)
         }
@@ -346,5 +361,21 @@ impl IntoResponse for RefusalAnswer {
             answer.headers_mut().insert(header::RETRY_AFTER, seconds.into());
         }
         answer
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::net::IpAddr;
+
+    use super::Peer;
+
+    #[test]
+    fn a_household_is_one_network() {
+        let network = |text: &str| Peer(text.parse::<IpAddr>().expect("an address")).network();
+        assert_eq!(network("2001:db8:1:2:3:4:5:6"), network("2001:db8:1:2:ffff::1"));
+        assert_ne!(network("2001:db8:1:2::1"), network("2001:db8:1:3::1"));
+        assert_ne!(network("10.0.0.1"), network("10.0.0.2"));
+        assert_eq!(network("10.0.0.1"), network("::ffff:10.0.0.1"));
     }
 }

@@ -22,6 +22,7 @@ use super::texts::Texts;
 use crate::clock::booth_time;
 use crate::random::random_bytes;
 use crate::server::app::BoothApp;
+use crate::server::connections::{Connection, Holder};
 use crate::server::rate::RateLimiter;
 use crate::server::routes::Peer;
 
@@ -73,6 +74,7 @@ impl LoginGate {
 /// Lets those on who are logged in, and sends others to log in.
 pub(crate) async fn require_login(
     State(app): State<Arc<BoothApp>>,
+    Extension(connection): Extension<Arc<Connection>>,
     mut request: Request,
     next: Next,
 ) -> Result<Response, StaffAnswer> {
@@ -83,6 +85,7 @@ pub(crate) async fn require_login(
     };
     match found {
         Ok(login) => {
+            connection.hold(Holder::Account(login.account.clone()));
             request.extensions_mut().insert(login);
             Ok(next.run(request).await)
         }

@@ -7,7 +7,10 @@ use std::time::{Duration, Instant};
 use paros_protocol::limits::MAX_PARCEL_VOLUME_BYTES;
 use paros_protocol::*;
 
-use crate::rig::{BoothFolder, Headset, Parcel, deflate, path_of, read_answer, write_request};
+use crate::rig::{
+    BoothFolder, Headset, Parcel, deflate, heartbeat, path_of, read_answer, write_request,
+};
+use crate::staff::Browser;
 
 #[test]
 fn who_has_no_token_or_anothers_gets_nothing() {
@@ -171,4 +174,57 @@ fn slow_ones_are_cut_off() {
         );
     }
     assert_eq!(read_answer(&mut stuck).expect("an answer").status, 408);
+}
+
+/// The booth has 640 places for connections.
+#[test]
+fn who_holds_all_connections_keeps_nobody_out() {
+    let folder = BoothFolder::new("idle");
+    let booth = folder.start();
+    let client = &booth.client;
+    let headset = Headset::enrol(client, folder.fleet_token(), 1);
+    let browser = Browser::first(client, &booth.first_code().expect("a code"));
+    let beat = heartbeat(headset.number).to_json();
+    let mut of_staff = client.connect().expect("a connection");
+    let mut of_headset = client.connect().expect("a connection");
+    let ask_as_staff = |stream: &mut _| {
+        write_request(stream, "GET", "/staff", &[("Cookie", browser.cookie.clone())], &[])?;
+        read_answer(stream).map(|answer| answer.status)
+    };
+    let ask_as_headset = |stream: &mut _| {
+        write_request(stream, "POST", "/v1/heartbeat", &[headset.bearer()], &beat)?;
+        read_answer(stream).map(|answer| answer.status)
+    };
+    assert_eq!(ask_as_staff(&mut of_staff).expect("an answer"), 200);
+    assert_eq!(ask_as_headset(&mut of_headset).expect("an answer"), 200);
+    // From the same address, more than there are places, and all of them new every time.
+    for round in 0..2 {
+        let idle: Vec<TcpStream> =
+            (0..700).map(|_| client.connect_plain().expect("a connection")).collect();
+        let start = Instant::now();
+        assert_eq!(client.get("/healthz").status, 200, "{round}: a stranger");
+        assert_eq!(ask_as_staff(&mut of_staff).expect("it is kept"), 200, "{round}");
+        assert_eq!(ask_as_headset(&mut of_headset).expect("it is kept"), 200, "{round}");
+        assert_eq!(browser.get("/staff/headsets").status, 200, "{round}: a new one");
+        assert!(
+            start.elapsed() < Duration::from_secs(8),
+            "not when the idle ones end by themselves"
+        );
+        // The oldest ones made room, the newest are there.
+        let mut ended = idle.iter().map(|mut stream| {
+            stream.set_read_timeout(Some(Duration::from_millis(1))).unwrap();
+            stream.read(&mut [0]).is_ok_and(|count| count == 0)
+        });
+        assert!(ended.next().expect("the first"), "{round}: it made room");
+        assert!(!ended.next_back().expect("the last one"), "{round}");
+    }
+    assert!(client.metric("paros_booth_closed_early_total") >= 120);
+    assert_eq!(client.metric("paros_booth_turned_away_total"), 0);
+    // Those of another address are closed before the few of this one.
+    let mut few = client.connect().expect("a connection");
+    let other = client.at_address([127, 0, 0, 2].into());
+    let _many: Vec<TcpStream> =
+        (0..700).map(|_| other.connect_plain().expect("a connection")).collect();
+    write_request(&mut few, "GET", "/healthz", &[], &[]).expect("it is open");
+    assert_eq!(read_answer(&mut few).expect("it stays").status, 200);
 }

@@ -2,7 +2,7 @@
 
 use std::fs::{self, File};
 use std::io::{self, BufRead as _, BufReader};
-use std::net::{SocketAddr, TcpStream};
+use std::net::{Ipv4Addr, SocketAddr, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
@@ -167,6 +167,8 @@ impl Drop for BoothProcess {
 pub(crate) struct Client {
     pub(crate) address: SocketAddr,
     config: Arc<ClientConfig>,
+    /// The address that it asks from; any address if it is unspecified.
+    source: Ipv4Addr,
 }
 
 /// What the booth answers.
@@ -194,7 +196,25 @@ impl Client {
             .with_no_client_auth();
         // A session that goes on tells nothing of the certificate that is shown now.
         config.resumption = Resumption::disabled();
-        Client { address, config: Arc::new(config) }
+        Client { address, config: Arc::new(config), source: Ipv4Addr::UNSPECIFIED }
+    }
+
+    /// The same, from an address of this machine, such as 127.0.0.2.
+    pub(crate) fn at_address(&self, source: Ipv4Addr) -> Self {
+        Client { source, ..self.clone() }
+    }
+
+    /// A connection without TLS.
+    pub(crate) fn connect_plain(&self) -> io::Result<TcpStream> {
+        if self.source.is_unspecified() {
+            return TcpStream::connect(self.address);
+        }
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_io().build()?;
+        let socket = tokio::net::TcpSocket::new_v4()?;
+        socket.bind((self.source, 0).into())?;
+        let stream = runtime.block_on(socket.connect(self.address))?.into_std()?;
+        stream.set_nonblocking(false)?;
+        Ok(stream)
     }
 
     /// A connection that trusts the booth's authority alone.
@@ -207,7 +227,7 @@ impl Client {
         &self,
         name: ServerName<'static>,
     ) -> io::Result<StreamOwned<ClientConnection, TcpStream>> {
-        let stream = TcpStream::connect(self.address)?;
+        let stream = self.connect_plain()?;
         stream.set_read_timeout(Some(Duration::from_secs(40)))?;
         stream.set_nodelay(true)?;
         let connection =
