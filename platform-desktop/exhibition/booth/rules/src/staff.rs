@@ -18,6 +18,10 @@ use paros_protocol::ContentHash;
 /// How much a session's last use may be behind: more often it isn't written down.
 const USE_STEP: Duration = Duration::from_secs(60);
 
+/// The contexts of a browser's token, so that nothing else that is made of the secret is one.
+const BROWSER_CONTEXT: &[u8] = b"paros browser v1\0";
+const BROWSER_SIGNATURE_CONTEXT: &[u8] = b"paros browser signature v1\0";
+
 /// Random bits of a login: the cookie's, and what its forms bring.
 #[derive(Clone, Copy)]
 pub struct SessionBits {
@@ -205,6 +209,28 @@ impl Booth {
         }
         let form_token = session.form_token;
         Ok(LoggedIn { account: account.name, role: account.role, form_token })
+    }
+
+    /// Makes the token of a browser in which an account was logged in. The token grants no access.
+    #[must_use]
+    pub fn make_browser_token(&self, name: &str) -> [u8; 32] {
+        let account = self.keys.make_secret(BROWSER_CONTEXT, &[name.as_bytes()]);
+        self.sign_browser(account)
+    }
+
+    /// Returns the number of the account whose login a browser's token proves; `None` for a forged token.
+    #[must_use]
+    pub fn check_browser_token(&self, token: &[u8; 32]) -> Option<[u8; 16]> {
+        let account: [u8; 16] = *token.first_chunk()?;
+        bool::from(self.sign_browser(account).ct_eq(token)).then_some(account)
+    }
+
+    fn sign_browser(&self, account: [u8; 16]) -> [u8; 32] {
+        let signature: [u8; 16] = self.keys.make_secret(BROWSER_SIGNATURE_CONTEXT, &[&account]);
+        let mut token = [0; 32];
+        token[..16].copy_from_slice(&account);
+        token[16..].copy_from_slice(&signature);
+        token
     }
 
     /// Ends a login.

@@ -87,6 +87,20 @@ fn who_is_shut_out_is_out_at_once_and_an_admin_is_left() {
 }
 
 #[test]
+fn a_browsers_token_proves_which_account_was_logged_in() {
+    let Rig { booth, .. } = Rig::new();
+    let token = booth.make_browser_token("ana");
+    let ana = booth.check_browser_token(&token).expect("the booth made it");
+    assert_eq!(booth.check_browser_token(&booth.make_browser_token("ana")), Some(ana));
+    assert_ne!(booth.check_browser_token(&booth.make_browser_token("bob")), Some(ana));
+    for place in 0..32 {
+        let mut forged = token;
+        forged[place] ^= 1;
+        assert_eq!(booth.check_browser_token(&forged), None, "{place}");
+    }
+}
+
+#[test]
 fn a_reset_password_ends_all_logins_and_lets_its_account_in() {
     let Rig { booth, .. } = Rig::new();
     booth.add_first_admin("ana", "hash", START).unwrap();

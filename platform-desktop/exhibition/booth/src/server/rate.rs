@@ -5,7 +5,7 @@ use std::hash::Hash;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// Whoever asks that a limiter remembers. Where there are more it forgets those who may ask as often as anybody.
+/// Whoever asks that a limiter remembers: some hundred kilobytes. Where there are more it forgets who may ask most.
 const MAX_BUCKETS: usize = 4096;
 
 /// A bucket for each of those who ask.
@@ -22,7 +22,7 @@ struct Bucket {
     at: Instant,
 }
 
-impl<K: Eq + Hash> RateLimiter<K> {
+impl<K: Eq + Hash + Clone> RateLimiter<K> {
     /// Of full buckets.
     #[must_use]
     pub(crate) fn new(burst: u16, per_second: f32) -> Self {
@@ -35,7 +35,10 @@ impl<K: Eq + Hash> RateLimiter<K> {
         if buckets.len() >= MAX_BUCKETS && !buckets.contains_key(&who) {
             buckets.retain(|_, bucket| self.fill(bucket, now) < self.burst);
             if buckets.len() >= MAX_BUCKETS {
-                return false;
+                let left = |bucket: &Bucket| self.fill(bucket, now);
+                let fullest = buckets.iter().max_by(|a, b| left(a.1).total_cmp(&left(b.1)));
+                let fullest = fullest.map(|(who, _)| who.clone());
+                fullest.and_then(|who| buckets.remove(&who));
             }
         }
         let bucket = buckets.entry(who).or_insert(Bucket { left: self.burst, at: now });
@@ -46,6 +49,20 @@ impl<K: Eq + Hash> RateLimiter<K> {
             bucket.left -= 1.0;
         }
         is_there
+    }
+
+    /// Returns how many of somebody's requests the bucket has not got back yet.
+    pub(crate) fn used(&self, who: &K, now: Instant) -> f32 {
+        let buckets = self.buckets.lock().unwrap_or_else(PoisonError::into_inner);
+        buckets.get(who).map_or(0.0, |bucket| self.burst - self.fill(bucket, now))
+    }
+
+    /// Gives a request back that was taken.
+    pub(crate) fn give_back(&self, who: &K) {
+        let mut buckets = self.buckets.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(bucket) = buckets.get_mut(who) {
+            bucket.left = (bucket.left + 1.0).min(self.burst);
+        }
     }
 
     fn fill(&self, bucket: &Bucket, now: Instant) -> f32 {
@@ -72,13 +89,33 @@ mod tests {
     }
 
     #[test]
+    fn what_is_given_back_is_there_again() {
+        let limiter = RateLimiter::new(2, 1.0);
+        let start = Instant::now();
+        assert!(limiter.take(1, start) && limiter.take(1, start) && !limiter.take(1, start));
+        assert_eq!((limiter.used(&1, start), limiter.used(&2, start)), (2.0, 0.0));
+        limiter.give_back(&1);
+        assert_eq!(limiter.used(&1, start), 1.0);
+        assert!(limiter.take(1, start) && !limiter.take(1, start));
+        assert_eq!(limiter.used(&1, start + Duration::from_millis(500)), 1.5);
+    }
+
+    #[test]
     fn many_who_ask_take_no_more_memory() {
         let limiter = RateLimiter::new(2, 1.0);
         let start = Instant::now();
         assert!((0..MAX_BUCKETS).all(|who| limiter.take(who, start)));
-        assert!(!limiter.take(MAX_BUCKETS, start), "all are remembered");
+        assert!(limiter.take(7, start) && !limiter.take(7, start), "all are remembered");
+        for who in MAX_BUCKETS..MAX_BUCKETS + 9 {
+            assert!(limiter.take(who, start), "others have their turn");
+        }
+        assert_eq!(limiter.buckets.lock().unwrap().len(), MAX_BUCKETS);
+        assert!(!limiter.take(7, start), "who has none left is remembered");
         let later = start + Duration::from_secs(9);
-        assert!(limiter.take(MAX_BUCKETS, later), "they are forgotten when their buckets are full");
+        assert!(
+            limiter.take(2 * MAX_BUCKETS, later),
+            "they are forgotten when their buckets are full"
+        );
         assert!(limiter.buckets.lock().unwrap().len() < 9);
     }
 }

@@ -178,7 +178,7 @@ pub(crate) async fn refuse_after_body(request: Request, refusal: Refusal) -> Ref
     refusal
 }
 
-fn take_turn<K: Eq + std::hash::Hash>(
+fn take_turn<K: Eq + std::hash::Hash + Clone>(
     limiter: &crate::server::rate::RateLimiter<K>,
     who: K,
 ) -> Result<(), Refusal> {

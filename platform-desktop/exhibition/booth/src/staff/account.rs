@@ -1,9 +1,8 @@
 //! Who is logged in, and their password.
 
-use std::net::IpAddr;
 use std::sync::Arc;
 
-use axum::extract::{Extension, State};
+use axum::extract::State;
 use axum::response::Response;
 use maud::html;
 use paros_booth_rules::{Reason, Refusal};
@@ -12,11 +11,11 @@ use super::admin_texts::AdminTexts;
 use super::done::Done;
 use super::forms::{FormView, Refused};
 use super::login::begin_session;
+use super::login_gate::{Asker, check_password};
 use super::page::{StaffForm, StaffView, form_token};
-use super::passwords::{hash_password, verify_password};
+use super::passwords::hash_password;
 use crate::clock::booth_time;
 use crate::server::app::BoothApp;
-use crate::server::routes::Peer;
 
 /// The form's name on its page.
 const PASSWORD_FORM: &str = "password";
@@ -50,12 +49,8 @@ fn account_page(view: &StaffView, refused: Option<&Refused>) -> Response {
 }
 
 /// `POST /staff/account/password`: ends all logins of the account, and begins one anew.
-pub(crate) async fn change_password(
-    State(app): State<Arc<BoothApp>>,
-    Extension(Peer(peer)): Extension<Peer>,
-    form: StaffForm,
-) -> Response {
-    match set_password(&app, peer, &form).await {
+pub(crate) async fn change_password(State(app): State<Arc<BoothApp>>, form: StaffForm) -> Response {
+    match set_password(&app, &form).await {
         Ok(answer) => Done::PasswordChanged.tell_on_next_page(answer),
         Err(refusal) => {
             let (view, refused) = form.refuse(PASSWORD_FORM, &refusal);
@@ -66,18 +61,15 @@ pub(crate) async fn change_password(
 
 async fn set_password(
     app: &Arc<BoothApp>,
-    peer: IpAddr,
     StaffForm { login, fields, .. }: &StaffForm,
 ) -> Result<Response, Refusal> {
     let name = login.account.clone();
     // Whoever found a tablet logged in guesses no faster than at the door.
-    app.logins.take_turn(&name, peer)?;
-    let of_name = name.clone();
-    let hash = app.run(move |app| app.booth.password_hash(&of_name)).await?;
-    if !verify_password(app, fields.get("old"), hash).await? {
+    let asker = Asker::Account(name.clone());
+    if !check_password(app, &asker, &name, fields.get("old")).await? {
         return Err(Refusal::Forbidden(Reason::WrongPassword));
     }
-    let hash = hash_password(app, fields.get("new")).await?;
+    let hash = hash_password(app, asker, fields.get("new")).await?;
     let of_name = name.clone();
     app.run(move |app| app.booth.set_password(&of_name, &hash, booth_time())).await?;
     begin_session(app, name).await

@@ -15,6 +15,7 @@ use super::admin_texts::AdminTexts;
 use super::done::Done;
 use super::forms::{FormView, Refused};
 use super::notices::AdminNotices;
+use super::login_gate::Asker;
 use super::page::{Fields, StaffAnswer, StaffForm, StaffView, action_button, form_token};
 use super::passwords::hash_password;
 use super::sculptures::utc;
@@ -129,7 +130,8 @@ async fn make_account(
         "admin" => StaffRole::Admin,
         _ => return Err(Refusal::Unfit(Expected::Role)),
     };
-    let hash = hash_password(app, fields.get("password")).await?;
+    let asker = Asker::Account(login.account.clone());
+    let hash = hash_password(app, asker, fields.get("password")).await?;
     let (name, by) = (fields.get("name"), login.account.clone());
     app.run(move |app| app.booth.add_account(name.trim(), &hash, role, &by, booth_time())).await
 }
@@ -156,7 +158,8 @@ async fn set_password_of(
     if name == login.account {
         return Err(Refusal::Forbidden(Reason::OwnPassword));
     }
-    let hash = hash_password(app, fields.get("password")).await?;
+    let asker = Asker::Account(login.account.clone());
+    let hash = hash_password(app, asker, fields.get("password")).await?;
     let by = login.account.clone();
     app.run(move |app| app.booth.reset_password(&name, &hash, &by, booth_time())).await.map(drop)
 }

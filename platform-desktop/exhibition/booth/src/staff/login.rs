@@ -1,8 +1,6 @@
 //! Logging in and out, and the first account.
 
-use std::net::IpAddr;
-use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
+use std::sync::Arc;
 
 use axum::extract::{Extension, Form, Request, State};
 use axum::http::HeaderMap;
@@ -10,66 +8,32 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Redirect, Response};
 use maud::html;
 use paros_booth_rules::{Reason, Refusal, SessionBits};
-use std::sync::Arc;
-use subtle::ConstantTimeEq as _;
-use tokio::sync::Semaphore;
 
 use super::done::Done;
 use super::forms::{FormView, Refused};
+use super::login_gate::{Asker, check_password};
 use super::page::{Fields, StaffAnswer, find_cookie, frame_page, with_cookie};
-use super::passwords::{hash_password, verify_password};
+use super::passwords::hash_password;
 use super::texts::Texts;
 use crate::clock::booth_time;
 use crate::random::random_bytes;
 use crate::server::app::BoothApp;
 use crate::server::connections::{Connection, Holder};
-use crate::server::rate::RateLimiter;
 use crate::server::routes::Peer;
 
 /// The cookie of a login: sent to this host alone, over TLS alone, unseen by scripts, from no other site's pages.
 const COOKIE: &str = "__Host-paros";
 
+/// The cookie of a browser in which somebody was logged in before. It grants no access: it keeps the logins there apart from
+/// those of others.
+pub(super) const BROWSER_COOKIE: &str = "__Host-paros-browser";
+
+/// The longest time for which browsers keep a cookie, 400 days, in seconds.
+const BROWSER_COOKIE_LIFE: u32 = 400 * 86_400;
+
 /// The forms' names on their pages.
 const LOGIN_FORM: &str = "login";
 const FIRST_FORM: &str = "first";
-
-/// Passwords that are hashed at once: each takes 19 MiB.
-const MAX_HASHES: usize = 2;
-
-/// What logging in needs to remember.
-pub(crate) struct LoginGate {
-    /// What the first account has to bring; `None` once there is one.
-    first_code: Mutex<Option<String>>,
-    of_account: RateLimiter<String>,
-    of_address: RateLimiter<IpAddr>,
-    pub(super) hashes: Semaphore,
-}
-
-impl LoginGate {
-    /// With the code that the first account has to bring.
-    pub(crate) fn new(first_code: Option<String>) -> Self {
-        LoginGate {
-            first_code: Mutex::new(first_code),
-            of_account: RateLimiter::new(5, 1.0 / 30.0),
-            of_address: RateLimiter::new(20, 1.0 / 10.0),
-            hashes: Semaphore::new(MAX_HASHES),
-        }
-    }
-
-    pub(super) fn take_turn(&self, account: &str, peer: IpAddr) -> Result<(), Refusal> {
-        let now = Instant::now();
-        let account = account.chars().take(64).collect();
-        if self.of_address.take(peer, now) && self.of_account.take(account, now) {
-            return Ok(());
-        }
-        Err(Refusal::Busy { what: "logins", retry_after: 30 })
-    }
-
-    fn is_first_code(&self, code: &str) -> bool {
-        let first = self.first_code.lock().unwrap_or_else(PoisonError::into_inner);
-        first.as_ref().is_some_and(|first| bool::from(first.as_bytes().ct_eq(code.as_bytes())))
-    }
-}
 
 /// Lets those on who are logged in, and sends others to log in.
 pub(crate) async fn require_login(
@@ -79,7 +43,7 @@ pub(crate) async fn require_login(
     next: Next,
 ) -> Result<Response, StaffAnswer> {
     let texts = Texts::of_request(request.headers());
-    let found = match read_cookie(request.headers()) {
+    let found = match read_token(request.headers(), COOKIE) {
         Some(cookie) => app.run(move |app| app.booth.find_login(&cookie, booth_time())).await,
         None => Err(Refusal::UnknownToken),
     };
@@ -107,12 +71,13 @@ pub(crate) async fn show_login(headers: HeaderMap) -> Response {
 /// `POST /staff/login`.
 pub(crate) async fn log_in(
     State(app): State<Arc<BoothApp>>,
-    Extension(Peer(peer)): Extension<Peer>,
+    Extension(peer): Extension<Peer>,
     headers: HeaderMap,
     Form(fields): Form<Fields>,
 ) -> Response {
     let texts = Texts::of_request(&headers);
-    try_to_log_in(&app, peer, &fields).await.unwrap_or_else(|refusal| {
+    let asker = Asker::of_request(&app, &headers, peer);
+    try_to_log_in(&app, &asker, &fields).await.unwrap_or_else(|refusal| {
         let refused = Refused::new(texts, LOGIN_FORM, fields, &refusal);
         refused.answer(login_page(texts, Some(&refused)))
     })
@@ -120,14 +85,11 @@ pub(crate) async fn log_in(
 
 async fn try_to_log_in(
     app: &Arc<BoothApp>,
-    peer: IpAddr,
+    asker: &Asker,
     fields: &Fields,
 ) -> Result<Response, Refusal> {
-    let (name, password) = (fields.get("name"), fields.get("password"));
-    app.logins.take_turn(&name, peer)?;
-    let of_name = name.clone();
-    let hash = app.run(move |app| app.booth.password_hash(&of_name)).await?;
-    if !verify_password(app, password, hash).await? {
+    let name = fields.get("name");
+    if !check_password(app, asker, &name, fields.get("password")).await? {
         return Err(Refusal::Forbidden(Reason::WrongLogin));
     }
     begin_session(app, name).await
@@ -141,12 +103,13 @@ pub(crate) async fn show_first(headers: HeaderMap) -> Response {
 /// `POST /staff/first`.
 pub(crate) async fn add_first(
     State(app): State<Arc<BoothApp>>,
-    Extension(Peer(peer)): Extension<Peer>,
+    Extension(peer): Extension<Peer>,
     headers: HeaderMap,
     Form(fields): Form<Fields>,
 ) -> Response {
     let texts = Texts::of_request(&headers);
-    match try_to_add_first(&app, peer, &fields).await {
+    let asker = Asker::of_request(&app, &headers, peer);
+    match try_to_add_first(&app, asker, &fields).await {
         Ok(answer) => Done::AccountAdded.tell_on_next_page(answer),
         Err(refusal) => {
             let refused = Refused::new(texts, FIRST_FORM, fields, &refusal);
@@ -157,18 +120,17 @@ pub(crate) async fn add_first(
 
 async fn try_to_add_first(
     app: &Arc<BoothApp>,
-    peer: IpAddr,
+    asker: Asker,
     fields: &Fields,
 ) -> Result<Response, Refusal> {
-    app.logins.take_turn("", peer)?;
-    if !app.logins.is_first_code(fields.get("code").trim()) {
+    if !app.logins.check_first_code(&asker, fields.get("code").trim()).await? {
         return Err(Refusal::Forbidden(Reason::WrongFirstCode));
     }
     let name = fields.get("name");
-    let hash = hash_password(app, fields.get("password")).await?;
+    let hash = hash_password(app, asker, fields.get("password")).await?;
     let of_name = name.clone();
     app.run(move |app| app.booth.add_first_admin(&of_name, &hash, booth_time())).await?;
-    *app.logins.first_code.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    app.logins.forget_first_code();
     begin_session(app, name).await
 }
 
@@ -177,7 +139,7 @@ pub(crate) async fn log_out(
     State(app): State<Arc<BoothApp>>,
     headers: HeaderMap,
 ) -> Result<Response, StaffAnswer> {
-    if let Some(cookie) = read_cookie(&headers) {
+    if let Some(cookie) = read_token(&headers, COOKIE) {
         let texts = Texts::of_request(&headers);
         let done = app.run(move |app| app.booth.log_out(&cookie)).await;
         done.map_err(|refusal| StaffAnswer(texts, refusal))?;
@@ -186,17 +148,29 @@ pub(crate) async fn log_out(
     Ok(with_cookie(Redirect::to("/staff/login").into_response(), &gone))
 }
 
+/// Begins a session of an account that was authenticated. The answer sets the cookies of the session and of the browser.
 pub(super) async fn begin_session(app: &Arc<BoothApp>, name: String) -> Result<Response, Refusal> {
     let bits = SessionBits { cookie: random_bytes()?, form_token: random_bytes()? };
+    let browser = app.booth.make_browser_token(&name);
     app.run(move |app| app.booth.log_in(&name, &bits, booth_time())).await?;
-    let value: String = bits.cookie.iter().map(|byte| format!("{byte:02x}")).collect();
-    let cookie = format!("{COOKIE}={value}; Path=/; Secure; HttpOnly; SameSite=Strict");
-    Ok(with_cookie(Redirect::to("/staff").into_response(), &cookie))
+    let attributes = "Path=/; Secure; HttpOnly; SameSite=Strict";
+    let session = format!("{COOKIE}={}; {attributes}", write_token(&bits.cookie));
+    let browser = format!(
+        "{BROWSER_COOKIE}={}; {attributes}; Max-Age={BROWSER_COOKIE_LIFE}",
+        write_token(&browser)
+    );
+    let answer = with_cookie(Redirect::to("/staff").into_response(), &session);
+    Ok(with_cookie(answer, &browser))
 }
 
-fn read_cookie(headers: &HeaderMap) -> Option<[u8; 32]> {
-    let value = find_cookie(headers, COOKIE)?;
-    // Its form is that of all tokens of 256 bits.
+fn write_token(token: &[u8; 32]) -> String {
+    token.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Reads the 256 bits of a cookie, by its name.
+pub(super) fn read_token(headers: &HeaderMap, name: &str) -> Option<[u8; 32]> {
+    let value = find_cookie(headers, name)?;
+    // The form is that of all tokens of 256 bits.
     paros_protocol::DeviceToken::parse_hex(value).map(|token| token.0)
 }
 

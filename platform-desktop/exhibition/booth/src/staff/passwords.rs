@@ -7,6 +7,8 @@ use argon2::password_hash::phc::PasswordHash;
 use argon2::{Argon2, PasswordHasher as _, PasswordVerifier as _};
 use paros_booth_rules::{Expected, Refusal};
 
+use super::hash_queue::HashTurn;
+use super::login_gate::Asker;
 use crate::random::random_bytes;
 use crate::server::app::BoothApp;
 
@@ -22,13 +24,19 @@ const LETTERS: &[u8; 32] = b"abcdefghijkmnpqrstuvwxyz23456789";
 /// [`Expected::Password`] for one that is too short.
 pub(super) async fn hash_password(
     app: &Arc<BoothApp>,
+    asker: Asker,
     password: String,
 ) -> Result<String, Refusal> {
     if password.chars().count() < MIN_PASSWORD_CHARS {
         return Err(Refusal::Unfit(Expected::Password(MIN_PASSWORD_CHARS)));
     }
-    let _turn = app.logins.hashes.acquire().await;
-    app.run(move |_| Ok(make_hash(&password)?)).await
+    let turn = app.logins.hashes.enter(asker).await?;
+    app.run(move |_| {
+        // The work goes on where nobody waits for it any more, and keeps its turn.
+        let _turn = turn;
+        Ok(make_hash(&password)?)
+    })
+    .await
 }
 
 /// Hashes a password, with a salt of its own.
@@ -56,11 +64,12 @@ pub(crate) fn draw_password() -> io::Result<String> {
 /// are.
 pub(super) async fn verify_password(
     app: &Arc<BoothApp>,
+    turn: HashTurn,
     password: String,
     hash: Option<String>,
 ) -> Result<bool, Refusal> {
-    let _turn = app.logins.hashes.acquire().await;
     app.run(move |_| {
+        let _turn = turn;
         let argon2 = Argon2::default();
         let Some(hash) = hash else {
             let _ = argon2.hash_password_with_salt(password.as_bytes(), &[0; 16]);

@@ -14,6 +14,7 @@ mod full_disk;
 mod import;
 mod kills;
 mod lost;
+mod logins;
 mod mail;
 mod page;
 mod parcels;
