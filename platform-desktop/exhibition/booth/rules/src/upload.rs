@@ -13,6 +13,7 @@ use crate::records::{Device, ExportState, Sculpture, Tombstone};
 use crate::refusal::Refusal;
 use crate::store::{StoreError, view};
 use crate::time::BoothTime;
+use crate::words::picture_bits;
 
 /// The outcome of a parcel that staff copied from a headset.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -98,7 +99,7 @@ impl Booth {
         now: BoothTime,
     ) -> Result<ParcelOutcome, Refusal> {
         let (facts, hash, trace) = (parcel.facts(), parcel.hash(), parcel.trace());
-        let UploadFacts { id, badge, .. } = *facts;
+        let UploadFacts { id, badge, language, mode, .. } = *facts;
         let name = |part| KeptName { id, hash, part };
         self.files.keep(&name(KeptPart::Sculpture), parcel.sculpture())?;
         if !trace.is_empty() {
@@ -116,6 +117,9 @@ impl Booth {
                 hash: hash.0,
                 badge: badge.map(BadgeNumber::get),
                 claimed_badge,
+                pictures: badge.map_or(0, |badge| picture_bits(&badge.badge().pictograms)),
+                language,
+                mode,
                 facts: facts.to_json(),
                 received_at: now,
                 keep_day: seen_day.saturating_add(u32::from(self.plan.retention_days)),

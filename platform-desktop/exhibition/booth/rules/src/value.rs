@@ -1,5 +1,7 @@
 //! Values of a database's columns, and the types of fields that are stored as them.
 
+use paros_core::session::SessionMode;
+
 /// A value of a column.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Value {
@@ -53,6 +55,27 @@ field!(u64 as Number, this => this.cast_signed(), number => Some(number.cast_uns
 field!(bool as Number, this => i64::from(*this), number => [false, true].get(usize::try_from(number).ok()?).copied());
 field!(String as Text, this => this.clone(), text => Some(text));
 field!(Vec<u8> as Bytes, this => this.clone(), bytes => Some(bytes));
+
+field!(SessionMode as Number,
+mode => match mode {
+    SessionMode::None => 0,
+    SessionMode::FreeForm => 1,
+    SessionMode::Creative => 2,
+    SessionMode::Own => 3,
+    SessionMode::Constrained { figure } => FIRST_FIGURE + i64::from(*figure),
+},
+number => match number {
+    0 => Some(SessionMode::None),
+    1 => Some(SessionMode::FreeForm),
+    2 => Some(SessionMode::Creative),
+    3 => Some(SessionMode::Own),
+    number => u8::try_from(number.checked_sub(FIRST_FIGURE)?)
+        .ok()
+        .map(|figure| SessionMode::Constrained { figure }),
+});
+
+/// A session that starts from a hidden figure is stored as the figure's number from here on.
+const FIRST_FIGURE: i64 = 256;
 
 impl<const N: usize> ToValue for [u8; N] {
     fn to_value(&self) -> Value {

@@ -127,6 +127,11 @@ impl From<Badge> for HeardBadge {
     }
 }
 
+/// Returns a bit for each pictogram's number.
+pub(crate) fn picture_bits(pictograms: &[Pictogram]) -> u64 {
+    pictograms.iter().fold(0, |bits, pictogram| bits | 1 << pictogram.number())
+}
+
 /// The right badge that differs from one at a place at most.
 fn complete(badge: Badge, place: usize) -> Option<Badge> {
     let with = |pictogram| {

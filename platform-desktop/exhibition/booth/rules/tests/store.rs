@@ -10,6 +10,7 @@ use paros_booth_rules::records::{
 use paros_booth_rules::{
     Access, BoothTime, Reason, Refusal, Row, Store, StoreError, Transaction, Value, update, view,
 };
+use paros_core::session::SessionMode;
 
 fn must<T>(done: Result<T, StoreError>) -> T {
     done.unwrap_or_else(|error| panic!("a store that works: {error}"))
@@ -22,6 +23,9 @@ fn sculpture(number: u8, claimed_badge: Option<u32>) -> Sculpture {
         hash: [7; 32],
         badge: Some(1),
         claimed_badge,
+        pictures: u64::MAX,
+        language: *b"el",
+        mode: SessionMode::Constrained { figure: number },
         facts: vec![number, 0, 255],
         received_at: BoothTime(1000),
         keep_day: 100,

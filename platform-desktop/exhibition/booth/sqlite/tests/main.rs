@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use paros_booth_rules::records::Device;
+use paros_booth_rules::records::{Device, SCHEMA_VERSION};
 use paros_booth_rules::{BoothTime, update, view};
 use paros_booth_sqlite::SqliteStore;
 use rusqlite::Connection;
@@ -26,8 +26,9 @@ fn new_path() -> PathBuf {
 fn another_version_is_left_alone() {
     let path = new_path();
     drop(SqliteStore::open(&path).expect("a new database"));
-    // Of tables of before the application's id, of a newer program, and of another application.
-    for (application, version) in [(0, 5), (APPLICATION, 2), (1, 1)] {
+    // Tables of an older and a newer program, and files of other applications.
+    let (older, newer) = (SCHEMA_VERSION - 1, SCHEMA_VERSION + 1);
+    for (application, version) in [(0, 5), (APPLICATION, older), (APPLICATION, newer), (1, 1)] {
         let database = Connection::open(&path).unwrap();
         database.pragma_update(None, "application_id", application).unwrap();
         database.pragma_update(None, "user_version", version).unwrap();

@@ -322,6 +322,7 @@ mod tests {
     use paros_booth_rules::MailJob;
     use paros_booth_rules::records::{ExportState, Sculpture};
     use paros_core::badge::Language;
+    use paros_core::session::SessionMode;
 
     use super::{MAX_MODEL_BYTES, MailContent, choose_content, write_text};
 
@@ -334,6 +335,9 @@ mod tests {
             hash: [2; 32],
             badge: Some(77),
             claimed_badge: Some(77),
+            pictures: 0,
+            language: *b"en",
+            mode: SessionMode::FreeForm,
             facts: Vec::new(),
             received_at: Default::default(),
             keep_day: 1,

@@ -15,7 +15,7 @@ pub use sculptures::{ExportState, Sculpture, Tombstone};
 pub use work::{SeenTime, WorkKind, WorkLease};
 
 /// The version of the tables. A change of a record raises it.
-pub const SCHEMA_VERSION: i64 = 1;
+pub const SCHEMA_VERSION: i64 = 2;
 
 /// The statements that make the tables, for SQLite.
 pub const SCHEMA: &str = include_str!("schema.sql");

@@ -1,7 +1,7 @@
 //! Sculptures, and what is left of those that were deleted.
 
 use paros_core::badge::{BadgeNumber, Language};
-use paros_protocol::UploadFacts;
+use paros_core::session::SessionMode;
 
 use crate::record::record;
 use crate::time::BoothTime;
@@ -33,6 +33,12 @@ record! {
         /// The same number if the badge is its own: it was leased to the headset that sent it, and no other sculpture that is
         /// kept has it.
         pub claimed_badge: Option<u32>,
+        /// The pictures of its badge, a bit for each pictogram's number: none without a badge.
+        pub pictures: u64,
+        /// The visit's language, two small letters of ISO 639-1.
+        pub language: [u8; 2],
+        /// The start of its session.
+        pub mode: SessionMode,
         /// `UploadFacts`, as they came.
         pub facts: Vec<u8>,
         /// When it was whole.
@@ -80,12 +86,9 @@ impl Sculpture {
         self.claimed_badge.is_none() && badge.is_some_and(|badge| !badge.is_provisional())
     }
 
-    /// The language that its visitor chose; English where its facts can't be read.
+    /// The language that its visitor chose, if the booth has texts in that; else English.
     #[must_use]
     pub fn visit_language(&self) -> Language {
-        match UploadFacts::from_json(&self.facts) {
-            Ok(UploadFacts { language, .. }) if &language == b"el" => Language::Greek,
-            _ => Language::English,
-        }
+        if &self.language == b"el" { Language::Greek } else { Language::English }
     }
 }
