@@ -104,6 +104,12 @@ impl<T: Field> Field for Option<T> {
     }
 }
 
+impl ToValue for Value {
+    fn to_value(&self) -> Value {
+        self.clone()
+    }
+}
+
 impl ToValue for &str {
     fn to_value(&self) -> Value {
         Value::Text((*self).to_owned())

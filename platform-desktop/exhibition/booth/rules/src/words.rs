@@ -69,6 +69,24 @@ impl HeardBadge {
         Ok(HeardBadge { colour: colours.first().copied(), pictograms, unknown })
     }
 
+    /// Makes a badge of which a colour and pictograms are known.
+    #[must_use]
+    pub const fn new(colour: Option<BadgeColour>, pictograms: Vec<Pictogram>) -> Self {
+        HeardBadge { colour, pictograms, unknown: Vec::new() }
+    }
+
+    /// The colour, if one was said.
+    #[must_use]
+    pub const fn colour(&self) -> Option<BadgeColour> {
+        self.colour
+    }
+
+    /// The pictograms, in the order in which they were said.
+    #[must_use]
+    pub fn pictograms(&self) -> &[Pictogram] {
+        &self.pictograms
+    }
+
     /// The badge, where a colour and four pictograms were said. Whether its check fits is not looked at.
     #[must_use]
     pub fn badge(&self) -> Option<Badge> {
@@ -122,8 +140,7 @@ impl HeardBadge {
 
 impl From<Badge> for HeardBadge {
     fn from(badge: Badge) -> Self {
-        let pictograms = badge.pictograms.to_vec();
-        HeardBadge { colour: Some(badge.colour), pictograms, unknown: Vec::new() }
+        HeardBadge::new(Some(badge.colour), badge.pictograms.to_vec())
     }
 }
 

@@ -19,7 +19,7 @@ fn booth_with_sculpture() -> (Rig, Parcel) {
 }
 
 fn shown(rig: &Rig) -> usize {
-    rig.booth.list_newest(9, START).unwrap().len()
+    rig.list(false, START).len()
 }
 
 /// Sweeps every day from one day to another, as a booth that runs.
@@ -74,7 +74,7 @@ fn a_confirmed_jump_withdraws_first_and_deletes_a_week_later() {
     assert_eq!(rig.booth.list_audit(1).unwrap()[0].action, "confirm clock");
     let report = rig.sweep(days(100));
     assert_eq!((report.withdrawn, report.deleted), (1, 0));
-    assert_eq!(rig.booth.list_withdrawn(9, START).unwrap()[0].id, parcel.id.0);
+    assert_eq!(rig.list(true, START)[0].id, parcel.id.0);
     let report = run(&rig, 101..=106);
     assert_eq!((report.withdrawn, report.deleted), (0, 0));
     assert_eq!(run(&rig, 107..=107).deleted, 1);

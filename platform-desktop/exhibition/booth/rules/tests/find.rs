@@ -37,8 +37,8 @@ fn a_badge_finds_its_sculpture_and_a_provisional_one_all() {
     // One whose badge lapsed stands behind, though it is newer.
     rig.upload(&other, &Parcel::new(50, Some(number)), seconds(50)).unwrap();
     assert_eq!(found(&rig, &number.badge()), [id(1), id(50)]);
-    let newest = rig.booth.list_newest(2, seconds(99)).unwrap();
-    assert_eq!(newest.iter().map(|kept| kept.id[0]).collect::<Vec<_>>(), [50, 5]);
+    let newest = rig.list(false, seconds(99));
+    assert_eq!(newest[..2].iter().map(|kept| kept.id[0]).collect::<Vec<_>>(), [50, 5]);
 }
 
 #[test]

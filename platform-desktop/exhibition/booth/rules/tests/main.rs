@@ -7,6 +7,7 @@ mod enrol;
 mod find;
 mod heartbeat;
 mod lifecycle;
+mod list;
 mod mail;
 mod printers;
 mod prints;

@@ -20,7 +20,7 @@ fn a_parcel_is_kept_once_however_often_it_comes() {
     for sender in [&device, &other] {
         assert_eq!(rig.upload(sender, &parcel, seconds(9)).unwrap(), ParcelOutcome::Kept);
     }
-    let newest = rig.booth.list_newest(9, START).unwrap();
+    let newest = rig.list(false, START);
     assert_eq!((newest.len(), newest[0].headset), (1, device.headset));
     rig.booth.delete(&parcel.id, "ana", START).unwrap();
     for sender in [&device, &other] {
@@ -64,7 +64,7 @@ fn no_sculpture_is_refused_and_nothing_of_it_stays() {
         assert_eq!(status(rig.upload(&device, &parcel, START)), 422);
     }
     assert_eq!(rig.files.kept_names(), []);
-    assert_eq!(rig.booth.list_newest(9, START).unwrap(), []);
+    assert_eq!(rig.list(false, START), []);
     rig.upload(&device, &Parcel::new(40, None), START).expect("the id isn't spent");
 }
 

@@ -13,6 +13,8 @@ mod find;
 mod heartbeat;
 #[path = "../../rules/tests/lifecycle.rs"]
 mod lifecycle;
+#[path = "../../rules/tests/list.rs"]
+mod list;
 #[path = "../../rules/tests/mail.rs"]
 mod mail;
 #[path = "../../rules/tests/printers.rs"]

@@ -6,11 +6,13 @@ mod memory_files;
 use std::sync::Arc;
 use std::time::Duration;
 
-use paros_booth_rules::records::Device;
-use paros_booth_rules::{Booth, BoothPlan, BoothTime, Refusal, SiteKeys, Store, SweepReport};
+use paros_booth_rules::records::{Device, Sculpture};
+use paros_booth_rules::{
+    Booth, BoothPlan, BoothTime, ListFilter, PageStart, Refusal, SiteKeys, Store, SweepReport,
+};
 use paros_booth_sqlite::SqliteStore;
-use paros_core::badge::BadgeNumber;
-use paros_core::session::SessionMode;
+pub(crate) use paros_core::badge::BadgeNumber;
+pub(crate) use paros_core::session::SessionMode;
 use paros_core::visit::VisitPhase;
 pub(crate) use paros_protocol::*;
 
@@ -74,6 +76,12 @@ impl Rig {
         now: BoothTime,
     ) -> Result<ParcelOutcome, Refusal> {
         self.booth.take_parcel(device.headset, parcel.id, &parcel.file(), &decode, now)
+    }
+
+    /// The first page of the sculptures that are withdrawn, or of the others.
+    pub(crate) fn list(&self, is_withdrawn: bool, now: BoothTime) -> Vec<Sculpture> {
+        let filter = ListFilter { is_withdrawn, ..ListFilter::default() };
+        self.booth.list_page(&filter, PageStart::Newest, 60, now).expect("a list").sculptures
     }
 
     /// The blocks that a headset leases, in an epoch in which it holds nothing.

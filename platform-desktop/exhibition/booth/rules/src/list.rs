@@ -1,0 +1,215 @@
+//! Lists of sculptures: filtered, in pages, the newest first.
+
+use std::ops::Range;
+
+use paros_core::badge::NUMBERS_OF_COLOUR;
+use paros_core::session::SessionMode;
+
+use crate::booth::{Booth, Tx};
+use crate::limits::MAX_LISTED;
+use crate::records::Sculpture;
+use crate::refusal::Refusal;
+use crate::store::StoreError;
+use crate::time::BoothTime;
+use crate::value::{ToValue, Value};
+use crate::words::{HeardBadge, picture_bits};
+
+/// Conditions that all sculptures of a list meet.
+#[derive(Clone, PartialEq, Eq, Default, Debug)]
+pub struct ListFilter {
+    /// `true` lists the withdrawn sculptures, in the order of their withdrawal; `false` the others, in the order of arrival.
+    pub is_withdrawn: bool,
+    /// The time of arrival at the booth.
+    pub received: Option<Range<BoothTime>>,
+    /// The headset that sent it.
+    pub headset: Option<u32>,
+    /// The visit's language, two small letters of ISO 639-1.
+    pub language: Option<[u8; 2]>,
+    /// The start of the session is one of these; empty for any start.
+    pub starts: Vec<SessionMode>,
+    /// The badge has this colour and all of these pictures, in any order.
+    pub badge: Option<HeardBadge>,
+}
+
+/// The place of a sculpture in the order of a list. The place of a sculpture that was deleted meanwhile is valid too.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ListPlace {
+    /// The time that orders the list: of arrival or withdrawal.
+    pub at: BoothTime,
+    /// The sculpture's id.
+    pub id: [u8; 16],
+}
+
+/// The page of a list that is asked for.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub enum PageStart {
+    /// The first page.
+    #[default]
+    Newest,
+    /// The page behind a place.
+    OlderThan(ListPlace),
+    /// The page before a place; the first page if less than a page is before the place.
+    NewerThan(ListPlace),
+}
+
+/// A page of a list.
+#[derive(Clone, PartialEq, Eq, Default, Debug)]
+pub struct ListPage {
+    /// Its sculptures.
+    pub sculptures: Vec<Sculpture>,
+    /// The number of sculptures on the pages before it.
+    pub newer: u64,
+    /// The number of sculptures on all pages.
+    pub count: u64,
+}
+
+/// Conditions of SQL, and the values of their parameters.
+#[derive(Clone)]
+struct Conditions {
+    terms: Vec<String>,
+    values: Vec<Value>,
+}
+
+impl Booth {
+    /// Lists a page of at most `most` sculptures that meet a filter. A page that has become empty is replaced by the first one.
+    ///
+    /// # Errors
+    /// Those of the store.
+    pub fn list_page(
+        &self,
+        filter: &ListFilter,
+        start: PageStart,
+        most: usize,
+        now: BoothTime,
+    ) -> Result<ListPage, Refusal> {
+        let (all, most) = (filter.conditions(now), most.min(MAX_LISTED));
+        self.view(|tx| {
+            let mut sculptures = filter.find(tx, &all, start, most)?;
+            let is_cut = matches!(start, PageStart::NewerThan(_)) && sculptures.len() < most;
+            if is_cut || sculptures.is_empty() {
+                sculptures = filter.find(tx, &all, PageStart::Newest, most)?;
+            }
+            let newer = match sculptures.first() {
+                Some(first) => all.clone().beyond(filter, ">", ListPlace::of(first)).count(tx)?,
+                None => 0,
+            };
+            Ok(ListPage { sculptures, newer, count: all.count(tx)? })
+        })
+    }
+}
+
+impl ListPage {
+    /// Returns the start of the page behind this one; `None` on the last page.
+    #[must_use]
+    pub fn older(&self) -> Option<PageStart> {
+        let shown = self.newer + self.sculptures.len() as u64;
+        let last = self.sculptures.last().filter(|_| shown < self.count)?;
+        Some(PageStart::OlderThan(ListPlace::of(last)))
+    }
+
+    /// Returns the start of the page before this one; `None` on the first page.
+    #[must_use]
+    pub fn newer(&self) -> Option<PageStart> {
+        let first = self.sculptures.first().filter(|_| self.newer > 0)?;
+        Some(PageStart::NewerThan(ListPlace::of(first)))
+    }
+}
+
+impl ListPlace {
+    fn of(sculpture: &Sculpture) -> Self {
+        let at = sculpture.withdrawn_at.unwrap_or(sculpture.received_at);
+        ListPlace { at, id: sculpture.id }
+    }
+}
+
+impl ListFilter {
+    fn conditions(&self, now: BoothTime) -> Conditions {
+        let withdrawn = if self.is_withdrawn { "IS NOT NULL" } else { "IS NULL" };
+        let terms = vec![format!("withdrawn_at {withdrawn}")];
+        let mut all = Conditions { terms, values: Vec::new() };
+        // The plus keeps SQLite from walking the index of this column, which almost all rows match.
+        all.add("+keep_day >= {}", &[&now.day()]);
+        if let Some(Range { start, end }) = &self.received {
+            all.add("received_at >= {} AND received_at < {}", &[start, end]);
+        }
+        if let Some(headset) = &self.headset {
+            all.add("headset = {}", &[headset]);
+        }
+        if let Some(language) = &self.language {
+            all.add("language = {}", &[language]);
+        }
+        if !self.starts.is_empty() {
+            let places = vec!["{}"; self.starts.len()].join(", ");
+            let starts: Vec<&dyn ToValue> = self.starts.iter().map(|start| start as _).collect();
+            all.add(&format!("mode IN ({places})"), &starts);
+        }
+        if let Some(badge) = &self.badge {
+            let pictures = picture_bits(badge.pictograms());
+            all.add("(pictures & {}) = {}", &[&pictures, &pictures]);
+            if let Some(colour) = badge.colour() {
+                let first = colour as u32 * NUMBERS_OF_COLOUR;
+                let last = first + NUMBERS_OF_COLOUR - 1;
+                all.add("+badge BETWEEN {} AND {}", &[&first, &last]);
+            }
+        }
+        all
+    }
+
+    fn find(
+        &self,
+        tx: &mut Tx<'_>,
+        all: &Conditions,
+        start: PageStart,
+        most: usize,
+    ) -> Result<Vec<Sculpture>, StoreError> {
+        let (mut all, order) = match start {
+            PageStart::Newest => (all.clone(), "DESC"),
+            PageStart::OlderThan(place) => (all.clone().beyond(self, "<", place), "DESC"),
+            PageStart::NewerThan(place) => (all.clone().beyond(self, ">", place), "ASC"),
+        };
+        all.values.push(most.to_value());
+        let (at, limit) = (self.order(), all.values.len());
+        let query = format!("{} ORDER BY {at} {order}, id {order} LIMIT ?{limit}", all.sql());
+        let mut found = tx.find(&query, &all.parameters())?;
+        if order == "ASC" {
+            found.reverse();
+        }
+        Ok(found)
+    }
+
+    /// Returns the column that orders the list.
+    const fn order(&self) -> &'static str {
+        if self.is_withdrawn { "withdrawn_at" } else { "received_at" }
+    }
+}
+
+impl Conditions {
+    /// Adds a condition, in which each `{}` stands for the next value.
+    fn add(&mut self, condition: &str, values: &[&dyn ToValue]) {
+        let mut term = condition.to_owned();
+        for value in values {
+            self.values.push(value.to_value());
+            term = term.replacen("{}", &format!("?{}", self.values.len()), 1);
+        }
+        self.terms.push(term);
+    }
+
+    /// Adds that a sculpture comes before (`>`) or behind (`<`) a place in the list.
+    fn beyond(mut self, filter: &ListFilter, side: &str, place: ListPlace) -> Self {
+        let term = format!("({}, id) {side} ({{}}, {{}})", filter.order());
+        self.add(&term, &[&place.at, &place.id]);
+        self
+    }
+
+    fn sql(&self) -> String {
+        format!("WHERE {}", self.terms.join(" AND "))
+    }
+
+    fn parameters(&self) -> Vec<&dyn ToValue> {
+        self.values.iter().map(|value| value as _).collect()
+    }
+
+    fn count(&self, tx: &mut Tx<'_>) -> Result<u64, StoreError> {
+        tx.count::<Sculpture>(&self.sql(), &self.parameters())
+    }
+}
