@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use axum::body::Body;
-use axum::extract::{Form, FromRequest as _};
+use axum::extract::{Form, FromRequest as _, Query};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Request, header};
 use futures_util::FutureExt as _;
-use paros_booth_rules::Deletion;
+use paros_booth_rules::{BoothTime, Deletion};
 
 use crate::commands::restore;
 use crate::error::Error;
@@ -68,6 +68,15 @@ pub fn read_form(body: &[u8], names: &[&str]) -> Option<Vec<String>> {
     let size = staff::read_size(&fields.get("height"), &fields.get("minutes"));
     let size = size.map_or_else(|refusal| refusal.to_string(), |size| format!("{size:?}"));
     Some(names.iter().map(|name| fields.get(name)).chain([size]).collect())
+}
+
+/// Reads the query of the address of the list of sculptures. Returns the address as the booth writes it, and what it lists.
+#[must_use]
+pub fn read_list(query: &str) -> Option<(String, String)> {
+    let address = format!("/staff?{query}").parse().ok()?;
+    let Query(fields) = Query::<staff::Fields>::try_from_uri(&address).ok()?;
+    let (link, filter) = staff::read_query(&fields, BoothTime(1_790_000_000_000));
+    Some((link, format!("{filter:?}")))
 }
 
 /// The length of a parcel's file, as the address and the headers say.

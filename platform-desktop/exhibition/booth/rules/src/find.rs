@@ -1,4 +1,4 @@
-//! How staff find a sculpture: by its badge, by one that was misread, or newest first.
+//! How staff find a sculpture: by its badge, or by one that was misread.
 
 use paros_core::badge::{Badge, BadgeNumber};
 use paros_protocol::SculptureId;
@@ -97,24 +97,6 @@ impl Booth {
         found.ok_or(NO_SCULPTURE)
     }
 
-    /// The sculptures that are shown, the newest first.
-    ///
-    /// # Errors
-    /// Those of the store.
-    pub fn list_newest(&self, count: usize, _now: BoothTime) -> Result<Vec<Sculpture>, Refusal> {
-        let shown = "WHERE withdrawn_at IS NULL ORDER BY received_at DESC, id LIMIT ?1";
-        self.list_sculptures(shown, count)
-    }
-
-    /// The sculptures that are withdrawn, the last one first.
-    ///
-    /// # Errors
-    /// Those of the store.
-    pub fn list_withdrawn(&self, count: usize, _now: BoothTime) -> Result<Vec<Sculpture>, Refusal> {
-        let withdrawn = "WHERE withdrawn_at IS NOT NULL ORDER BY withdrawn_at DESC, id LIMIT ?1";
-        self.list_sculptures(withdrawn, count)
-    }
-
     /// The sculptures that were announced and haven't come, the newest first.
     ///
     /// # Errors
@@ -139,10 +121,6 @@ impl Booth {
     /// Those of the store.
     pub fn count<R: Record>(&self, rest: &str, values: &[&dyn ToValue]) -> Result<u64, Refusal> {
         self.view(|tx| tx.count::<R>(rest, values))
-    }
-
-    fn list_sculptures(&self, query: &str, count: usize) -> Result<Vec<Sculpture>, Refusal> {
-        self.view(|tx| tx.find(query, &[&count.min(MAX_LISTED)]))
     }
 }
 

@@ -96,7 +96,7 @@ pub const MAX_FILAMENT_CHARS: usize = 40;
 /// Letters of a print's note: what fits on its slip.
 pub const MAX_NOTE_CHARS: usize = 300;
 
-/// Pictograms that find a sculpture: with two there are too many badges to look at.
+/// Pictograms from which on the badges that may be meant are looked for: with two there are too many.
 pub const LEAST_HEARD: usize = 3;
 
 /// Letters of a long word that may be wrong: any two names differ in two at least, long ones in more.

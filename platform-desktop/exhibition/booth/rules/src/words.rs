@@ -5,7 +5,7 @@ use paros_core::badge::{Badge, BadgeColour, Language, Pictogram};
 
 use crate::limits::{LEAST_HEARD, MAX_SLIPS};
 
-/// What was understood of somebody's words: a colour, if one was said, and three or four pictograms.
+/// The parts of a badge that were understood: a colour, pictograms, or both.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct HeardBadge {
     colour: Option<BadgeColour>,
@@ -17,14 +17,14 @@ pub struct HeardBadge {
 /// Why words are no badge.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum WordsFault {
-    /// A word that is neither a colour nor a pictogram, and too few that are.
+    /// A word that is neither a colour nor a pictogram, and none that is.
     #[error("\"{0}\" is no colour and no picture of a badge")]
     UnknownWord(String),
     /// More than one colour.
     #[error("{0} colours; expected one")]
     Colours(usize),
-    /// Not three or four pictograms.
-    #[error("{0} pictures; expected four, or three")]
+    /// Not one to four pictograms.
+    #[error("{0} pictures; expected one to four")]
     Pictograms(usize),
 }
 
@@ -36,11 +36,11 @@ enum Meaning {
 }
 
 impl HeardBadge {
-    /// Reads words in either language, or in both: a colour anywhere, or none, and pictograms in any order. A letter or
+    /// Reads words in either language, or in both: a colour anywhere, or none, and up to four pictograms in any order. A letter or
     /// two may be wrong, missing or too many, and one of a thing may be several of it.
     ///
     /// # Errors
-    /// What is too little or too much; the first word that is unknown where there is too little.
+    /// Too many colours or pictograms; or none of them, then the first unknown word.
     pub fn parse(text: &str) -> Result<Self, WordsFault> {
         let (mut colours, mut pictograms, mut unknown) = (Vec::new(), Vec::new(), Vec::new());
         // An accent may come as a letter of its own.
@@ -62,8 +62,8 @@ impl HeardBadge {
         if pictograms.len() > 4 {
             return Err(WordsFault::Pictograms(pictograms.len()));
         }
-        if pictograms.len() < LEAST_HEARD {
-            let fault = WordsFault::Pictograms(pictograms.len());
+        if colours.is_empty() && pictograms.is_empty() {
+            let fault = WordsFault::Pictograms(0);
             return Err(unknown.into_iter().next().map_or(fault, WordsFault::UnknownWord));
         }
         Ok(HeardBadge { colour: colours.first().copied(), pictograms, unknown })
@@ -85,6 +85,12 @@ impl HeardBadge {
     #[must_use]
     pub fn pictograms(&self) -> &[Pictogram] {
         &self.pictograms
+    }
+
+    /// `true` if there are pictograms enough to look for the badges that may be meant.
+    #[must_use]
+    pub const fn is_nearly_whole(&self) -> bool {
+        self.pictograms.len() >= LEAST_HEARD
     }
 
     /// The badge, where a colour and four pictograms were said. Whether its check fits is not looked at.

@@ -2,7 +2,7 @@
 
 use super::common::*;
 use paros_booth_rules::{FoundByBadge, HeardBadge, LinkToken, WordsFault};
-use paros_core::badge::{Badge, BadgeNumber, Language, Pictogram, write_words};
+use paros_core::badge::{Badge, BadgeColour, BadgeNumber, Language, Pictogram, write_words};
 use paros_protocol::SculptureId;
 use proptest::prelude::*;
 
@@ -100,14 +100,28 @@ fn words_are_read_with_a_slip() {
         assert_eq!(read(words), badge, "{words}");
     }
     let unknown = WordsFault::UnknownWord("dragon".into());
-    assert_eq!(HeardBadge::parse("red pizza dragon rocket"), Err(unknown));
+    assert_eq!(HeardBadge::parse("a dragon and a wizard"), Err(unknown));
     let heard = HeardBadge::parse("red pizza dragon rocket chair").unwrap();
     assert_eq!((heard.badge(), heard.unknown), (None, vec!["dragon".to_owned()]));
     let parse = |words| HeardBadge::parse(words).map(drop);
     assert_eq!(parse("pizza mushroom rocket chair"), Ok(()));
     assert_eq!(parse("red blue pizza"), Err(WordsFault::Colours(2)));
-    assert_eq!(parse("red pizza mushroom"), Err(WordsFault::Pictograms(2)));
+    assert_eq!(parse("with the"), Err(WordsFault::Pictograms(0)));
     assert_eq!(parse("owl cat fish snail duck"), Err(WordsFault::Pictograms(5)));
+}
+
+#[test]
+fn a_part_of_a_badge_is_understood() {
+    for (words, colour, pictures, is_nearly_whole) in [
+        ("pizza", None, 1, false),
+        ("κόκκινο", Some(BadgeColour::Red), 0, false),
+        ("a red badge, mushroom and pizza", Some(BadgeColour::Red), 2, false),
+        ("pizza mushroom rocket", None, 3, true),
+    ] {
+        let heard = HeardBadge::parse(words).unwrap();
+        assert_eq!((heard.colour(), heard.pictograms().len()), (colour, pictures), "{words}");
+        assert_eq!((heard.badge(), heard.is_nearly_whole()), (None, is_nearly_whole), "{words}");
+    }
 }
 
 /// Several of each, and other forms that people say: each is what it is one of.

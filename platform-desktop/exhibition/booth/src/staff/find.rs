@@ -1,14 +1,15 @@
-//! Finding a sculpture by its badge: by words, or tapped.
+//! Finding a sculpture by its badge: by words, or tapped. One or two pictures lead to the list of all that have them.
 
 use std::sync::Arc;
 
 use axum::extract::{Query, State};
-use axum::response::Response;
+use axum::response::{IntoResponse, Redirect, Response};
 use maud::{Markup, html};
 use paros_booth_rules::{BadgeMatches, FoundByBadge, HeardBadge, WordsFault};
-use paros_core::badge::{Badge, BadgeColour, Pictogram};
+use paros_core::badge::{BadgeColour, Pictogram};
 
 use super::admin_texts::AdminTexts;
+use super::list::{link_to_badge, unknown_words};
 use super::page::{Fields, StaffAnswer, StaffView};
 use super::refusal_texts::tell_words_fault;
 use super::sculptures::{cards, missing_card};
@@ -25,19 +26,25 @@ pub(crate) async fn find(
 ) -> Result<Response, StaffAnswer> {
     let texts = view.texts;
     let (words, colour) = (fields.get("words"), fields.get("colour"));
+    let pictures = fields.get("pictures");
     let asked = if !words.is_empty() {
-        let heard = HeardBadge::parse(&words);
-        Some(heard.map_err(|fault| tell_words_fault(texts.language, &fault)))
-    } else if !colour.is_empty() {
-        let badge = read_tapped(&colour, &fields.get("pictures")).map(HeardBadge::from);
-        let fault = WordsFault::Pictograms(0);
-        Some(badge.ok_or_else(|| tell_words_fault(texts.language, &fault)))
+        Some(HeardBadge::parse(&words))
+    } else if !colour.is_empty() || !pictures.is_empty() {
+        Some(read_tapped(&colour, &pictures).ok_or(WordsFault::Pictograms(0)))
     } else {
         None
     };
+    if let Some(Ok(heard)) = &asked
+        && !heard.is_nearly_whole()
+    {
+        let words = if words.is_empty() { name_parts(texts, heard) } else { words };
+        return Ok(Redirect::to(&link_to_badge(words)).into_response());
+    }
     let result = match asked {
         None => html! {},
-        Some(Err(why)) => html! { p class="note" role="alert" { (why) } },
+        Some(Err(fault)) => {
+            html! { p class="note" role="alert" { (tell_words_fault(texts.language, &fault)) } }
+        }
         Some(Ok(heard)) => {
             let asked = heard.clone();
             let found = app.run(move |app| app.booth.find_by_badge(&asked, booth_time())).await;
@@ -54,6 +61,7 @@ pub(crate) async fn find(
         p { (texts.how_to_tap) }
         div class="chosen" {
             div id="chosen" aria-live="polite" {}
+            button id="search" type="button" disabled { (texts.find) }
             button id="back" type="button" aria-label=(AdminTexts::of(texts).take_back) { "⌫" }
         }
         div class="keys" {
@@ -74,20 +82,29 @@ pub(crate) async fn find(
     Ok(view.page(texts.find, &body))
 }
 
-/// A badge of the numbers of a colour and of four pictograms with dashes between them.
-fn read_tapped(colour: &str, pictures: &str) -> Option<Badge> {
-    let colour = *BadgeColour::ALL.get(colour.parse::<usize>().ok()?)?;
-    let numbers = pictures.split('-').map(|number| number.parse().ok().and_then(Pictogram::new));
-    let pictograms: Vec<Pictogram> = numbers.collect::<Option<_>>()?;
-    Some(Badge { colour, pictograms: pictograms.try_into().ok()? })
+/// Reads what was tapped: the number of a colour, and those of up to four pictograms with dashes between them.
+fn read_tapped(colour: &str, pictures: &str) -> Option<HeardBadge> {
+    let colour = match colour {
+        "" => None,
+        number => Some(*BadgeColour::ALL.get(number.parse::<usize>().ok()?)?),
+    };
+    let numbers = pictures.split('-').filter(|number| !number.is_empty());
+    let pictograms = numbers.map(|number| number.parse().ok().and_then(Pictogram::new));
+    let pictograms: Vec<Pictogram> = pictograms.collect::<Option<_>>()?;
+    (pictograms.len() <= 4).then(|| HeardBadge::new(colour, pictograms))
+}
+
+/// Names a colour and pictograms, as somebody would type them.
+fn name_parts(texts: &Texts, heard: &HeardBadge) -> String {
+    let colour = heard.colour().map(|colour| colour.name(texts.language));
+    let pictograms = heard.pictograms().iter().map(|pictogram| pictogram.name(texts.language));
+    colour.into_iter().chain(pictograms).collect::<Vec<_>>().join(" ")
 }
 
 fn found_by_badge(texts: &Texts, heard: &HeardBadge, found: &FoundByBadge) -> Markup {
     html! {
         @if let Some(badge) = heard.badge() { (draw_badge(&badge, texts.language)) }
-        @if !heard.unknown.is_empty() {
-            p class="note" { (texts.not_understood) " " (heard.unknown.join(", ")) }
-        }
+        (unknown_words(texts, heard))
         @match found {
             FoundByBadge::Exact(matches) => { (matches_of(texts, matches)) },
             FoundByBadge::Nearest(nearest) => {
@@ -116,16 +133,16 @@ mod tests {
     use super::read_tapped;
 
     #[test]
-    fn a_badge_is_tapped_whole() {
-        assert!(read_tapped("7", "0-1-2-63").is_some());
-        for (colour, pictures) in [
-            ("8", "0-1-2-3"),
-            ("-1", "0-1-2-3"),
-            ("0", "0-1-2-64"),
-            ("0", "0-1-2"),
-            ("0", "0-1-2-3-4"),
-            ("0", ""),
-        ] {
+    fn a_badge_is_tapped_whole_or_in_part() {
+        let whole = read_tapped("7", "0-1-2-63").expect("a badge");
+        assert!(whole.badge().is_some());
+        for (colour, pictures) in [("", "5"), ("0", ""), ("0", "0-1-2"), ("", "0-1-2-3")] {
+            let part = read_tapped(colour, pictures).expect("a part of one");
+            assert_eq!(part.badge(), None, "{colour} {pictures}");
+        }
+        for (colour, pictures) in
+            [("8", "0-1-2-3"), ("-1", "0-1-2-3"), ("0", "0-1-2-64"), ("0", "0-1-2-3-4"), ("", "x")]
+        {
             assert_eq!(read_tapped(colour, pictures), None, "{colour} {pictures}");
         }
     }

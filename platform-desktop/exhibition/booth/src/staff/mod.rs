@@ -10,6 +10,8 @@ mod frame;
 mod hash_queue;
 mod headsets;
 mod import;
+mod list;
+mod list_texts;
 mod login;
 mod login_gate;
 mod mails;
@@ -37,6 +39,7 @@ use axum::routing::{MethodRouter, any, get, post, put};
 
 pub(crate) use frame::keep_frame;
 pub(crate) use import::IMPORT_PATH;
+pub(crate) use list::read_query;
 pub(crate) use login_gate::LoginGate;
 pub(crate) use page::Fields;
 pub(crate) use passwords::{draw_password, make_hash};
@@ -73,8 +76,7 @@ pub(crate) fn router(app: &Arc<BoothApp>) -> Router<Arc<BoothApp>> {
         .merge(for_admins)
         .route("/staff/account", get(account::show_account))
         .route("/staff/account/password", post(account::change_password))
-        .route("/staff", get(sculptures::show_newest))
-        .route("/staff/withdrawn", get(sculptures::show_withdrawn))
+        .route("/staff", get(list::show_list))
         .route("/staff/missing", get(sculptures::show_missing))
         .route("/staff/find", get(find::find))
         .route("/staff/sculptures/{id}", get(sculptures::show))

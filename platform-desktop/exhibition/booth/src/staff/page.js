@@ -4,6 +4,7 @@ const chosen = document.getElementById("chosen");
 if (chosen) {
   let colour = null;
   let pictures = [];
+  const search = document.getElementById("search");
   const show = () => {
     chosen.replaceChildren();
     for (const key of [colour, ...pictures]) {
@@ -12,11 +13,14 @@ if (chosen) {
     for (const key of document.querySelectorAll("[data-colour]")) {
       key.setAttribute("aria-pressed", String(key === colour));
     }
-    if (colour && pictures.length === 4) {
-      const numbers = pictures.map((key) => key.dataset.picture).join("-");
-      location.assign("/staff/find?colour=" + colour.dataset.colour + "&pictures=" + numbers);
-    }
+    search.disabled = !colour && pictures.length === 0;
+    if (colour && pictures.length === 4) find();
   };
+  const find = () => {
+    const numbers = pictures.map((key) => key.dataset.picture).join("-");
+    location.assign("/staff/find?colour=" + (colour ? colour.dataset.colour : "") + "&pictures=" + numbers);
+  };
+  search.addEventListener("click", find);
   for (const key of document.querySelectorAll("[data-colour]")) {
     key.addEventListener("click", () => { colour = key; show(); });
   }

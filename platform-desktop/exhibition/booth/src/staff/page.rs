@@ -13,6 +13,7 @@ use serde::Deserialize;
 use super::admin_texts::AdminTexts;
 use super::done::{Done, forget_done};
 use super::forms::Refused;
+use super::list_texts::ListTexts;
 use super::print_texts::PrintTexts;
 use super::refusal_texts::tell_refusal;
 use super::texts::Texts;
@@ -148,9 +149,8 @@ pub(crate) fn frame_page(
                 header {
                     @if let Some(login) = login {
                         nav aria-label=(texts.title) {
-                            a href="/staff" { (texts.newest) } " "
+                            a href="/staff" { (ListTexts::of(texts.language).sculptures) } " "
                             a href="/staff/find" { (texts.find) } " "
-                            a href="/staff/withdrawn" { (texts.withdrawn) } " "
                             a href="/staff/missing" { (texts.missing) } " "
                             a href="/staff/prints" { (PrintTexts::of(texts.language).prints) } " "
                             a href="/staff/headsets" { (texts.headsets) } " "

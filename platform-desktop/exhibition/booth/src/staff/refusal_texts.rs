@@ -36,7 +36,7 @@ pub(crate) fn tell_words_fault(language: Language, fault: &WordsFault) -> String
             format!("{count} χρώματα· περιμέναμε ένα")
         }
         (Language::Greek, WordsFault::Pictograms(count)) => {
-            format!("{count} εικόνες· περιμέναμε τέσσερις, ή τρεις")
+            format!("{count} εικόνες· περιμέναμε μία έως τέσσερις")
         }
     })
 }

@@ -1,4 +1,4 @@
-//! Sculptures: listed, shown, downloaded, withdrawn and deleted.
+//! Sculptures: shown, downloaded, withdrawn and deleted.
 
 use std::sync::Arc;
 
@@ -16,7 +16,6 @@ use super::admin_texts::AdminTexts;
 use super::done::Done;
 use super::forms::{FormView, Refused};
 use super::mails::{MAIL_FORM, mails_of};
-use super::notices::AdminNotices;
 use super::page::{StaffAnswer, StaffForm, StaffView, action_button};
 use super::print_texts::PrintTexts;
 use super::prints::{PRINT_FORM, prints_of};
@@ -28,36 +27,10 @@ use crate::models::model::ModelFormat;
 use crate::server::app::BoothApp;
 use crate::viewer::draw_viewer;
 
-/// Sculptures of a list.
-const LISTED: usize = 60;
+/// Sculptures of a page: rows of two to six thumbnails are full.
+pub(super) const LISTED: usize = 60;
 
 type Answer = Result<Response, StaffAnswer>;
-
-/// `GET /staff`: the newest.
-pub(crate) async fn show_newest(State(app): State<Arc<BoothApp>>, view: StaffView) -> Answer {
-    let texts = view.texts;
-    let is_admin = view.login.check_admin().is_ok();
-    let now = booth_time();
-    let found = app.run(move |app| {
-        let notices = AdminNotices::find(app, is_admin, now)?;
-        Ok((app.booth.list_newest(LISTED, now)?, notices))
-    });
-    let (found, notices) = found.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
-    let words = AdminTexts::of(texts);
-    let body = html! {
-        (notices.draw(&app, words, &view.login, now))
-        (cards(texts, &found))
-    };
-    Ok(view.page(texts.newest, &body))
-}
-
-/// `GET /staff/withdrawn`.
-pub(crate) async fn show_withdrawn(State(app): State<Arc<BoothApp>>, view: StaffView) -> Answer {
-    let texts = view.texts;
-    let found = app.run(|app| app.booth.list_withdrawn(LISTED, booth_time())).await;
-    let found = found.map_err(|refusal| StaffAnswer(texts, refusal))?;
-    Ok(view.page(texts.withdrawn, &cards(texts, &found)))
-}
 
 /// `GET /staff/missing`: what was announced and hasn't come.
 pub(crate) async fn show_missing(State(app): State<Arc<BoothApp>>, view: StaffView) -> Answer {
@@ -254,20 +227,25 @@ pub(super) fn cards(texts: &Texts, sculptures: &[Sculpture]) -> Markup {
 
 fn sculpture_facts(texts: &Texts, sculpture: &Sculpture) -> Markup {
     let at = format!("/staff/sculptures/{}/picture.png", SculptureId(sculpture.id));
-    let badge_note = match sculpture.claimed_badge {
-        None if sculpture.is_badge_lapsed() => texts.badge_lapsed,
-        None if sculpture.badge.is_some() => texts.badge_shared,
-        _ => "",
-    };
+    let note = badge_note(texts, sculpture);
     html! {
         img src=(at) alt=(texts.no_picture) width="192" height="192" loading="lazy";
         (badge_of(texts, sculpture.badge))
-        @if !badge_note.is_empty() { p class="note" { (badge_note) } }
+        @if !note.is_empty() { p class="note" { (note) } }
         p {
             (texts.headset) " " (sculpture.headset) br;
             (texts.received) " " (utc(sculpture.received_at)) br;
             (texts.export(sculpture.export))
         }
+    }
+}
+
+/// Returns why a badge may be another sculpture's too; nothing if it is this one's own.
+pub(super) fn badge_note(texts: &Texts, sculpture: &Sculpture) -> &'static str {
+    match sculpture.claimed_badge {
+        None if sculpture.is_badge_lapsed() => texts.badge_lapsed,
+        None if sculpture.badge.is_some() => texts.badge_shared,
+        _ => "",
     }
 }
 

@@ -7,11 +7,18 @@ use paros_core::badge::{
     Badge, BadgeColour, BadgePart, BadgeShape, Language, Pictogram, write_words,
 };
 
-/// A badge with its words as its label: its colour with the rim, which tells it without any colour, and its pictograms.
+/// A badge with its words below it.
 pub(crate) fn draw_badge(badge: &Badge, language: Language) -> Markup {
-    let mut words = String::new();
-    // Writing to a String doesn't fail.
-    let _ = write_words(&mut words, badge, language);
+    html! {
+        figure class="badge" {
+            (draw_plain_badge(badge, language))
+            figcaption { (words_of(badge, language)) }
+        }
+    }
+}
+
+/// A badge with its words as its label: its colour with the rim, which tells it without any colour, and its pictograms.
+pub(crate) fn draw_plain_badge(badge: &Badge, language: Language) -> Markup {
     let (ground, ink) = (hex(badge.colour.ground()), hex(badge.colour.ink()));
     let parts: Vec<(usize, String)> = badge
         .pictograms
@@ -20,17 +27,21 @@ pub(crate) fn draw_badge(badge: &Badge, language: Language) -> Markup {
         .map(|(k, pictogram)| (8 + 72 * (k + 1), draw_parts(pictogram.parts(), &ink, &ground)))
         .collect();
     html! {
-        figure class="badge" {
-            svg viewBox="0 0 368 80" role="img" aria-label=(words) {
-                rect x="1" y="1" width="366" height="78" rx="10" fill=(ground) stroke="#000000" {}
-                g transform="translate(8 8)" { (PreEscaped(draw_rim(badge.colour))) }
-                @for (x, parts) in &parts {
-                    g transform={ "translate(" (x) " 8)" } { (PreEscaped(parts)) }
-                }
+        svg viewBox="0 0 368 80" role="img" aria-label=(words_of(badge, language)) {
+            rect x="1" y="1" width="366" height="78" rx="10" fill=(ground) stroke="#000000" {}
+            g transform="translate(8 8)" { (PreEscaped(draw_rim(badge.colour))) }
+            @for (x, parts) in &parts {
+                g transform={ "translate(" (x) " 8)" } { (PreEscaped(parts)) }
             }
-            figcaption { (words) }
         }
     }
+}
+
+fn words_of(badge: &Badge, language: Language) -> String {
+    let mut words = String::new();
+    // Writing to a String doesn't fail.
+    let _ = write_words(&mut words, badge, language);
+    words
 }
 
 /// A pictogram in black on white.

@@ -239,14 +239,18 @@ const BACKUP: FuzzTarget = FuzzTarget {
     run: run_backup,
 };
 
-/// An input is the lines of a request: a page's form, or the id and the headers of a parcel.
+/// An input is the lines of a request: a page's form, the query of a list, or the id and the headers of a parcel.
 const REQUEST: FuzzTarget = FuzzTarget {
     name: "request",
     seeds: || {
         let put = format!("{}\ncontent-length: 11000", "ab".repeat(16));
         let form: &[u8] =
             b"form=00ff&height=80%2C5&minutes=&filament=%3Cb%3Ewhite&note=by+five%0D%0A";
-        vec![put.into_bytes(), form.into()]
+        let list = format!(
+            "words=owl+%CE%B3%CE%AC%CF%84%CE%B1&day=2026-11-27&hour=9&headset=7&language=el&start=cat&older=1790000000000-{}",
+            "ab".repeat(16)
+        );
+        vec![put.into_bytes(), form.into(), list.into_bytes()]
     },
     words: &[
         b"%",
@@ -272,6 +276,13 @@ const REQUEST: FuzzTarget = FuzzTarget {
         if let Some(fields) = internals::read_form(bytes, &["form", "note"]) {
             assert_eq!(fields.len(), 3);
             outcome += &format!("form {}", fields[2]);
+        }
+        if let Some((link, filter)) = internals::read_list(&String::from_utf8_lossy(bytes)) {
+            // The address that the booth writes asks for the same.
+            let query = link.strip_prefix("/staff?").expect("an address");
+            assert_eq!(internals::read_list(query), Some((link.clone(), filter.clone())));
+            let conditions = filter.matches("Some").count();
+            outcome += &format!("list {} {conditions} ", filter.starts_with("Ok"));
         }
         let mut lines = bytes.split(|byte| *byte == b'\n');
         let mut line = || lines.next().unwrap_or_default();

@@ -16,6 +16,7 @@ mod kills;
 mod lost;
 mod logins;
 mod mail;
+mod many;
 mod page;
 mod parcels;
 mod printer_stand_in;

@@ -70,7 +70,7 @@ fn staff_log_in_find_by_badge_mail_withdraw_and_undo_in_a_browser() {
     browser.fill("input[name=name]", "ana");
     browser.fill("input[name=password]", "correct horse battery");
     browser.enter();
-    assert!(browser.has(".cards .card"));
+    assert!(browser.has(".thumbs a"));
 
     // Tapped: a colour, and four pictures.
     let (_, badge) = a_badge(&folder);
@@ -110,13 +110,14 @@ fn staff_log_in_find_by_badge_mail_withdraw_and_undo_in_a_browser() {
     assert!(browser.text().contains("It can be brought back until"));
     look_at(&mut browser, "sculpture-withdrawn-phone");
     browser.open(&format!("{at}/staff"));
-    assert!(!browser.text().contains(&words), "it is hidden");
-    browser.follow("a[href='/staff/withdrawn']");
+    let thumbnail = format!(".thumbs [aria-label='{words}']");
+    assert!(!browser.has(&thumbnail), "it is hidden");
+    browser.open(&format!("{at}/staff?state=withdrawn"));
     look_at(&mut browser, "withdrawn-phone");
-    browser.follow(".cards .card a");
+    browser.follow(".thumbs a");
     browser.follow("form[action$='/bring-back'] button");
     browser.open(&format!("{at}/staff"));
-    assert!(browser.text().contains(&words), "it is back");
+    assert!(browser.has(&thumbnail), "it is back");
 
     // Said, by keyboard alone.
     browser.open(&format!("{at}/staff/find"));
@@ -175,14 +176,14 @@ fn every_page_is_for_everybody_on_a_phone_and_a_tablet() {
     browser.ask("document.querySelector('main').append(document.createElement('img'))");
     let found = find_violations(&mut browser).to_string();
     assert!(found.contains("image-alt"), "{found}");
-    let sculpture = browser.ask("document.querySelector('.card a').getAttribute('href')");
+    let sculpture = browser.ask("document.querySelector('.thumbs a').getAttribute('href')");
     let sculpture = sculpture.as_str().expect("an address").to_owned();
     let known = format!("/staff/badges/{}", number.get());
-    for (language, heading) in [("en", "Newest"), ("el", "Πρόσφατα")] {
+    for (language, heading) in [("en", "Sculptures"), ("el", "Γλυπτά")] {
         browser.open(&format!("{at}/staff/language/{language}"));
         assert_eq!(browser.ask("document.querySelector('h1').textContent"), heading);
         for (name, path) in [
-            ("newest", "/staff"),
+            ("list", "/staff"),
             ("find", "/staff/find"),
             ("sculpture", &sculpture),
             ("missing", "/staff/missing"),

@@ -195,7 +195,7 @@ fn staff_find_download_withdraw_and_delete_a_sculpture() {
     assert_eq!(forged.status, 403);
     assert_eq!(browser.click(&at, &format!("{at}/withdraw")).status, 303);
     assert!(!browser.get("/staff").text().contains(&words));
-    assert!(browser.get("/staff/withdrawn").text().contains(&words));
+    assert!(browser.get("/staff?state=withdrawn").text().contains(&words));
     assert_eq!(browser.click(&at, &format!("{at}/bring-back")).status, 303);
     assert!(browser.get("/staff").text().contains(&words));
     assert_eq!(browser.click(&at, &format!("{at}/delete")).status, 303);

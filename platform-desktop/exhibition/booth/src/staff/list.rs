@@ -1,0 +1,343 @@
+//! The list of sculptures: thumbnails, in pages, filtered. What was asked for stands in the address.
+
+use std::sync::Arc;
+
+use axum::extract::{Query, State};
+use axum::response::Response;
+use maud::{Markup, html};
+use paros_booth_rules::records::Sculpture;
+use paros_booth_rules::{
+    BoothTime, HeardBadge, ListFilter, ListPage, ListPlace, PageStart, WordsFault,
+};
+use paros_core::badge::{BadgeNumber, Language};
+use paros_core::session::SessionMode;
+use paros_protocol::SculptureId;
+use paros_shaders::panel::Message;
+use paros_shell::figures::{HiddenStart, MAX_OWN_FIGURES, own_figure_mode};
+
+use super::admin_texts::AdminTexts;
+use super::list_texts::ListTexts;
+use super::notices::AdminNotices;
+use super::page::{Fields, StaffAnswer, StaffView};
+use super::refusal_texts::tell_words_fault;
+use super::sculptures::{LISTED, badge_note, utc};
+use super::svg::draw_plain_badge;
+use super::texts::Texts;
+use crate::clock::booth_time;
+use crate::server::app::BoothApp;
+
+/// The value of the field `state` that shows withdrawn sculptures.
+const WITHDRAWN: &str = "withdrawn";
+
+/// Visitors' languages: the code, and the name in the language itself.
+const LANGUAGES: [(&str, &str); Language::ALL.len()] = [("en", "English"), ("el", "Ελληνικά")];
+
+/// Starts of sessions: the value of the field `start`, and the name on the visitors' cards.
+const STARTS: [(&str, Message); 8] = [
+    ("stone", Message::ChoiceFree),
+    ("owl", Message::FigureOwl),
+    ("cat", Message::FigureCat),
+    ("dolphin", Message::FigureDolphin),
+    ("amphora", Message::FigureAmphora),
+    ("surprise", Message::FigureSurprise),
+    ("shape", Message::ChoiceShape),
+    ("guest", Message::FigureOwn),
+];
+
+/// The fields of the list's form. An empty field filters nothing.
+#[derive(Default)]
+struct ListForm {
+    words: String,
+    day: String,
+    hour: String,
+    headset: String,
+    language: String,
+    start: String,
+    state: String,
+}
+
+/// `GET /staff`: a page of the sculptures that the form asks for.
+pub(crate) async fn show_list(
+    State(app): State<Arc<BoothApp>>,
+    view: StaffView,
+    Query(fields): Query<Fields>,
+) -> Result<Response, StaffAnswer> {
+    let (texts, now) = (view.texts, booth_time());
+    let form = ListForm::read(&fields, now);
+    let start = read_start(&fields);
+    let filter = form.filter();
+    let asked = filter.as_ref().ok().cloned();
+    let is_admin = view.login.check_admin().is_ok();
+    let found = app.run(move |app| {
+        let page = asked.map(|filter| app.booth.list_page(&filter, start, LISTED, now));
+        let notices = AdminNotices::find(app, is_admin, now)?;
+        Ok((page.transpose()?.unwrap_or_default(), notices))
+    });
+    let (page, notices) = found.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
+    let body = html! {
+        (notices.draw(&app, AdminTexts::of(texts), &view.login, now))
+        (draw_form(texts, &form))
+        @match &filter {
+            Err(fault) => p class="note" role="alert" { (tell_words_fault(texts.language, fault)) },
+            Ok(filter) => {
+                @if let Some(heard) = &filter.badge { (unknown_words(texts, heard)) }
+                (draw_page(texts, &form, &page))
+            },
+        }
+    };
+    Ok(view.page(ListTexts::of(texts.language).sculptures, &body))
+}
+
+impl ListForm {
+    /// Reads what was sent. An hour without a day is one of today, and a value that the form doesn't offer counts as empty.
+    fn read(fields: &Fields, now: BoothTime) -> Self {
+        let get = |name| fields.get(name).trim().to_owned();
+        let hour = get("hour").parse::<u8>().ok().filter(|hour| *hour < 24);
+        let day = parse_day(&get("day")).or(hour.map(|_| now.day()));
+        let is_start = |start: &String| STARTS.iter().any(|(known, _)| known == start);
+        let is_language = |code: &String| LANGUAGES.iter().any(|(known, _)| known == code);
+        ListForm {
+            words: get("words"),
+            day: day.map(write_day).unwrap_or_default(),
+            hour: hour.map(|hour| hour.to_string()).unwrap_or_default(),
+            headset: get("headset"),
+            language: Some(get("language")).filter(is_language).unwrap_or_default(),
+            start: Some(get("start")).filter(is_start).unwrap_or_default(),
+            state: Some(get("state")).filter(|state| state == WITHDRAWN).unwrap_or_default(),
+        }
+    }
+
+    /// Makes the filter.
+    ///
+    /// # Errors
+    /// The words are no pictures and no colour of one badge.
+    fn filter(&self) -> Result<ListFilter, WordsFault> {
+        let badge = match self.words.is_empty() {
+            true => None,
+            false => Some(HeardBadge::parse(&self.words)?),
+        };
+        let received = parse_day(&self.day).map(|day| {
+            let hour = self.hour.parse::<u64>().ok();
+            let start = BoothTime::of_day(day).0 + hour.unwrap_or(0) * HOUR_MS;
+            BoothTime(start)..BoothTime(start + if hour.is_some() { HOUR_MS } else { 24 * HOUR_MS })
+        });
+        Ok(ListFilter {
+            is_withdrawn: self.state == WITHDRAWN,
+            received,
+            // A number that no headset has finds nothing.
+            headset: (!self.headset.is_empty()).then(|| self.headset.parse().unwrap_or(u32::MAX)),
+            language: self.language.as_bytes().try_into().ok(),
+            starts: modes_of(&self.start),
+            badge,
+        })
+    }
+
+    /// Returns the address of a page of what the form asks for.
+    fn link(&self, start: PageStart) -> String {
+        let place = |ListPlace { at, id }| format!("{}-{}", at.0, SculptureId(id));
+        let (name, place) = match start {
+            PageStart::Newest => ("", String::new()),
+            PageStart::OlderThan(last) => ("older", place(last)),
+            PageStart::NewerThan(first) => ("newer", place(first)),
+        };
+        let fields = [
+            ("words", self.words.as_str()),
+            ("day", &self.day),
+            ("hour", &self.hour),
+            ("headset", &self.headset),
+            ("language", &self.language),
+            ("start", &self.start),
+            ("state", &self.state),
+            (name, &place),
+        ];
+        let set: Vec<_> = fields.into_iter().filter(|(_, value)| !value.is_empty()).collect();
+        // Pairs of texts are always written.
+        format!("/staff?{}", serde_urlencoded::to_string(set).unwrap_or_default())
+    }
+}
+
+/// Reads the query of the list's address. Returns the same address as the booth writes it, and the filter.
+pub(crate) fn read_query(
+    fields: &Fields,
+    now: BoothTime,
+) -> (String, Result<ListFilter, WordsFault>) {
+    let form = ListForm::read(fields, now);
+    (form.link(read_start(fields)), form.filter())
+}
+
+/// Returns the address of the list of the sculptures whose badge has what words name.
+pub(super) fn link_to_badge(words: String) -> String {
+    ListForm { words, ..ListForm::default() }.link(PageStart::Newest)
+}
+
+const HOUR_MS: u64 = 3_600_000;
+
+/// Returns the modes of a start of [`STARTS`]; none for another name.
+fn modes_of(start: &str) -> Vec<SessionMode> {
+    match start {
+        "stone" => vec![SessionMode::FreeForm],
+        "shape" => vec![SessionMode::Creative],
+        "guest" => vec![SessionMode::Own],
+        "surprise" => (0..MAX_OWN_FIGURES).map(own_figure_mode).collect(),
+        figure => {
+            let hidden = HiddenStart::ALL.into_iter();
+            hidden.filter(|hidden| hidden.figure.name() == figure).map(HiddenStart::mode).collect()
+        }
+    }
+}
+
+/// Reads the page that an address asks for.
+fn read_start(fields: &Fields) -> PageStart {
+    let place = |name| {
+        let text = fields.get(name);
+        let (at, id) = text.split_once('-')?;
+        let id = SculptureId::parse_hex(id)?.0;
+        Some(ListPlace { at: BoothTime(at.parse().ok()?), id })
+    };
+    let older = place("older").map(PageStart::OlderThan);
+    older.or_else(|| place("newer").map(PageStart::NewerThan)).unwrap_or_default()
+}
+
+/// Reads a date as browsers send it, `2026-11-27`.
+fn parse_day(text: &str) -> Option<u32> {
+    let mut parts = text.splitn(3, '-').map(|part| part.parse::<u32>().ok());
+    let (year, month, date) = (parts.next()??, parts.next()??, parts.next()??);
+    if !(1970..=9999).contains(&year) || !(1..=12).contains(&month) || !(1..=31).contains(&date) {
+        return None;
+    }
+    // Days since the first of March of the year 0, by eras of 400 years (Hinnant's days_from_civil).
+    let (year, month) = if month > 2 { (year, month - 3) } else { (year - 1, month + 9) };
+    let (era, of_era) = (year / 400, year % 400);
+    let of_year = (153 * month + 2) / 5 + date - 1;
+    let day = era * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year;
+    day.checked_sub(719_468)
+}
+
+/// Writes a date as browsers send it.
+fn write_day(day: u32) -> String {
+    let mut date = utc(BoothTime::of_day(day));
+    date.truncate("2026-11-27".len());
+    date
+}
+
+fn draw_form(texts: &Texts, form: &ListForm) -> Markup {
+    let words = ListTexts::of(texts.language);
+    let hours = (0..24).map(|hour| (hour.to_string(), format!("{hour:02}:00–{:02}:00", hour + 1)));
+    let languages = LANGUAGES.map(|(code, name)| (code.to_owned(), name.to_owned()));
+    let starts =
+        STARTS.map(|(start, name)| (start.to_owned(), name.text(texts.language).to_owned()));
+    let withdrawn = [(WITHDRAWN.to_owned(), texts.withdrawn.to_lowercase())];
+    let select =
+        |label: &str, name: &str, chosen: &str, first: &str, options: &[(String, String)]| {
+            html! {
+                label {
+                    (label)
+                    select name=(name) {
+                        option value="" { (first) }
+                        @for (value, text) in options {
+                            option value=(value) selected[value == chosen] { (text) }
+                        }
+                    }
+                }
+            }
+        };
+    html! {
+        form class="filter" method="get" action="/staff" {
+            label class="words" {
+                (words.badge)
+                input name="words" value=(form.words) lang=(texts.code) autocomplete="off";
+            }
+            label { (words.day) input type="date" name="day" value=(form.day); }
+            (select(words.hour, "hour", &form.hour, words.any, &hours.collect::<Vec<_>>()))
+            label {
+                (texts.headset)
+                input type="number" name="headset" min="0" max=(u32::MAX) value=(form.headset);
+            }
+            (select(words.language, "language", &form.language, words.any, &languages))
+            (select(words.start, "start", &form.start, words.any, &starts))
+            (select(words.state, "state", &form.state, words.kept, &withdrawn))
+            div class="actions" {
+                button class="main" { (words.show) }
+                a class="button" href="/staff" { (words.clear) }
+            }
+        }
+    }
+}
+
+/// Draws the words that were not understood, if there are any.
+pub(super) fn unknown_words(texts: &Texts, heard: &HeardBadge) -> Markup {
+    html! {
+        @if !heard.unknown.is_empty() {
+            p class="note" { (texts.not_understood) " " (heard.unknown.join(", ")) }
+        }
+    }
+}
+
+fn draw_page(texts: &Texts, form: &ListForm, page: &ListPage) -> Markup {
+    let words = ListTexts::of(texts.language);
+    let last = page.newer + page.sculptures.len() as u64;
+    let pager = html! {
+        div class="pager" {
+            span { (page.newer + 1) "–" (last) " " (words.of) " " (page.count) }
+            @if let Some(newer) = page.newer() {
+                a class="button" rel="prev" href=(form.link(newer)) { "← " (words.newer) }
+            }
+            @if let Some(older) = page.older() {
+                a class="button" rel="next" href=(form.link(older)) { (AdminTexts::of(texts).older) " →" }
+            }
+        }
+    };
+    html! {
+        @if page.sculptures.is_empty() {
+            p { (words.none) }
+        } @else {
+            (pager)
+            ul class="thumbs" {
+                @for sculpture in &page.sculptures { li { (thumbnail(texts, sculpture)) } }
+            }
+            @if page.count > page.sculptures.len() as u64 { (pager) }
+        }
+    }
+}
+
+fn thumbnail(texts: &Texts, sculpture: &Sculpture) -> Markup {
+    let at = format!("/staff/sculptures/{}", SculptureId(sculpture.id));
+    let note = badge_note(texts, sculpture);
+    html! {
+        a href=(at) {
+            img src={ (at) "/picture.png" } alt=(texts.no_picture) width="192" height="192" loading="lazy";
+            @match sculpture.badge.and_then(BadgeNumber::new) {
+                Some(number) => (draw_plain_badge(&number.badge(), texts.language)),
+                None => p { (texts.no_badge) },
+            }
+            p { (utc(sculpture.received_at)) br; (texts.headset) " " (sculpture.headset) }
+            @if !note.is_empty() { p class="note" { (note) } }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use paros_shell::modes::named_modes;
+
+    use super::{LANGUAGES, Language, STARTS, modes_of, parse_day, write_day};
+
+    #[test]
+    fn days_are_read_as_they_are_written() {
+        for day in (0..200_000).step_by(13) {
+            assert_eq!(parse_day(&write_day(day)), Some(day));
+        }
+        assert_eq!(parse_day("2026-02-29").map(write_day).as_deref(), Some("2026-03-01"));
+        for text in ["", "2026", "2026-11", "1969-12-31", "2026-13-01", "2026-1-0", "-1-1-1", "x"] {
+            assert_eq!(parse_day(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn every_start_and_language_is_offered() {
+        let offered: Vec<_> = STARTS.iter().flat_map(|(start, _)| modes_of(start)).collect();
+        assert!(named_modes().all(|(_, mode)| offered.contains(&mode)));
+        assert!(STARTS.iter().all(|(start, _)| !modes_of(start).is_empty()));
+        assert!(Language::ALL.len() == LANGUAGES.len());
+    }
+}
