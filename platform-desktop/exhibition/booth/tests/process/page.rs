@@ -23,7 +23,7 @@ fn find_violations(browser: &mut Chromium) -> serde_json::Value {
 }
 
 /// Checks the page that is shown, and takes its picture.
-fn look_at(browser: &mut Chromium, name: &str) {
+pub(crate) fn look_at(browser: &mut Chromium, name: &str) {
     assert_eq!(find_violations(browser), serde_json::json!([]), "{name}");
     // Nothing is wider than the window: nobody has to push a page about.
     let width = "document.documentElement.scrollWidth - document.documentElement.clientWidth";
@@ -48,7 +48,7 @@ fn start(folder: &BoothFolder, sink: &SmtpSink) -> BoothProcess {
 }
 
 /// Makes the first account, and is logged in by that.
-fn add_first_account(browser: &mut Chromium, booth: &BoothProcess) {
+pub(crate) fn add_first_account(browser: &mut Chromium, booth: &BoothProcess) {
     browser.open(&format!("https://{}", booth.client.address));
     look_at(browser, "first");
     browser.fill("input[name=code]", &booth.first_code().expect("a code"));
