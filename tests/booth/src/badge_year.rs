@@ -215,7 +215,7 @@ impl Year {
             let kept = booth.take_parcel(headset.device.headset, facts.id, &file, &decode, now);
             let waited = today - made_on;
             if kept.expect("nothing fails") == ParcelOutcome::Kept {
-                let kept = booth.find_sculpture(&facts.id, now).expect("it was kept");
+                let kept = booth.find_sculpture(&facts.id).expect("it was kept");
                 let is_lapsed = kept.is_badge_lapsed();
                 assert!(
                     !is_lapsed || waited > LATE_DAYS,
@@ -237,8 +237,7 @@ impl Year {
         self.sums.restores += 1;
         for headset in &mut self.headsets {
             let booth = &self.booth.booth;
-            let is_lacking =
-                |sent: &mut Finished| booth.find_sculpture(&sent.facts.id, now).is_err();
+            let is_lacking = |sent: &mut Finished| booth.find_sculpture(&sent.facts.id).is_err();
             let lacking: Vec<Finished> = headset.sent.extract_if(.., is_lacking).collect();
             self.sums.returned += lacking.len() as u64;
             headset.waiting.extend(lacking);

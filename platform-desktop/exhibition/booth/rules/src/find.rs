@@ -10,7 +10,6 @@ use crate::record::Record;
 use crate::records::{Announcement, Device, Sculpture};
 use crate::refusal::Refusal;
 use crate::store::StoreError;
-use crate::time::BoothTime;
 use crate::value::ToValue;
 use crate::words::HeardBadge;
 
@@ -55,11 +54,7 @@ impl Booth {
     ///
     /// # Errors
     /// Those of the store.
-    pub fn find_by_badge(
-        &self,
-        heard: &HeardBadge,
-        _now: BoothTime,
-    ) -> Result<FoundByBadge, Refusal> {
+    pub fn find_by_badge(&self, heard: &HeardBadge) -> Result<FoundByBadge, Refusal> {
         let whole = heard.badge().and_then(|badge| badge.number().ok());
         self.view(|tx| {
             let mut exact = None;
@@ -92,7 +87,7 @@ impl Booth {
     ///
     /// # Errors
     /// [`Refusal::NotFound`], or those of the store.
-    pub fn find_sculpture(&self, id: &SculptureId, _now: BoothTime) -> Result<Sculpture, Refusal> {
+    pub fn find_sculpture(&self, id: &SculptureId) -> Result<Sculpture, Refusal> {
         let found: Option<Sculpture> = self.view(|tx| tx.get(&[&id.0]))?;
         found.ok_or(NO_SCULPTURE)
     }

@@ -32,8 +32,8 @@ impl Booth {
     ///
     /// # Errors
     /// [`Refusal::NotFound`] where there is none, or its link was taken back; or those of the store.
-    pub fn link_token(&self, id: &SculptureId, now: BoothTime) -> Result<LinkToken, Refusal> {
-        let sculpture = self.find_sculpture(id, now)?;
+    pub fn link_token(&self, id: &SculptureId) -> Result<LinkToken, Refusal> {
+        let sculpture = self.find_sculpture(id)?;
         if sculpture.is_link_revoked {
             return Err(Refusal::NotFound(Reason::LinkRevoked));
         }
@@ -44,13 +44,8 @@ impl Booth {
     ///
     /// # Errors
     /// [`Refusal::NotFound`] for all that isn't a valid link, without a difference; or those of the store.
-    pub fn find_by_link(
-        &self,
-        id: &SculptureId,
-        token: &LinkToken,
-        now: BoothTime,
-    ) -> Result<Sculpture, Refusal> {
-        let sculpture = self.find_sculpture(id, now)?;
+    pub fn find_by_link(&self, id: &SculptureId, token: &LinkToken) -> Result<Sculpture, Refusal> {
+        let sculpture = self.find_sculpture(id)?;
         let is_right = bool::from(self.make_token(&sculpture).0.ct_eq(&token.0));
         let is_open = !sculpture.is_link_revoked && sculpture.withdrawn_at.is_none();
         if is_right && is_open { Ok(sculpture) } else { Err(NO_SCULPTURE) }
@@ -66,7 +61,7 @@ impl Booth {
         token: &LinkToken,
         now: BoothTime,
     ) -> Result<(), Refusal> {
-        self.find_by_link(id, token, now)?;
+        self.find_by_link(id, token)?;
         self.delete_as(id, (None, "delete by visitor"), now)
     }
 
@@ -99,7 +94,7 @@ impl Booth {
             sculpture.link_generation = sculpture.link_generation.wrapping_add(1);
             sculpture.is_link_revoked = false;
         })?;
-        self.link_token(id, now)
+        self.link_token(id)
     }
 
     fn change_link(

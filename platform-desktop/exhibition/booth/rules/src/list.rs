@@ -80,9 +80,8 @@ impl Booth {
         filter: &ListFilter,
         start: PageStart,
         most: usize,
-        now: BoothTime,
     ) -> Result<ListPage, Refusal> {
-        let (all, most) = (filter.conditions(now), most.min(MAX_LISTED));
+        let (all, most) = (filter.conditions(), most.min(MAX_LISTED));
         self.view(|tx| {
             let mut sculptures = filter.find(tx, &all, start, most)?;
             let is_cut = matches!(start, PageStart::NewerThan(_)) && sculptures.len() < most;
@@ -123,12 +122,10 @@ impl ListPlace {
 }
 
 impl ListFilter {
-    fn conditions(&self, now: BoothTime) -> Conditions {
+    fn conditions(&self) -> Conditions {
         let withdrawn = if self.is_withdrawn { "IS NOT NULL" } else { "IS NULL" };
         let terms = vec![format!("withdrawn_at {withdrawn}")];
         let mut all = Conditions { terms, values: Vec::new() };
-        // The plus keeps SQLite from walking the index of this column, which almost all rows match.
-        all.add("+keep_day >= {}", &[&now.day()]);
         if let Some(Range { start, end }) = &self.received {
             all.add("received_at >= {} AND received_at < {}", &[start, end]);
         }

@@ -114,7 +114,7 @@ impl Booth {
                 return Ok(None);
             };
             let id = SculptureId(order.sculpture);
-            let sculpture = match self.find_sculpture(&id, now) {
+            let sculpture = match self.find_sculpture(&id) {
                 Ok(sculpture) => Some(sculpture).filter(|found| found.withdrawn_at.is_none()),
                 Err(Refusal::NotFound(_)) => None,
                 Err(refusal) => return Err(refusal),

@@ -32,7 +32,7 @@ fn totals(rig: &Rig) -> (u64, u64) {
 /// Sends a parcel. Returns the number that it has as its own.
 fn claim(rig: &Rig, device: &Device, parcel: &Parcel, now: BoothTime) -> Option<u32> {
     rig.upload(device, parcel, now).expect("it is kept all the same");
-    rig.booth.find_sculpture(&parcel.id, now).expect("it is kept").claimed_badge
+    rig.booth.find_sculpture(&parcel.id).expect("it is kept").claimed_badge
 }
 
 #[test]
@@ -167,7 +167,7 @@ fn a_badge_is_the_own_of_one_sculpture_that_shows_its_serial() {
     });
     assert_eq!(claim(&rig, &device, &without, seconds(2)), None);
     // Who says the badge finds the visitor's own first, then the newest.
-    let found = rig.booth.find_by_badge(&number.badge().into(), seconds(3)).unwrap();
+    let found = rig.booth.find_by_badge(&number.badge().into()).unwrap();
     let FoundByBadge::Exact(found) = found else { panic!("a right badge") };
     let ids: Vec<u8> = found.kept.iter().map(|kept| kept.id[0]).collect();
     assert_eq!(ids, [2, 4, 1, 3]);
@@ -178,7 +178,7 @@ fn a_badge_is_the_own_of_one_sculpture_that_shows_its_serial() {
     for id in [7, 8] {
         let provisional = Parcel::new(id, Some(BadgeNumber::provisional(5)));
         rig.upload(&device, &provisional, seconds(6)).unwrap();
-        let kept = rig.booth.find_sculpture(&provisional.id, seconds(6)).unwrap();
+        let kept = rig.booth.find_sculpture(&provisional.id).unwrap();
         assert!(kept.claimed_badge.is_none() && !kept.is_badge_lapsed());
     }
 }

@@ -7,7 +7,7 @@ use paros_protocol::SculptureId;
 use proptest::prelude::*;
 
 fn found(rig: &Rig, badge: &Badge) -> Vec<SculptureId> {
-    match rig.booth.find_by_badge(&(*badge).into(), seconds(99)).unwrap() {
+    match rig.booth.find_by_badge(&(*badge).into()).unwrap() {
         FoundByBadge::Exact(matches) => {
             matches.kept.iter().map(|kept| SculptureId(kept.id)).collect()
         }
@@ -37,7 +37,7 @@ fn a_badge_finds_its_sculpture_and_a_provisional_one_all() {
     // One whose badge lapsed stands behind, though it is newer.
     rig.upload(&other, &Parcel::new(50, Some(number)), seconds(50)).unwrap();
     assert_eq!(found(&rig, &number.badge()), [id(1), id(50)]);
-    let newest = rig.list(false, seconds(99));
+    let newest = rig.list(false);
     assert_eq!(newest[..2].iter().map(|kept| kept.id[0]).collect::<Vec<_>>(), [50, 5]);
 }
 
@@ -52,7 +52,7 @@ fn a_wrong_badge_finds_the_nearest_that_something_has() {
         let right = leased(number).unwrap().badge();
         let mut swapped = right;
         swapped.pictograms.swap(1, 2);
-        match rig.booth.find_by_badge(&swapped.into(), START).unwrap() {
+        match rig.booth.find_by_badge(&swapped.into()).unwrap() {
             FoundByBadge::Nearest(nearest) => {
                 assert_eq!(nearest.len(), 1, "others that nobody has are no candidates");
                 assert_eq!(nearest[0].0, right);
@@ -167,7 +167,7 @@ fn who_remembers_three_pictures_finds_the_sculpture() {
                 let said = order.map(|k| known[k]).join(" ");
                 for said in [said.clone(), format!("{said} {}", right.colour.name(language))] {
                     let heard = HeardBadge::parse(&said).unwrap();
-                    match rig.booth.find_by_badge(&heard, START).unwrap() {
+                    match rig.booth.find_by_badge(&heard).unwrap() {
                         FoundByBadge::Nearest(nearest) => {
                             assert_eq!(nearest.first().map(|near| near.0), Some(right), "{said}");
                         }
@@ -188,8 +188,8 @@ fn a_visitors_link_is_its_sculptures_until_it_is_taken_back() {
         rig.upload(&device, parcel, START).unwrap();
     }
     let [first, second] = parcels.map(|parcel| parcel.id);
-    let opens = |id, token| rig.booth.find_by_link(&id, &token, START).is_ok();
-    let token = rig.booth.link_token(&first, START).unwrap();
+    let opens = |id, token| rig.booth.find_by_link(&id, &token).is_ok();
+    let token = rig.booth.link_token(&first).unwrap();
     assert!(opens(first, token));
     assert!(!opens(second, token));
     for bit in 0..128 {
@@ -198,10 +198,10 @@ fn a_visitors_link_is_its_sculptures_until_it_is_taken_back() {
         assert!(!opens(first, other));
     }
     assert!(!opens(SculptureId([3; 16]), LinkToken([0; 16])));
-    assert!(rig.booth.link_token(&first, START).unwrap() == token, "printed again");
+    assert!(rig.booth.link_token(&first).unwrap() == token, "printed again");
     rig.booth.revoke_link(&first, "ana", START).unwrap();
     assert!(!opens(first, token));
-    assert_eq!(rig.booth.link_token(&first, START).err().map(|error| error.status()), Some(404));
+    assert_eq!(rig.booth.link_token(&first).err().map(|error| error.status()), Some(404));
     let renewed = rig.booth.renew_link(&first, "ana", START).expect("another");
     assert!(opens(first, renewed) && !opens(first, token));
     rig.booth.withdraw(&first, "ana", START).unwrap();

@@ -15,18 +15,18 @@ fn withdrawn_is_hidden_and_undone_for_seven_days() {
     let parcel = Parcel::new(1, leased(9));
     rig.upload(&device, &parcel, START).unwrap();
     rig.booth.withdraw(&parcel.id, "ana", START).unwrap();
-    assert_eq!(rig.list(false, START), []);
-    assert_eq!(rig.list(true, START).len(), 1);
+    assert_eq!(rig.list(false), []);
+    assert_eq!(rig.list(true).len(), 1);
     // Withdrawn once more, it stays no longer.
     rig.booth.withdraw(&parcel.id, "ana", days(3)).unwrap();
     rig.sweep(days(6));
     rig.booth.bring_back(&parcel.id, "ana", days(6)).expect("in time");
-    assert_eq!(rig.list(false, days(6)).len(), 1);
+    assert_eq!(rig.list(false).len(), 1);
     rig.booth.withdraw(&parcel.id, "ana", days(7)).unwrap();
     assert_eq!(rig.sweep(days(12)).deleted, 0);
     assert_eq!(rig.sweep(days(13)).deleted, 1, "the booth had seen six days pass");
     assert_eq!(status(rig.booth.bring_back(&parcel.id, "ana", days(13))), 404);
-    assert_eq!(rig.list(true, days(15)), []);
+    assert_eq!(rig.list(true), []);
     assert_eq!(kept_parts(&rig), []);
 }
 
@@ -50,7 +50,7 @@ fn what_is_deleted_leaves_a_tombstone_until_the_horizon() {
     };
     update(rig.store.as_ref(), |tx| tx.put(&order)).unwrap();
     rig.booth.delete(&parcel.id, "ana", START).unwrap();
-    assert_eq!(status(rig.booth.find_sculpture(&parcel.id, START)), 404);
+    assert_eq!(status(rig.booth.find_sculpture(&parcel.id)), 404);
     assert_eq!(kept_parts(&rig), []);
     let orders = rig.booth.count::<MailOrder>("", &[]).unwrap();
     assert_eq!(orders, 0, "an address stays");
@@ -72,7 +72,7 @@ fn sculptures_go_by_age() {
     rig.upload(&device, &late, days(1)).unwrap();
     assert_eq!(rig.sweep(days(23)).withdrawn, 0);
     assert_eq!(rig.sweep(days(24)).withdrawn, 1, "its last seven days");
-    assert_eq!(rig.list(false, days(24))[0].id, late.id.0);
+    assert_eq!(rig.list(false)[0].id, late.id.0);
     assert_eq!(rig.sweep(days(30)), SweepReport { withdrawn: 1, ..SweepReport::default() });
     assert_eq!(rig.sweep(days(31)).deleted, 1);
     let sent = rig.upload(&device, &early, days(31)).unwrap();
@@ -102,7 +102,7 @@ fn traces_are_kept_for_fourteen_days() {
     assert_eq!(rig.sweep(days(14)).traces, 0);
     assert_eq!(rig.sweep(days(15)).traces, 1);
     assert_eq!(kept_parts(&rig), [KeptPart::Sculpture]);
-    assert!(!rig.booth.find_sculpture(&parcel.id, days(15)).unwrap().has_trace);
+    assert!(!rig.booth.find_sculpture(&parcel.id).unwrap().has_trace);
     assert_eq!(rig.upload(&device, &parcel, days(15)).unwrap(), signed, "it is known");
 }
 
@@ -112,7 +112,7 @@ fn a_picture_goes_with_its_sculpture() {
     let device = rig.enrol(1);
     let parcel = Parcel::new(1, None);
     rig.upload(&device, &parcel, START).unwrap();
-    let sculpture = rig.booth.find_sculpture(&parcel.id, START).unwrap();
+    let sculpture = rig.booth.find_sculpture(&parcel.id).unwrap();
     assert_eq!(rig.booth.read_picture(&sculpture).unwrap(), None);
     rig.booth.keep_picture(&sculpture, b"png").unwrap();
     assert_eq!(rig.booth.read_picture(&sculpture).unwrap().as_deref(), Some(&b"png"[..]));
@@ -147,7 +147,7 @@ fn meshes_are_compared_in_the_order_of_arrival() {
     }
     assert_eq!(rig.booth.next_export(START).unwrap(), None);
     rig.booth.note_export(&SculptureId([9; 16]), ExportState::Failed).expect("it was deleted");
-    let newest = rig.list(false, START);
+    let newest = rig.list(false);
     assert!(newest.iter().all(|kept| kept.export == ExportState::Made));
 }
 

@@ -32,7 +32,7 @@ fn what_was_deleted_since_is_deleted_and_the_rest_is_as_it_was() {
     for parcel in &parcels[..3] {
         rig.upload(&device, parcel, START).unwrap();
     }
-    let kept = rig.booth.find_sculpture(&parcels[0].id, START).unwrap();
+    let kept = rig.booth.find_sculpture(&parcels[0].id).unwrap();
     let on_its_way = parcels[3].announcement(UploadStatus::Kept);
     rig.beat(&device, &announcing(&heartbeat(device.headset), &[on_its_way]), START);
     let copy = copy_of(rig.store.as_ref());
@@ -44,7 +44,7 @@ fn what_was_deleted_since_is_deleted_and_the_rest_is_as_it_was() {
     let report = again.booth.make_restored(&log_of(&rig), START, seconds(60)).unwrap();
     assert_eq!((report.sculptures, report.deleted, report.tombstones), (3, 1, 1));
     assert_eq!(again.booth.list_missing(9).unwrap(), [], "nobody waits for what was deleted");
-    let again_kept = again.booth.find_sculpture(&parcels[0].id, seconds(60)).unwrap();
+    let again_kept = again.booth.find_sculpture(&parcels[0].id).unwrap();
     assert_eq!(again_kept, kept);
     for (parcel, outcome) in parcels.iter().zip([true, false, true, false]) {
         let sent = again.upload(&device, parcel, seconds(70)).unwrap();
@@ -78,7 +78,7 @@ fn a_copy_that_lacks_a_file_is_refused_unless_it_was_deleted() {
     other.sweep(days(20));
     let again = restored(copy, other.files.clone());
     again.booth.make_restored(&[], START, days(20)).unwrap();
-    assert!(!again.booth.find_sculpture(&parcel.id, days(20)).unwrap().has_trace);
+    assert!(!again.booth.find_sculpture(&parcel.id).unwrap().has_trace);
 }
 
 /// Files of which nothing can be logged.
@@ -119,7 +119,7 @@ fn no_file_goes_before_its_deletion_is_logged() {
     assert_eq!(status(booth.delete(&parcel.id, "ana", START)), 503);
     assert_eq!(rig.files.kept_names().len(), 2);
     // It is deleted all the same, and a sweep ends it once the disk has room.
-    assert_eq!(status(booth.find_sculpture(&parcel.id, START)), 404);
+    assert_eq!(status(booth.find_sculpture(&parcel.id)), 404);
     rig.sweep(START);
     assert_eq!((rig.files.kept_names().len(), rig.files.deletions().len()), (0, 1));
 }

@@ -12,7 +12,7 @@ fn a_parcel_is_kept_once_however_often_it_comes() {
     let (device, other) = (rig.enrol(1), rig.enrol(2));
     let parcel = Parcel::new(40, leased(9));
     assert_eq!(rig.upload(&device, &parcel, START).expect("a sculpture"), ParcelOutcome::Kept);
-    let kept = rig.booth.find_sculpture(&parcel.id, START).expect("it is kept");
+    let kept = rig.booth.find_sculpture(&parcel.id).expect("it is kept");
     assert_eq!((kept.facts.as_slice(), kept.hash), (&parcel.facts.to_json()[..], parcel.hash.0));
     assert_eq!(kept.export, ExportState::Queued, "the answer doesn't wait for the mesh");
     assert_eq!(rig.booth.read_kept(&kept).expect("its file"), parcel.bytes);
@@ -20,7 +20,7 @@ fn a_parcel_is_kept_once_however_often_it_comes() {
     for sender in [&device, &other] {
         assert_eq!(rig.upload(sender, &parcel, seconds(9)).unwrap(), ParcelOutcome::Kept);
     }
-    let newest = rig.list(false, START);
+    let newest = rig.list(false);
     assert_eq!((newest.len(), newest[0].headset), (1, device.headset));
     rig.booth.delete(&parcel.id, "ana", START).unwrap();
     for sender in [&device, &other] {
@@ -64,7 +64,7 @@ fn no_sculpture_is_refused_and_nothing_of_it_stays() {
         assert_eq!(status(rig.upload(&device, &parcel, START)), 422);
     }
     assert_eq!(rig.files.kept_names(), []);
-    assert_eq!(rig.list(false, START), []);
+    assert_eq!(rig.list(false), []);
     rig.upload(&device, &Parcel::new(40, None), START).expect("the id isn't spent");
 }
 
@@ -94,7 +94,7 @@ fn what_staff_copied_from_a_headset_is_taken_as_if_that_had_sent_it() {
     assert_eq!(import(device.headset, &parcel).unwrap(), ImportOutcome::Taken);
     assert_eq!(rig.booth.list_audit(1).unwrap()[0].action, "import");
     assert_eq!(import(device.headset, &parcel).unwrap(), ImportOutcome::Known);
-    let kept = rig.booth.find_sculpture(&parcel.id, START).expect("it is kept");
+    let kept = rig.booth.find_sculpture(&parcel.id).expect("it is kept");
     assert_eq!((kept.headset, kept.hash), (device.headset, parcel.hash.0));
     let other = Parcel::of_facts(UploadFacts { finished_at: 2, ..parcel.facts });
     assert_eq!(status(import(device.headset, &other)), 409);

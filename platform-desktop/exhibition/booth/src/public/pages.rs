@@ -104,7 +104,7 @@ impl FromRequestParts<Arc<BoothApp>> for PageVisit {
             (Some(id), Some(token)) => {
                 // A token has the form of an id.
                 let token = LinkToken(token.0);
-                let found = app.run(move |app| app.booth.find_by_link(&id, &token, booth_time()));
+                let found = app.run(move |app| app.booth.find_by_link(&id, &token));
                 found.await.map(|sculpture| (sculpture, token))
             }
             _ => Err(Refusal::NotFound(Reason::NoSculpture)),

@@ -165,7 +165,7 @@ impl Mailer {
     /// The visitor's link, where visitors have pages and it wasn't taken back.
     fn link_of(&self, booth: &Booth, job: &MailJob) -> Option<String> {
         let id = SculptureId(job.sculpture.id);
-        let token = booth.link_token(&id, booth_time()).ok()?;
+        let token = booth.link_token(&id).ok()?;
         self.public.as_ref().map(|public| public.link(&id, &token))
     }
 

@@ -38,7 +38,7 @@ pub(crate) enum Done {
 }
 
 /// As the cookie has it, and as people are told in English and in Greek, by [`Done`].
-const TEXTS: [(Done, &str, [&str; 2]); 22] = [
+const TEXTS: [(Done, &str, [&str; 2]); 23] = [
     (
         Done::MailAsked,
         "mail",

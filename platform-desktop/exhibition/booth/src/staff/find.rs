@@ -15,7 +15,6 @@ use super::refusal_texts::tell_words_fault;
 use super::sculptures::{cards, missing_card};
 use super::svg::{draw_badge, draw_colour, draw_pictogram};
 use super::texts::Texts;
-use crate::clock::booth_time;
 use crate::server::app::BoothApp;
 
 /// `GET /staff/find`: by words, or by the numbers of a colour and four pictograms.
@@ -47,7 +46,7 @@ pub(crate) async fn find(
         }
         Some(Ok(heard)) => {
             let asked = heard.clone();
-            let found = app.run(move |app| app.booth.find_by_badge(&asked, booth_time())).await;
+            let found = app.run(move |app| app.booth.find_by_badge(&asked)).await;
             found_by_badge(texts, &heard, &found.map_err(|refusal| StaffAnswer(texts, refusal))?)
         }
     };

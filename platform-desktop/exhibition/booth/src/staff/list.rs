@@ -69,7 +69,7 @@ pub(crate) async fn show_list(
     let asked = filter.as_ref().ok().cloned();
     let is_admin = view.login.check_admin().is_ok();
     let found = app.run(move |app| {
-        let page = asked.map(|filter| app.booth.list_page(&filter, start, LISTED, now));
+        let page = asked.map(|filter| app.booth.list_page(&filter, start, LISTED));
         let notices = AdminNotices::find(app, is_admin, now)?;
         Ok((page.transpose()?.unwrap_or_default(), notices))
     });

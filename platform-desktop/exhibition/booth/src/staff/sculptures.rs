@@ -207,7 +207,7 @@ pub(super) fn parse_id(id: &str) -> Result<SculptureId, Refusal> {
 
 async fn find_sculpture(app: &Arc<BoothApp>, id: &str) -> Result<Sculpture, Refusal> {
     let id = parse_id(id)?;
-    app.run(move |app| app.booth.find_sculpture(&id, booth_time())).await
+    app.run(move |app| app.booth.find_sculpture(&id)).await
 }
 
 pub(super) fn cards(texts: &Texts, sculptures: &[Sculpture]) -> Markup {

@@ -17,7 +17,6 @@ use super::prints::order_wish;
 use super::sculptures::{parse_id, utc};
 use super::svg::draw_badge;
 use super::texts::Texts;
-use crate::clock::booth_time;
 use crate::public::draw_qr;
 use crate::server::app::BoothApp;
 
@@ -30,7 +29,7 @@ pub(crate) async fn show_slip(
     Path(id): Path<String>,
 ) -> Answer {
     let found = app.run(move |app| {
-        let sculpture = app.booth.find_sculpture(&parse_id(&id)?, booth_time())?;
+        let sculpture = app.booth.find_sculpture(&parse_id(&id)?)?;
         Ok(slip(app, &sculpture, None))
     });
     let slip = found.await.map_err(|refusal| StaffAnswer(view.texts, refusal))?;
@@ -82,7 +81,7 @@ fn link_of(app: &BoothApp, sculpture: &Sculpture) -> Option<String> {
     let id = SculptureId(sculpture.id);
     let address = app.public_address.as_ref()?;
     let is_shown = sculpture.withdrawn_at.is_none();
-    let token = app.booth.link_token(&id, booth_time()).ok().filter(|_| is_shown)?;
+    let token = app.booth.link_token(&id).ok().filter(|_| is_shown)?;
     Some(address.link(&id, &token))
 }
 

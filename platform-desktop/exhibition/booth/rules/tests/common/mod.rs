@@ -79,9 +79,9 @@ impl Rig {
     }
 
     /// The first page of the sculptures that are withdrawn, or of the others.
-    pub(crate) fn list(&self, is_withdrawn: bool, now: BoothTime) -> Vec<Sculpture> {
+    pub(crate) fn list(&self, is_withdrawn: bool) -> Vec<Sculpture> {
         let filter = ListFilter { is_withdrawn, ..ListFilter::default() };
-        self.booth.list_page(&filter, PageStart::Newest, 60, now).expect("a list").sculptures
+        self.booth.list_page(&filter, PageStart::Newest, 60).expect("a list").sculptures
     }
 
     /// The blocks that a headset leases, in an epoch in which it holds nothing.
