@@ -23,6 +23,8 @@ use crate::path::{STEPS_PER_VOXEL, path_poses};
 pub struct ContactModel {
     volume: Arc<DenseVolume>,
     mask: Arc<DenseVolume>,
+    /// `true` if the bit collides with the mask alone, which is then the volume too.
+    is_mask_alone: bool,
 }
 
 /// A bit's penetration depths in fixed point; 0 outside.
@@ -59,12 +61,21 @@ impl ContactModel {
     /// The mask is not part of the volume.
     pub fn new(volume: DenseVolume, mask: &DenseVolume) -> Self {
         assert!(mask.is_within(&volume), "the mask is part of the volume");
-        ContactModel { mask: Arc::new(mask.clone()), volume: Arc::new(volume) }
+        ContactModel {
+            mask: Arc::new(mask.clone()),
+            volume: Arc::new(volume),
+            is_mask_alone: false,
+        }
     }
 
     /// The obstacle of a volume and its mask, which is known to be part of it.
     pub fn of_shared(volume: &Arc<DenseVolume>, mask: &Arc<DenseVolume>) -> Self {
-        ContactModel { volume: Arc::clone(volume), mask: Arc::clone(mask) }
+        ContactModel { volume: Arc::clone(volume), mask: Arc::clone(mask), is_mask_alone: false }
+    }
+
+    /// The obstacle of a bit that collides with the mask alone.
+    pub fn of_mask_alone(mask: &Arc<DenseVolume>) -> Self {
+        ContactModel { is_mask_alone: true, ..ContactModel::of_shared(mask, mask) }
     }
 
     /// Whether a voxel is stone.
@@ -380,7 +391,11 @@ impl ContactModel {
             let brush = bit.swept_cover_deeper_than(level, from, to);
             brush.is_none_or(|brush| !brush.pieces().any(|piece| holds_any(&piece, voxels)))
         };
-        clear(allowed.volume, &self.volume) && clear(allowed.mask, &self.mask)
+        match self.is_mask_alone {
+            // One test, by the lower limit. A cover of a greater depth may reach farther, as it has fewer pieces.
+            true => clear(allowed.mask.min(allowed.volume), &self.mask),
+            false => clear(allowed.volume, &self.volume) && clear(allowed.mask, &self.mask),
+        }
     }
 
     /// Whether the whole bit lies outside the grid.

@@ -5,17 +5,18 @@ mod exits;
 mod plates;
 mod stone;
 
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use glam::{IVec3, Quat, Vec3};
-use paros_core::RangeMaps;
 use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL};
 use paros_core::internals::{
-    BURIED_WITHIN, FreezeResult, GridBit, GridShape, Obstacle, WayBudget, exit_probe_steps,
+    BURIED_WITHIN, FreezeResult, GridBit, GridShape, LONG_STRETCH, Obstacle, SHORT_STRETCH,
+    WayBudget, exit_probe_steps,
 };
 use paros_core::limits::{EXIT_PROBES, max_bit_steps_per_tick};
 use paros_core::session::ToolBit;
 use paros_core::volume::{Axis, BitGrid, Column, Grid, Range, Size};
+use paros_core::{Brush, RangeMaps};
 use paros_models::cases::random_cases;
 use paros_models::contact::ContactModel;
 use paros_models::dense::{DenseVolume, MaskedVolume, closed_volumes_with_inner_mask};
@@ -97,18 +98,18 @@ impl Motion {
 
 /// Asserts that a freeze equals the model's walk and slide, and that no depth exceeds its limit.
 fn assert_freeze_follows_walk(
-    stone: &ContactHarness<16>,
+    obstacle: &Obstacle<'_, 16>,
     block: &ContactModel,
     bit: &GridBit,
     from: &Pose,
     raw: &Pose,
 ) -> Result<FreezeResult, TestCaseError> {
-    let mut frozen = stone.obstacle().freeze_bit(bit, from, raw, WayBudget::of_steps(0));
+    let mut frozen = obstacle.freeze_bit(bit, from, raw, WayBudget::of_steps(0));
     prop_assert_eq!(frozen, block.freeze_by_walk(bit, from, raw, WayBudget::of_steps(0)));
     prop_assert!(frozen.pose == *from && frozen.ran_out && frozen.steps == 0);
     let few = WayBudget { steps: 20, quarter_voxels: 23 };
     for budget in [few, tick_budget(16)] {
-        frozen = stone.obstacle().freeze_bit(bit, from, raw, budget);
+        frozen = obstacle.freeze_bit(bit, from, raw, budget);
         prop_assert_eq!(frozen, block.freeze_by_walk(bit, from, raw, budget));
         let way = bit.path_steps(from, &frozen.pose);
         prop_assert!(frozen.jumped || way <= budget.quarter_voxels.saturating_add(1), "{way}");
@@ -199,7 +200,7 @@ proptest! {
 proptest! {
     #![proptest_config(random_cases(70))]
 
-    /// From any pose, deep inside too, as after an undo, a fill or a load.
+    /// From any pose, deep inside too, as after an undo, a fill or a load; in the stone, and held by the mask alone.
     #[test]
     fn freeze_is_the_walk_from_anywhere(
         MaskedVolume { volume, mask } in closed_volumes_with_inner_mask(16),
@@ -209,11 +210,15 @@ proptest! {
     ) {
         let mut stone = lock_stone(&STONE_16);
         stone.set(&volume, &mask);
-        let block = ContactModel::new(volume, &mask);
-        let mut pose = from;
-        for motion in motions {
-            let raw = motion.apply_to(&pose);
-            pose = assert_freeze_follows_walk(&stone, &block, &bit, &pose, &raw)?.pose;
+        let of_stone = (false, ContactModel::new(volume, &mask));
+        let of_mask = (true, ContactModel::of_mask_alone(&Arc::new(mask)));
+        for (is_mask_alone, block) in [of_stone, of_mask] {
+            let obstacle = Obstacle { is_mask_alone, ..stone.obstacle() };
+            let mut pose = from;
+            for motion in &motions {
+                let raw = motion.apply_to(&pose);
+                pose = assert_freeze_follows_walk(&obstacle, &block, &bit, &pose, &raw)?.pose;
+            }
         }
     }
 
@@ -228,12 +233,13 @@ proptest! {
     ) {
         let mut stone = lock_stone(&STONE_16);
         stone.set(&volume, &mask);
+        let obstacle = stone.obstacle();
         let block = ContactModel::new(volume, &mask);
         let away = Vec3::from_array(side).normalize_or(Vec3::Y) * 60.0;
         let mut pose = Pose { position: Vec3::splat(8.0) + away, rotation: start };
         for motion in motions {
             let raw = motion.apply_to(&pose);
-            pose = assert_freeze_follows_walk(&stone, &block, &bit, &pose, &raw)?.pose;
+            pose = assert_freeze_follows_walk(&obstacle, &block, &bit, &pose, &raw)?.pose;
             let sits = block.penetration_at(&bit, &pose);
             prop_assert!(sits.volume <= bit.bite && sits.mask == 0, "{sits:?}");
         }
@@ -302,6 +308,43 @@ fn a_mask_is_met_beyond_its_gap() {
             );
         }
     }
+}
+
+/// A file that smooths is held by the mask alone, and one swept test decides whether a stretch of its way is free. A
+/// cover of the file's inside, deeper than its bite, may be cut into fewer pieces and then reaches farther than a cover
+/// of the whole file. A mask voxel in the former alone doesn't stop the file, so its way costs no single steps.
+#[test]
+fn a_stretch_beside_the_mask_alone_is_tested_once() {
+    let bit = table_bit(ToolBit::File as u8, 16);
+    let at = |y: f32, turn: f32| Pose {
+        position: Vec3::new(8.0, y, 8.0),
+        rotation: Quat::from_rotation_y(turn),
+    };
+    let (from, to) = (at(6.0, 0.0), at(9.7, 1.35));
+    let poses: Vec<Pose> = path_poses(&bit, &from, &to).collect();
+    assert_eq!(poses.len() as u32, SHORT_STRETCH + LONG_STRETCH);
+    let between = poses[SHORT_STRETCH as usize - 1];
+    let stretches = [(from, between), (between, to)];
+    let cover_of = |depth: i32| {
+        let covers = stretches.map(|(from, to)| bit.swept_cover_deeper_than(depth, &from, &to));
+        DenseVolume::from_fn(16, |[x, y, z]| {
+            covers.iter().flatten().flat_map(Brush::pieces).any(|piece| {
+                let row = piece.x_range(y as usize, z as usize, 16);
+                row.is_some_and(|row| row.contains(x as usize))
+            })
+        })
+    };
+    let farther = cover_of(bit.bite).difference(&cover_of(0)).occupied().next();
+    let farther = farther.expect("a voxel that only the inside's cover reaches");
+    let mask = DenseVolume::from_fn(16, |voxel| voxel == farther);
+    let mut stone = lock_stone(&STONE_16);
+    stone.set(&mask, &mask);
+    let steps = stretches.iter().map(|(from, to)| bit.stretch_cost_in_steps(from, to)).sum();
+    let free = FreezeResult { pose: to, blocked: false, ran_out: false, jumped: false, steps };
+    let obstacle = Obstacle { is_mask_alone: true, ..stone.obstacle() };
+    assert_eq!(obstacle.freeze_bit(&bit, &from, &to, tick_budget(16)), free);
+    let model = ContactModel::of_mask_alone(&Arc::new(mask));
+    assert_eq!(model.freeze_by_walk(&bit, &from, &to, tick_budget(16)), free);
 }
 
 #[test]

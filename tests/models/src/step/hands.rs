@@ -244,7 +244,7 @@ impl<const K: usize> StepModel<K> {
         if !goes_through_stone {
             return BitWay::walked(self.stone(), state, way, budget);
         }
-        let mask = ContactModel::of_shared(self.mask.voxels(), self.mask.voxels());
+        let mask = ContactModel::of_mask_alone(self.mask.voxels());
         let begins = presses.pulled || !state.can_sweep;
         if begins && self.stone().buries(grid_bit, from) {
             let freeze = mask.jump_if_bite_allows(grid_bit, from, wanted, budget);
