@@ -15,20 +15,20 @@ use axum::response::{Html, IntoResponse, Response};
 use axum::routing::get;
 use maud::{DOCTYPE, Markup, html};
 use paros_booth_rules::records::Sculpture;
-use paros_booth_rules::{BoothTime, Expected, LinkToken, Reason, Refusal};
+use paros_booth_rules::{Expected, LinkToken, Reason, Refusal};
 use paros_core::badge::{BadgeNumber, Language};
 use paros_protocol::SculptureId;
 use tracing::warn;
 
 use super::address::path_of;
 use super::texts::PublicTexts;
-use crate::clock::booth_time;
+use crate::clock::{booth_time, write_day};
 use crate::models::model::ModelFormat;
 use crate::server::app::BoothApp;
 use crate::server::connections::{Connection, Holder};
 use crate::server::page_guard::guard;
 use crate::server::routes::bound_and_count;
-use crate::staff::{draw_badge, utc};
+use crate::staff::draw_badge;
 use crate::viewer::{self, draw_viewer};
 
 /// Bytes of a form: a word.
@@ -136,7 +136,7 @@ impl PageVisit {
 async fn show(State(app): State<Arc<BoothApp>>, visit: PageVisit) -> Response {
     let PageVisit { texts, ref sculpture, .. } = visit;
     let at = visit.path();
-    let last_day = utc(BoothTime::of_day(app.booth.last_shown_day(sculpture)));
+    let last_day = write_day(app.booth.last_shown_day(sculpture));
     page(
         texts,
         Some(&at),
@@ -153,7 +153,7 @@ async fn show(State(app): State<Arc<BoothApp>>, visit: PageVisit) -> Response {
                     } " "
                 }
             }
-            p { (texts.kept_until) " " (last_day.split(' ').next().unwrap_or_default()) "." }
+            p { (texts.kept_until) " " (last_day) "." }
             p { a href={ (at) "/delete?language=" (texts.code) } { (texts.delete) } }
         },
     )

@@ -18,9 +18,8 @@ use super::login_gate::Asker;
 use super::notices::AdminNotices;
 use super::page::{Fields, StaffAnswer, StaffForm, StaffView, action_button, form_token};
 use super::passwords::hash_password;
-use super::sculptures::utc;
 use super::texts::Texts;
-use crate::clock::booth_time;
+use crate::clock::{booth_time, write_time};
 use crate::commands::fleet_file::{FleetToken, make_fleet_file};
 use crate::server::app::BoothApp;
 
@@ -357,7 +356,7 @@ fn tokens_table(words: &AdminTexts, login: &LoggedIn, tokens: &[EnrolToken]) -> 
                 tr {
                     th scope="row" { (token.note) }
                     td { (token.uses_left) }
-                    td { (utc(token.expires_at)) }
+                    td { (write_time(token.expires_at)) }
                     td {
                         @if token.is_revoked {
                             (words.revoked)
@@ -417,7 +416,7 @@ fn audit_table(texts: &Texts, words: &AdminTexts, entries: &[AuditEntry]) -> Mar
                 tr {
                     td { (entry.action) }
                     td { (entry.account.as_deref().unwrap_or(words.the_booth)) }
-                    td { (utc(entry.at)) }
+                    td { (write_time(entry.at)) }
                     td { @if let Some(headset) = entry.headset { (headset) } }
                     td {
                         @if let Some(id) = entry.sculpture {

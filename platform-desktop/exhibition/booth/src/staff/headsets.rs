@@ -13,7 +13,7 @@ use paros_protocol::{CommandKind, Heartbeat};
 use super::done::Done;
 use super::page::{StaffAnswer, StaffForm, StaffView, action_button};
 use super::texts::Texts;
-use crate::clock::booth_time;
+use crate::clock::{booth_time, write_time};
 use crate::server::app::BoothApp;
 
 /// Commands of a headset that are shown.
@@ -78,7 +78,7 @@ fn headset_card(texts: &Texts, login: &LoggedIn, view: &HeadsetView, now: BoothT
                     None => { "–" },
                 }
                 @if let Some(wiped_at) = device.wiped_at {
-                    span class="note" { " " (texts.wiped) " " (super::sculptures::utc(wiped_at)) }
+                    span class="note" { " " (texts.wiped) " " (write_time(wiped_at)) }
                 }
             }
             @if let Some(Heartbeat { status, outbox_depth, .. }) = status {

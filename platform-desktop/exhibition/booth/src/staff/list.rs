@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use axum::extract::{Query, State};
 use axum::response::Response;
+use chrono::{Datelike as _, NaiveDate};
 use maud::{Markup, html};
 use paros_booth_rules::records::Sculpture;
 use paros_booth_rules::{
@@ -20,10 +21,10 @@ use super::list_texts::ListTexts;
 use super::notices::AdminNotices;
 use super::page::{Fields, StaffAnswer, StaffView};
 use super::refusal_texts::tell_words_fault;
-use super::sculptures::{LISTED, badge_note, utc};
+use super::sculptures::{LISTED, badge_note};
 use super::svg::draw_plain_badge;
 use super::texts::Texts;
-use crate::clock::booth_time;
+use crate::clock::{booth_time, time_of_day, today, write_time};
 use crate::server::app::BoothApp;
 
 /// The value of the field `state` that shows withdrawn sculptures.
@@ -93,12 +94,12 @@ impl ListForm {
     fn read(fields: &Fields, now: BoothTime) -> Self {
         let get = |name| fields.get(name).trim().to_owned();
         let hour = get("hour").parse::<u8>().ok().filter(|hour| *hour < 24);
-        let day = parse_day(&get("day")).or(hour.map(|_| now.day()));
+        let day = parse_date(&get("day")).or(hour.map(|_| today(now)));
         let is_start = |start: &String| STARTS.iter().any(|(known, _)| known == start);
         let is_language = |code: &String| LANGUAGES.iter().any(|(known, _)| known == code);
         ListForm {
             words: get("words"),
-            day: day.map(write_day).unwrap_or_default(),
+            day: day.map(|date| date.to_string()).unwrap_or_default(),
             hour: hour.map(|hour| hour.to_string()).unwrap_or_default(),
             headset: get("headset"),
             language: Some(get("language")).filter(is_language).unwrap_or_default(),
@@ -116,11 +117,8 @@ impl ListForm {
             true => None,
             false => Some(HeardBadge::parse(&self.words)?),
         };
-        let received = parse_day(&self.day).map(|day| {
-            let hour = self.hour.parse::<u64>().ok();
-            let start = BoothTime::of_day(day).0 + hour.unwrap_or(0) * HOUR_MS;
-            BoothTime(start)..BoothTime(start + if hour.is_some() { HOUR_MS } else { 24 * HOUR_MS })
-        });
+        let received =
+            parse_date(&self.day).and_then(|date| time_of_day(date, self.hour.parse().ok()));
         Ok(ListFilter {
             is_withdrawn: self.state == WITHDRAWN,
             received,
@@ -170,8 +168,6 @@ pub(super) fn link_to_badge(words: String) -> String {
     ListForm { words, ..ListForm::default() }.link(PageStart::Newest)
 }
 
-const HOUR_MS: u64 = 3_600_000;
-
 /// Returns the modes of a start of [`STARTS`]; none for another name.
 fn modes_of(start: &str) -> Vec<SessionMode> {
     match start {
@@ -199,25 +195,10 @@ fn read_start(fields: &Fields) -> PageStart {
 }
 
 /// Reads a date as browsers send it, `2026-11-27`.
-fn parse_day(text: &str) -> Option<u32> {
-    let mut parts = text.splitn(3, '-').map(|part| part.parse::<u32>().ok());
-    let (year, month, date) = (parts.next()??, parts.next()??, parts.next()??);
-    if !(1970..=9999).contains(&year) || !(1..=12).contains(&month) || !(1..=31).contains(&date) {
-        return None;
-    }
-    // Days since the first of March of the year 0, by eras of 400 years (Hinnant's days_from_civil).
-    let (year, month) = if month > 2 { (year, month - 3) } else { (year - 1, month + 9) };
-    let (era, of_era) = (year / 400, year % 400);
-    let of_year = (153 * month + 2) / 5 + date - 1;
-    let day = era * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year;
-    day.checked_sub(719_468)
-}
-
-/// Writes a date as browsers send it.
-fn write_day(day: u32) -> String {
-    let mut date = utc(BoothTime::of_day(day));
-    date.truncate("2026-11-27".len());
-    date
+fn parse_date(text: &str) -> Option<NaiveDate> {
+    NaiveDate::parse_from_str(text, "%Y-%m-%d")
+        .ok()
+        .filter(|date| (1970..=9999).contains(&date.year()))
 }
 
 fn draw_form(texts: &Texts, form: &ListForm) -> Markup {
@@ -310,7 +291,7 @@ fn thumbnail(texts: &Texts, sculpture: &Sculpture) -> Markup {
                 Some(number) => (draw_plain_badge(&number.badge(), texts.language)),
                 None => p { (texts.no_badge) },
             }
-            p { (utc(sculpture.received_at)) br; (texts.headset) " " (sculpture.headset) }
+            p { (write_time(sculpture.received_at)) br; (texts.headset) " " (sculpture.headset) }
             @if !note.is_empty() { p class="note" { (note) } }
         }
     }
@@ -320,16 +301,16 @@ fn thumbnail(texts: &Texts, sculpture: &Sculpture) -> Markup {
 mod tests {
     use paros_shell::modes::named_modes;
 
-    use super::{LANGUAGES, Language, STARTS, modes_of, parse_day, write_day};
+    use super::{LANGUAGES, Language, STARTS, modes_of, parse_date};
 
     #[test]
-    fn days_are_read_as_they_are_written() {
-        for day in (0..200_000).step_by(13) {
-            assert_eq!(parse_day(&write_day(day)), Some(day));
+    fn dates_are_read_as_they_are_written() {
+        for text in ["1970-01-01", "2028-02-29", "9999-12-31"] {
+            assert_eq!(parse_date(text).expect("a date").to_string(), text);
         }
-        assert_eq!(parse_day("2026-02-29").map(write_day).as_deref(), Some("2026-03-01"));
-        for text in ["", "2026", "2026-11", "1969-12-31", "2026-13-01", "2026-1-0", "-1-1-1", "x"] {
-            assert_eq!(parse_day(text), None, "{text}");
+        for text in ["", "2026", "2026-11", "1969-12-31", "2026-02-29", "2026-13-01", "-1-1-1", "x"]
+        {
+            assert_eq!(parse_date(text), None, "{text}");
         }
     }
 

@@ -32,8 +32,8 @@ impl ListTexts {
 const ENGLISH: ListTexts = ListTexts {
     sculptures: "Sculptures",
     badge: "Pictures or colour of the badge",
-    day: "Day (UTC)",
-    hour: "Hour (UTC)",
+    day: "Day",
+    hour: "Hour",
     language: "Language",
     start: "Start",
     state: "State",
@@ -49,8 +49,8 @@ const ENGLISH: ListTexts = ListTexts {
 const GREEK: ListTexts = ListTexts {
     sculptures: "Γλυπτά",
     badge: "Εικόνες ή χρώμα του σήματος",
-    day: "Ημέρα (UTC)",
-    hour: "Ώρα (UTC)",
+    day: "Ημέρα",
+    hour: "Ώρα",
     language: "Γλώσσα",
     start: "Αρχή",
     state: "Κατάσταση",

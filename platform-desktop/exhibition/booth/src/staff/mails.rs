@@ -14,9 +14,9 @@ use super::done::Done;
 use super::forms::FormView;
 use super::page::{StaffAnswer, StaffForm, form_token};
 use super::refusal_texts::tell_cause;
-use super::sculptures::{parse_id, refuse_form, utc};
+use super::sculptures::{parse_id, refuse_form};
 use super::texts::Texts;
-use crate::clock::booth_time;
+use crate::clock::{booth_time, write_time};
 use crate::random::random_number;
 use crate::server::app::BoothApp;
 
@@ -83,10 +83,10 @@ pub(crate) fn mails_of(
             ul {
                 @for mail in mails {
                     li {
-                        (utc(mail.asked_at)) ": " (texts.mail_state(mail.state))
+                        (write_time(mail.asked_at)) ": " (texts.mail_state(mail.state))
                         @if !mail.why.is_empty() { " (" (tell_cause(texts.language, &mail.why)) ")" }
                         @if mail.state == MailState::Queued && mail.tries > 0 {
-                            ", " (texts.next_try) " " (utc(mail.next_try_at))
+                            ", " (texts.next_try) " " (write_time(mail.next_try_at))
                         }
                     }
                 }

@@ -44,7 +44,6 @@ pub(crate) use login_gate::LoginGate;
 pub(crate) use page::Fields;
 pub(crate) use passwords::{draw_password, make_hash};
 pub(crate) use prints::read_size;
-pub(crate) use sculptures::utc;
 pub(crate) use svg::draw_badge;
 
 use paros_booth_rules::{Reason, Refusal};

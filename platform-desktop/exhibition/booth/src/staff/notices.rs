@@ -12,8 +12,7 @@ use paros_booth_rules::{BoothTime, ClockJump, LoggedIn, Refusal};
 use super::admin_texts::AdminTexts;
 use super::done::Done;
 use super::page::{StaffAnswer, StaffForm, action_button};
-use super::sculptures::utc;
-use crate::clock::booth_time;
+use crate::clock::{booth_time, write_time};
 use crate::server::app::BoothApp;
 
 /// The time before an end from which on admins are told of it.
@@ -60,15 +59,15 @@ impl AdminNotices {
         html! {
             @if let Some(ClockJump { seen_at, now }) = self.clock_jump {
                 div class="note" {
-                    p { (words.clock_jumped(&utc(now), &utc(seen_at))) }
+                    p { (words.clock_jumped(&write_time(now), &write_time(seen_at))) }
                     (action_button(login, "/staff/admin/clock", words.clock_is_right, ""))
                 }
             }
             @for token in files {
-                p class="note" { (words.file_ends(&token.note, &utc(token.expires_at))) }
+                p class="note" { (words.file_ends(&token.note, &write_time(token.expires_at))) }
             }
-            @if let Some(end) = of_staff { p class="note" { (words.staff_certificate_ends(&utc(end))) } }
-            @if let Some(end) = authority { p class="note" { (words.authority_ends(&utc(end))) } }
+            @if let Some(end) = of_staff { p class="note" { (words.staff_certificate_ends(&write_time(end))) } }
+            @if let Some(end) = authority { p class="note" { (words.authority_ends(&write_time(end))) } }
         }
     }
 }

@@ -19,9 +19,9 @@ use super::forms::FormView;
 use super::page::{StaffAnswer, StaffForm, StaffView, action_button, form_token};
 use super::print_texts::PrintTexts;
 use super::refusal_texts::tell_cause;
-use super::sculptures::{badge_of, parse_id, refuse_form, utc};
+use super::sculptures::{badge_of, parse_id, refuse_form};
 use super::texts::Texts;
-use crate::clock::booth_time;
+use crate::clock::{booth_time, write_time};
 use crate::printing::{Printer, PrinterView};
 use crate::random::random_number;
 use crate::server::app::BoothApp;
@@ -208,7 +208,7 @@ pub(crate) fn order_facts(texts: &Texts, order: &PrintOrder) -> Markup {
     let of_prints = PrintTexts::of(texts.language);
     html! {
         p {
-            strong { (of_prints.state(order.state)) } " " (utc(order.changed_at))
+            strong { (of_prints.state(order.state)) } " " (write_time(order.changed_at))
             @if let Some(printer) = &order.printer { ", " (printer) }
             @if !order.why.is_empty() { span class="note" { " (" (tell_cause(texts.language, &order.why)) ")" } }
         }

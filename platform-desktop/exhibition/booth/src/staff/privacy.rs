@@ -8,17 +8,16 @@ use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Response};
 use maud::{Markup, html};
 use paros_booth_rules::records::MailOrder;
-use paros_booth_rules::{BadgeRecords, BoothTime, Reason, Refusal, SculptureRecords};
+use paros_booth_rules::{BadgeRecords, Reason, Refusal, SculptureRecords};
 use paros_core::badge::BadgeNumber;
 use paros_protocol::SculptureId;
 
 use super::admin_texts::AdminTexts;
 use super::done::Done;
 use super::page::{StaffAnswer, StaffForm, StaffView, action_button, frame_page};
-use super::sculptures::utc;
 use super::svg::draw_badge;
 use super::texts::Texts;
-use crate::clock::booth_time;
+use crate::clock::{booth_time, write_day, write_time};
 use crate::commands::badge_export::write_export;
 use crate::server::app::BoothApp;
 
@@ -52,10 +51,10 @@ pub(crate) async fn show_known(
         @if known == BadgeRecords::default() { p { (texts.nothing) } }
         @for known in &known.sculptures { (records_of(texts, words, known)) }
         @for announced in &known.announced {
-            p { (texts.headset) " " (announced.headset) ", " (utc(announced.heard_at)) ": " (texts.not_here_yet) }
+            p { (texts.headset) " " (announced.headset) ", " (write_time(announced.heard_at)) ": " (texts.not_here_yet) }
         }
         @if !known.announced.is_empty() { p class="note" { (words.still_to_come) } }
-        @for deleted in &known.deleted { p { (words.deleted_on) " " (utc(deleted.deleted_at)) } }
+        @for deleted in &known.deleted { p { (words.deleted_on) " " (write_time(deleted.deleted_at)) } }
         @if !known.sculptures.is_empty() {
             p { a class="button" href={ (at) "/export.zip" } { (words.export_all) } }
             @if is_shared { p class="note" { (words.others_too) } }
@@ -109,16 +108,16 @@ fn records_of(texts: &Texts, words: &AdminTexts, known: &SculptureRecords) -> Ma
             h2 { a href={ "/staff/sculptures/" (id) } { (words.sculpture) " " (id.to_string()[..8]) } }
             p {
                 (texts.headset) " " (sculpture.headset) br;
-                (texts.received) " " (utc(sculpture.received_at)) br;
-                (words.kept_until) " " (utc(BoothTime::of_day(sculpture.keep_day.saturating_add(1)))) br;
+                (texts.received) " " (write_time(sculpture.received_at)) br;
+                (words.kept_until) " " (write_day(sculpture.keep_day)) br;
                 @if sculpture.has_trace { (words.has_trace) br; }
-                @if let Some(at) = sculpture.withdrawn_at { (texts.withdrawn) " " (utc(at)) br; }
+                @if let Some(at) = sculpture.withdrawn_at { (texts.withdrawn) " " (write_time(at)) br; }
             }
             ul {
                 @for mail in mails { li { (mail_line(texts, mail)) } }
-                @for print in prints { li { (words.print) " " (utc(print.asked_at)) ": " (print.note) } }
+                @for print in prints { li { (words.print) " " (write_time(print.asked_at)) ": " (print.note) } }
                 @for entry in audit {
-                    li { (utc(entry.at)) ": " (entry.action) " (" (entry.account.as_deref().unwrap_or(words.the_booth)) ")" }
+                    li { (write_time(entry.at)) ": " (entry.action) " (" (entry.account.as_deref().unwrap_or(words.the_booth)) ")" }
                 }
             }
         }
@@ -127,7 +126,7 @@ fn records_of(texts: &Texts, words: &AdminTexts, known: &SculptureRecords) -> Ma
 
 fn mail_line(texts: &Texts, mail: &MailOrder) -> Markup {
     html! {
-        (utc(mail.asked_at)) ": " (texts.mail_state(mail.state))
+        (write_time(mail.asked_at)) ": " (texts.mail_state(mail.state))
         @if let Some(address) = &mail.address { ", " (address) }
     }
 }

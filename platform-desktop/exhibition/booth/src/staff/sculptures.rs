@@ -8,8 +8,8 @@ use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use maud::{Markup, html};
 use paros_booth_rules::records::{Announcement, Sculpture};
-use paros_booth_rules::{BoothTime, MissingSculpture, Reason, Refusal};
-use paros_core::badge::BadgeNumber;
+use paros_booth_rules::{MissingSculpture, Reason, Refusal};
+use paros_core::badge::{BadgeNumber, Language};
 use paros_protocol::SculptureId;
 
 use super::admin_texts::AdminTexts;
@@ -22,7 +22,7 @@ use super::prints::{PRINT_FORM, prints_of};
 use super::slip::link_actions;
 use super::svg::draw_badge;
 use super::texts::Texts;
-use crate::clock::booth_time;
+use crate::clock::{booth_time, write_date, write_time};
 use crate::models::model::ModelFormat;
 use crate::server::app::BoothApp;
 use crate::viewer::draw_viewer;
@@ -85,7 +85,7 @@ async fn show_sculpture(
     let print_form = FormView::of(refused, PRINT_FORM);
     let body = html! {
         @if let Some(until) = app.booth.withdrawn_until(&found) {
-            p class="note" { (texts.withdrawn_until) " " (utc(until)) "." }
+            p class="note" { (texts.withdrawn_until) " " (write_time(until)) "." }
         }
         div class="card" { (sculpture_facts(texts, &found)) }
         (draw_viewer(&format!("{at}/model.glb"), texts.language))
@@ -163,7 +163,7 @@ pub(crate) async fn send_model(
 ) -> Answer {
     let fail = |refusal| StaffAnswer(texts, refusal);
     let found = find_sculpture(&app, &id).await.map_err(fail)?;
-    let head = format.headers(&format!("paros-{}", SculptureId(found.id)));
+    let head = format.headers(&file_name(&found));
     let model = app.run_model(move |app| format.make(&app.booth, &found)).await.map_err(fail)?;
     Ok((head, Body::from(model)).into_response())
 }
@@ -234,7 +234,7 @@ fn sculpture_facts(texts: &Texts, sculpture: &Sculpture) -> Markup {
         @if !note.is_empty() { p class="note" { (note) } }
         p {
             (texts.headset) " " (sculpture.headset) br;
-            (texts.received) " " (utc(sculpture.received_at)) br;
+            (texts.received) " " (write_time(sculpture.received_at)) br;
             (texts.export(sculpture.export))
         }
     }
@@ -253,7 +253,7 @@ pub(super) fn missing_card(texts: &Texts, announcement: &Announcement, is_lost: 
     html! {
         (badge_of(texts, announcement.badge))
         p class="note" { (if is_lost { texts.lost } else { texts.not_here_yet }) }
-        p { (texts.headset) " " (announcement.headset) ", " (utc(announcement.heard_at)) }
+        p { (texts.headset) " " (announcement.headset) ", " (write_time(announcement.heard_at)) }
     }
 }
 
@@ -264,38 +264,15 @@ pub(super) fn badge_of(texts: &Texts, badge: Option<u32>) -> Markup {
     }
 }
 
-/// Date and time in UTC. The page of a tablet may know better; the booth's zone isn't known to it.
-pub(crate) fn utc(time: BoothTime) -> String {
-    let (day, second) = (u64::from(time.day()), time.seconds() % 86_400);
-    // Days since the first of March of the year 0, by eras of 400 years (Hinnant's civil_from_days).
-    let day = day + 719_468;
-    let (era, of_era) = (day / 146_097, day % 146_097);
-    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
-    let of_year = of_era - (365 * year + year / 4 - year / 100);
-    let month = (5 * of_year + 2) / 153;
-    let (date, month) = (of_year - (153 * month + 2) / 5 + 1, (month + 2) % 12 + 1);
-    let year = era * 400 + year + u64::from(month <= 2);
-    let (hour, minute) = (second / 3600, second / 60 % 60);
-    format!("{year}-{month:02}-{date:02} {hour:02}:{minute:02} UTC")
-}
-
-#[cfg(test)]
-mod tests {
-    use paros_booth_rules::BoothTime;
-
-    use super::utc;
-
-    #[test]
-    fn times_are_dates() {
-        for (seconds, text) in [
-            (0, "1970-01-01 00:00 UTC"),
-            (951_782_399, "2000-02-28 23:59 UTC"),
-            (951_782_400, "2000-02-29 00:00 UTC"),
-            (951_868_800, "2000-03-01 00:00 UTC"),
-            (1_790_000_000, "2026-09-21 14:13 UTC"),
-            (4_102_444_799, "2099-12-31 23:59 UTC"),
-        ] {
-            assert_eq!(utc(BoothTime(seconds * 1000)), text);
+/// Returns the name of a sculpture's files without their endings: the badge's pictures and the date of arrival.
+fn file_name(sculpture: &Sculpture) -> String {
+    let date = write_date(sculpture.received_at);
+    match sculpture.badge.and_then(BadgeNumber::new) {
+        Some(number) => {
+            let badge = number.badge();
+            let pictures = badge.pictograms.map(|picture| picture.name(Language::English));
+            format!("paros-{}-{date}", pictures.join("-").replace(' ', "-"))
         }
+        None => format!("paros-{}-{date}", SculptureId(sculpture.id)),
     }
 }

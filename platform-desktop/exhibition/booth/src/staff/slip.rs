@@ -14,9 +14,10 @@ use paros_protocol::SculptureId;
 use super::page::{StaffAnswer, StaffView, action_button};
 use super::print_texts::PrintTexts;
 use super::prints::order_wish;
-use super::sculptures::{parse_id, utc};
+use super::sculptures::parse_id;
 use super::svg::draw_badge;
 use super::texts::Texts;
+use crate::clock::write_time;
 use crate::public::draw_qr;
 use crate::server::app::BoothApp;
 
@@ -60,7 +61,7 @@ fn slip(app: &BoothApp, sculpture: &Sculpture, order: Option<&PrintOrder>) -> Ma
                 Some(number) => { (draw_badge(&number.badge(), texts.language)) },
                 None => { p { (texts.no_badge) } },
             }
-            p { (texts.headset) " " (sculpture.headset) ", " (utc(sculpture.received_at)) }
+            p { (texts.headset) " " (sculpture.headset) ", " (write_time(sculpture.received_at)) }
             @if let Some(order) = order {
                 p { strong { (of_prints.state(order.state)) } }
                 (order_wish(texts, order))

@@ -48,6 +48,8 @@ impl BoothFolder {
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_paros-booth"));
         command.args(arguments).arg("--folder").arg(self.path());
+        // Tests count hours from midnight UTC.
+        command.env("TZ", "UTC");
         command.args(&self.shared.0).envs(self.shared.1.iter().cloned());
         command
     }

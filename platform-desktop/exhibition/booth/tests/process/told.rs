@@ -1,13 +1,14 @@
 //! What the page tells people: what was done, and why something wasn't, where they are and in their language.
 
+use paros_core::badge::{BadgeNumber, Language};
+
 use crate::prints::with_sculpture;
 use crate::rig::{Answer, BoothFolder, BoothProcess, mail_arguments};
 use crate::staff::{Browser, cookie_of, post_form};
 
 /// Words in Latin letters that a Greek page may have: names, formats, addresses.
-const SHARED: [&str; 14] = [
-    "", "Paros", "English", "ana", "example", "org", "e", "mail", "STL", "MF", "GLB", "mm",
-    "https", "UTC",
+const SHARED: [&str; 13] = [
+    "", "Paros", "English", "ana", "example", "org", "e", "mail", "STL", "MF", "GLB", "mm", "https",
 ];
 
 /// A booth with a mail server that isn't there, a sculpture, and who is logged in.
@@ -277,7 +278,8 @@ fn a_withdrawn_sculpture_says_until_when_it_comes_back() {
     browser.click(&at, &format!("{at}/withdraw"));
     let database = rusqlite::Connection::open(folder.path().join("booth.sqlite")).unwrap();
     let week = 7 * 86_400;
-    let query = "SELECT strftime('%Y-%m-%d %H:%M UTC', withdrawn_at / 1000 + ?, 'unixepoch') FROM sculptures";
+    let query =
+        "SELECT strftime('%Y-%m-%d %H:%M', withdrawn_at / 1000 + ?, 'unixepoch') FROM sculptures";
     let until: String = database.query_row(query, [week], |row| row.get(0)).unwrap();
     let page = browser.get(&at);
     assert!(
@@ -285,4 +287,34 @@ fn a_withdrawn_sculpture_says_until_when_it_comes_back() {
         "{until}: {}",
         page.text()
     );
+}
+
+/// A booth in Kathmandu, whose clocks are 5:45 ahead of UTC, shows times, filters hours and names files by its own day.
+#[test]
+fn times_are_those_of_the_booths_zone() {
+    let zone = ("TZ".to_owned(), "Asia/Kathmandu".to_owned());
+    let folder = BoothFolder::new("told-zone").sharing(&[], vec![zone]);
+    let booth = folder.start_with(&["--slicer", "none"]);
+    let at = with_sculpture(&booth.client, &folder, 77);
+    let browser = Browser::first(&booth.client, &booth.first_code().expect("a code"));
+    let database = rusqlite::Connection::open(folder.path().join("booth.sqlite")).unwrap();
+    // 20:30 UTC on the last of March.
+    let received = "UPDATE sculptures SET received_at = 1774989000000";
+    assert_eq!(database.execute(received, []).unwrap(), 1);
+    assert!(browser.get(&at).text().contains("2026-04-01 02:15"), "{}", browser.get(&at).text());
+    for (day, hour, is_there) in [
+        ("2026-04-01", "2", true),
+        ("2026-04-01", "", true),
+        ("2026-04-01", "3", false),
+        ("2026-03-31", "", false),
+        ("2026-03-31", "20", false),
+    ] {
+        let list = browser.get(&format!("/staff?day={day}&hour={hour}"));
+        assert_eq!(list.text().contains(&at), is_there, "{day} {hour}");
+    }
+    let file = browser.get(&format!("{at}/model.stl")).head;
+    let name = file.split("filename=\"paros-").nth(1).expect("a name").split('"').next().unwrap();
+    let pictures = BadgeNumber::new(77).expect("a number").badge().pictograms;
+    assert!(name.starts_with(pictures[0].name(Language::English)), "{name}");
+    assert!(name.ends_with("-2026-04-01.stl"), "{name}");
 }
