@@ -173,7 +173,7 @@ fn check_filters(browser: &TimedBrowser<'_>, all: &[Sculpture], day: &str) {
     }
 }
 
-/// What was asked for is kept from page to page, and in the form.
+/// Checks that the filter is kept from page to page, and in the form.
 fn check_paging(browser: &TimedBrowser<'_>, all: &[Sculpture]) {
     let shown = badge_of(&all[7777]).pictograms[0];
     let word = shown.name(Language::English);
