@@ -57,7 +57,7 @@ impl Booth {
     }
 }
 
-fn find_account(tx: &mut Tx<'_>, name: &str) -> Result<Account, Refusal> {
+pub(crate) fn find_account(tx: &mut Tx<'_>, name: &str) -> Result<Account, Refusal> {
     tx.get(&[&name])?.ok_or(Refusal::NotFound(Reason::NoAccount))
 }
 

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use crate::booth::Booth;
+use crate::clock::seen_time;
 use crate::records::{
     Announcement, ExportState, MailOrder, MailState, PrintOrder, PrintState, Sculpture, SeenTime,
 };
@@ -25,9 +26,6 @@ pub struct QueueReport {
     /// The time for which the oldest of these prints has waited; 0 if there is none.
     pub oldest_print: Duration,
 }
-
-/// The row of [`SeenTime`] that [`Booth::check_store`] writes.
-const CHECK_ROW: u8 = 1;
 
 impl Booth {
     /// Measures the queues.
@@ -54,11 +52,14 @@ impl Booth {
         })
     }
 
-    /// Checks that the store can be written to.
+    /// Checks that the store can be written to: writes a row again as it is.
     ///
     /// # Errors
     /// Those of the store.
     pub fn check_store(&self, now: BoothTime) -> Result<(), Refusal> {
-        self.update(|tx| Ok(tx.put(&SeenTime { row: CHECK_ROW, seen_at: now })?))
+        self.update(|tx| {
+            let seen_at = seen_time(tx, now)?;
+            Ok(tx.put(&SeenTime { row: 0, seen_at })?)
+        })
     }
 }

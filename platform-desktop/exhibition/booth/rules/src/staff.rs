@@ -2,9 +2,11 @@
 
 use std::time::Duration;
 
+use paros_protocol::ContentHash;
 use subtle::ConstantTimeEq as _;
 use unicode_security::skeleton;
 
+use crate::accounts::find_account;
 use crate::audit::{Subject, note};
 use crate::booth::{Booth, Tx};
 use crate::limits::{SESSION_IDLE, SESSION_LIFE};
@@ -13,7 +15,6 @@ use crate::records::{Account, StaffRole, StaffSession};
 use crate::refusal::Refusal;
 use crate::store::StoreError;
 use crate::time::BoothTime;
-use paros_protocol::ContentHash;
 
 /// How much a session's last use may be behind: more often it isn't written down.
 const USE_STEP: Duration = Duration::from_secs(60);
@@ -129,8 +130,7 @@ impl Booth {
         now: BoothTime,
     ) -> Result<(), Refusal> {
         self.update(|tx| {
-            let account: Option<Account> = tx.get(&[&name])?;
-            let mut account = account.ok_or(Refusal::NotFound(Reason::NoAccount))?;
+            let mut account = find_account(tx, name)?;
             account.is_disabled = is_disabled;
             tx.put(&account)?;
             let admins = "WHERE role = ?1 AND is_disabled = 0";

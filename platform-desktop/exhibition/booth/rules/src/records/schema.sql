@@ -89,7 +89,7 @@ CREATE TABLE sculptures (
 CREATE INDEX sculptures_badge ON sculptures (badge);
 -- Has all that lists are filtered by, so that SQLite counts and skips rows without reading them.
 CREATE INDEX sculptures_list ON sculptures
-    (received_at, id, withdrawn_at, keep_day, headset, language, mode, pictures, badge);
+    (received_at, id, withdrawn_at, headset, language, mode, pictures, badge);
 CREATE INDEX sculptures_export ON sculptures (export);
 CREATE INDEX sculptures_keep_day ON sculptures (keep_day);
 CREATE UNIQUE INDEX sculptures_claimed_badge ON sculptures (claimed_badge);

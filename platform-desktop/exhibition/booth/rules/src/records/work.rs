@@ -19,9 +19,9 @@ stored_enum! {
 }
 
 record! {
-    /// The time that the booth has seen pass.
+    /// The time that the booth has seen pass: a single row.
     pub struct SeenTime in "seen_time", key 1 {
-        /// 0; or 1 for the time of the last health check, whose row tells that the store can be written to.
+        /// Always 0.
         pub row: u8,
         /// The system clock's time at the last sweep before which it didn't jump.
         pub seen_at: BoothTime,
