@@ -46,7 +46,7 @@ impl Holder {
 
 /// All open connections of a listener.
 ///
-/// The open connections. If all places are taken, a new connection closes another one: of the holder that has most beyond
+/// If all places are taken, a new connection closes another one: of the holder that has most beyond
 /// what it keeps, the one that has been without a new request for longest. So idle connections are closed first, a holder of many
 /// closes its own, and the connections that a headset, an account or a link keeps are never closed for others.
 pub(crate) struct Connections {

@@ -8,6 +8,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Redirect, Response};
 use maud::html;
 use paros_booth_rules::{Reason, Refusal, SessionBits};
+use paros_protocol::DeviceToken;
 
 use super::done::Done;
 use super::forms::{FormView, Refused};
@@ -154,24 +155,25 @@ pub(super) async fn begin_session(app: &Arc<BoothApp>, name: String) -> Result<R
     let browser = app.booth.make_browser_token(&name);
     app.run(move |app| app.booth.log_in(&name, &bits, booth_time())).await?;
     let attributes = "Path=/; Secure; HttpOnly; SameSite=Strict";
-    let session = format!("{COOKIE}={}; {attributes}", write_token(&bits.cookie));
+    let session = format!("{COOKIE}={}; {attributes}", write_token(bits.cookie));
     let browser = format!(
         "{BROWSER_COOKIE}={}; {attributes}; Max-Age={BROWSER_COOKIE_LIFE}",
-        write_token(&browser)
+        write_token(browser)
     );
     let answer = with_cookie(Redirect::to("/staff").into_response(), &session);
     Ok(with_cookie(answer, &browser))
 }
 
-fn write_token(token: &[u8; 32]) -> String {
-    token.iter().map(|byte| format!("{byte:02x}")).collect()
+/// Writes the 256 bits of a cookie, as [`read_token`] reads them.
+fn write_token(token: [u8; 32]) -> String {
+    DeviceToken(token).reveal().to_string()
 }
 
 /// Reads the 256 bits of a cookie, by its name.
 pub(super) fn read_token(headers: &HeaderMap, name: &str) -> Option<[u8; 32]> {
     let value = find_cookie(headers, name)?;
     // The form is that of all tokens of 256 bits.
-    paros_protocol::DeviceToken::parse_hex(value).map(|token| token.0)
+    DeviceToken::parse_hex(value).map(|token| token.0)
 }
 
 fn login_page(texts: &Texts, refused: Option<&Refused>) -> Response {
