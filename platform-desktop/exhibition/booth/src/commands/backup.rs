@@ -8,6 +8,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
+use paros_booth_rules::KeptPart;
 use paros_protocol::{ContentHash, SculptureId};
 use rusqlite::{Connection, OpenFlags};
 use zip::write::SimpleFileOptions;
@@ -16,6 +17,7 @@ use zip::{CompressionMethod, ZipWriter};
 use crate::clock::booth_time;
 use crate::error::Error;
 use crate::store::deletion_log::DELETIONS;
+use crate::store::disk_files::ending_of;
 use crate::store::own_file::OwnPart;
 
 /// What the archive begins with, up to its version, and up to the time of the copy in milliseconds.
@@ -26,7 +28,6 @@ pub(crate) const ABOUT_HEAD: &str = "backup of a Paros booth, version 1\ncopied_
 pub(crate) const ABOUT: &str = "backup.txt";
 pub(crate) const DATABASE: &str = "booth.sqlite";
 pub(crate) const KEYS: [&str; 3] = ["keys/ca.key", "keys/ca.pem", "keys/site.key"];
-pub(crate) const PARTS: [&str; 3] = ["sculpture", "trace", "png"];
 
 /// Backs the booth of a folder up. Returns what it says of it.
 ///
@@ -50,8 +51,8 @@ pub(crate) fn back_up(folder: &Path, to: &Path) -> Result<String, Error> {
         archive.add_file(key, &folder.join(key))?;
     }
     for name in &kept {
-        for part in PARTS {
-            let name = format!("sculptures/{name}.{part}");
+        for part in KeptPart::ALL {
+            let name = format!("sculptures/{name}.{}", ending_of(part));
             // A trace or a picture may never have been; what went meanwhile is in the log of deletions.
             archive.add_file_if_there(&name, &folder.join(&name))?;
         }

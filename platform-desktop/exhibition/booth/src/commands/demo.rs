@@ -9,12 +9,13 @@ use paros_core::badge::BadgeNumber;
 use paros_core::codec::trace::CORE_VERSION;
 use paros_core::session::SessionMode;
 use paros_protocol::{
-    AgeGroup, BadgeReport, BlockSerial, ContentHash, DeviceHint, DeviceName, DeviceToken,
-    EnrolmentToken, FinishCause, FleetEnrolment, Heartbeat, Parcel, SculptureId, UploadFacts,
+    AgeGroup, BadgeReport, BlockSerial, ContentHash, FinishCause, Heartbeat, Parcel, SculptureId,
+    UploadFacts,
 };
 
 use crate::commands::demo_shapes::{SHAPES, SIDE, make_volume};
 use crate::commands::options::ServeOptions;
+use crate::commands::own_headset::enrol_own_headset;
 use crate::error::Error;
 use crate::models::parcel_decode::check_parcel;
 use crate::random::random_bytes;
@@ -76,18 +77,7 @@ pub(crate) fn add_demo(booth: &Booth, now: BoothTime) -> Result<(), Error> {
 }
 
 fn fill(booth: &Booth, now: BoothTime) -> Result<(), Refusal> {
-    let (fleet, token) = (EnrolmentToken(random_bytes()?), DeviceToken(random_bytes()?));
-    let expires_at = BoothTime(now.0.saturating_add(60_000));
-    booth.add_enrol_token(&fleet, (1, expires_at), "demo", None, now)?;
-    let enrolment = FleetEnrolment {
-        enrolment_token: fleet,
-        token_hash: ContentHash::of(&token.0),
-        hint: DeviceHint(random_bytes()?),
-        name: DeviceName::new(HEADSET_NAME)
-            .ok_or_else(|| Refusal::BadRequest("expected a headset's name".into()))?,
-    };
-    booth.enrol_fleet(&enrolment, now)?;
-    let device = booth.authenticate(&token)?;
+    let device = enrol_own_headset(booth, (HEADSET_NAME, "demo"), now)?;
     let first = Heartbeat::first(device.headset, 1, BadgeReport { epoch: 1, blocks: Vec::new() });
     let answer = booth.take_heartbeat(&device, &first, now)?;
     let held = answer.badges.first();

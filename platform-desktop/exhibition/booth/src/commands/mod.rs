@@ -6,6 +6,7 @@ pub(crate) mod demo;
 pub(crate) mod demo_shapes;
 pub(crate) mod fleet_file;
 pub(crate) mod options;
+mod own_headset;
 pub(crate) mod rescue;
 pub(crate) mod reset_password;
 pub(crate) mod restore;

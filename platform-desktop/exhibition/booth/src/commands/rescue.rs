@@ -1,24 +1,21 @@
 //! A booth made of the files of another one whose database is lost.
 
-use std::ffi::OsStr;
 use std::fs;
 use std::path::Path;
 use std::time::SystemTime;
 
-use paros_booth_rules::{Booth, BoothPlan, BoothTime, Refusal};
-use paros_protocol::{
-    ContentHash, DeviceHint, DeviceName, DeviceToken, EnrolmentToken, FleetEnrolment, Parcel,
-    SculptureId, UploadFacts,
-};
+use paros_booth_rules::{Booth, BoothPlan, BoothTime, KeptName, KeptPart, Refusal};
+use paros_protocol::{Parcel, UploadFacts};
 use paros_shell::durable::read_regular_file;
 
 use crate::clock::{booth_time, booth_time_of};
+use crate::commands::own_headset::enrol_own_headset;
 use crate::commands::restore::{NewBooth, read_log};
 use crate::commands::shared::SharedOptions;
 use crate::error::Error;
 use crate::models::parcel_decode::{check_parcel, unpack_volume};
-use crate::random::random_bytes;
 use crate::server::app::OpenBooth;
+use crate::store::disk_files::{kept_file_name, parse_kept_name};
 
 /// The name of the headset that rescued sculptures are listed under: their files don't name the headset.
 const HEADSET_NAME: &str = "Rescued";
@@ -35,13 +32,16 @@ pub(crate) fn rescue(lost: &Path, folder: &Path, plan: BoothPlan) -> Result<Stri
     let deletions = read_log(lost)?;
     let shared = SharedOptions::default();
     let OpenBooth { booth, .. } = OpenBooth::open_or_make(new.path(), &shared, plan, u64::MAX)?;
-    let headset = add_headset(&booth)?;
+    let headset = enrol_own_headset(&booth, (HEADSET_NAME, "rescue"), booth_time())?.headset;
     let (mut taken, mut report) = (0, String::new());
     for file in files {
         match take_file(&booth, headset, &lost.join("sculptures"), &file) {
             Ok(()) => taken += 1,
             Err(refusal) if refusal.is_failure() => return Err(refusal.into()),
-            Err(refusal) => report += &format!("{}: left out: {refusal}\n", file.name),
+            Err(refusal) => {
+                let name = kept_file_name(&file.name);
+                report += &format!("{name}: left out: {refusal}\n");
+            }
         }
     }
     if taken == 0 {
@@ -62,9 +62,7 @@ pub(crate) fn rescue(lost: &Path, folder: &Path, plan: BoothPlan) -> Result<Stri
 
 /// The file of a sculpture in a booth's folder.
 struct SculptureFile {
-    name: String,
-    id: SculptureId,
-    hash: ContentHash,
+    name: KeptName,
     /// The time at which the sculpture arrived.
     written_at: BoothTime,
 }
@@ -76,40 +74,14 @@ fn list_sculptures(lost: &Path) -> Result<Vec<SculptureFile>, Error> {
     let mut files = Vec::new();
     for entry in fs::read_dir(&folder).map_err(fail)? {
         let entry = entry.map_err(fail)?;
-        let named = entry.file_name().to_str().and_then(parse_name);
-        let Some((name, id, hash)) = named else { continue };
+        let named = entry.file_name().to_str().and_then(parse_kept_name);
+        let Some(name) = named.filter(|name| name.part == KeptPart::Sculpture) else { continue };
         let written = entry.metadata().and_then(|file| file.modified()).map_err(fail)?;
         let written_at = booth_time_of(written.min(SystemTime::now()));
-        files.push(SculptureFile { name, id, hash, written_at });
+        files.push(SculptureFile { name, written_at });
     }
-    files.sort_by(|a, b| a.name.cmp(&b.name));
+    files.sort_by_key(|file| file.name);
     Ok(files)
-}
-
-/// Reads the name of a sculpture's file: `ID-HASH.sculpture`.
-fn parse_name(name: &str) -> Option<(String, SculptureId, ContentHash)> {
-    let (id, hash) = name.strip_suffix(".sculpture")?.split_once('-')?;
-    Some((name.to_owned(), SculptureId::parse_hex(id)?, ContentHash::parse_hex(hash)?))
-}
-
-fn add_headset(booth: &Booth) -> Result<u32, Refusal> {
-    let (fleet, token) = (EnrolmentToken(random_bytes()?), DeviceToken(random_bytes()?));
-    let now = booth_time();
-    booth.add_enrol_token(
-        &fleet,
-        (1, BoothTime(now.0.saturating_add(60_000))),
-        "rescue",
-        None,
-        now,
-    )?;
-    let enrolment = FleetEnrolment {
-        enrolment_token: fleet,
-        token_hash: ContentHash::of(&token.0),
-        hint: DeviceHint(random_bytes()?),
-        name: DeviceName::new(HEADSET_NAME)
-            .ok_or_else(|| Refusal::BadRequest("expected a headset's name".into()))?,
-    };
-    Ok(booth.enrol_fleet(&enrolment, now)?.headset)
 }
 
 /// Takes the parcel that a sculpture came in; without its trace if that is gone.
@@ -119,25 +91,26 @@ fn take_file(
     folder: &Path,
     file: &SculptureFile,
 ) -> Result<(), Refusal> {
-    let read = |name: &OsStr| {
-        let bytes = read_regular_file(&folder.join(name));
+    let KeptName { id, hash, .. } = file.name;
+    let read = |part| {
+        let bytes = read_regular_file(&folder.join(kept_file_name(&KeptName { id, hash, part })));
         bytes.map_err(|error| Refusal::BadRequest(error.to_string()))
     };
-    let sculpture = read(file.name.as_ref())?;
+    let sculpture = read(KeptPart::Sculpture)?;
     let bad = |fault: String| Refusal::Undecodable(fault);
     let (facts, packed) =
         UploadFacts::split_head(&sculpture).map_err(|fault| bad(fault.to_string()))?;
     let trace = match facts.trace_bytes {
         0 => Some(Vec::new()),
-        _ => read(Path::new(&file.name).with_extension("trace").as_os_str()).ok(),
+        _ => read(KeptPart::Trace).ok(),
     };
     let parcel = match trace {
-        Some(trace) => [&sculpture[..], &trace, &file.hash.0].concat(),
+        Some(trace) => [&sculpture[..], &trace, &hash.0].concat(),
         None => {
             let volume = unpack_volume(&facts, packed).map_err(bad)?;
             let parcel = Parcel::pack(&facts, &volume, None);
             parcel.map_err(|fault| bad(fault.to_string()))?.into_file()
         }
     };
-    booth.take_parcel(headset, file.id, &parcel, &check_parcel, file.written_at).map(drop)
+    booth.take_parcel(headset, id, &parcel, &check_parcel, file.written_at).map(drop)
 }

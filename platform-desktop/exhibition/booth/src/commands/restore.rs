@@ -6,17 +6,17 @@ use std::os::unix::fs::{DirBuilderExt as _, OpenOptionsExt as _};
 use std::path::{Path, PathBuf};
 
 use paros_booth_rules::{BoothPlan, BoothTime, Deletion, RestoreReport};
-use paros_protocol::{ContentHash, SculptureId};
 use zip::ZipArchive;
 use zip::read::{ZipFile, read_zipfile_from_stream};
 use zip::result::ZipError;
 
 use crate::clock::booth_time;
-use crate::commands::backup::{ABOUT, ABOUT_HEAD, ABOUT_START, DATABASE, KEYS, PARTS};
+use crate::commands::backup::{ABOUT, ABOUT_HEAD, ABOUT_START, DATABASE, KEYS};
 use crate::commands::shared::SharedOptions;
 use crate::error::Error;
 use crate::server::app::OpenBooth;
 use crate::store::deletion_log::{DELETIONS, read_deletions};
+use crate::store::disk_files::parse_kept_name;
 use crate::store::own_file::OwnPart;
 
 /// Makes a booth of a backup, in a new folder. What `deletions` names beside what the backup does is deleted again.
@@ -236,10 +236,7 @@ fn tell_fault(archive: &Path, error: ZipError) -> String {
 /// Whether a backup has a file of this name: nothing else is written anywhere.
 fn is_known(name: &str) -> bool {
     if let Some(kept) = name.strip_prefix("sculptures/") {
-        let Some((names, part)) = kept.split_once('.') else { return false };
-        let Some((id, hash)) = names.split_once('-') else { return false };
-        let is_id = SculptureId::parse_hex(id).is_some() && ContentHash::parse_hex(hash).is_some();
-        return is_id && PARTS.contains(&part);
+        return parse_kept_name(kept).is_some();
     }
     name == DATABASE || name == DELETIONS || KEYS.contains(&name)
 }

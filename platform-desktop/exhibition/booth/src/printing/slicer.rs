@@ -17,7 +17,7 @@ use super::options::SlicerOptions;
 use super::slice_folder::{SliceFolder, SliceFolders};
 use crate::error::Error;
 use crate::server::worker::LOW_PRIORITY;
-use crate::store::disk_files::check_folder;
+use crate::store::own_file::check_folder;
 
 /// How long a slice may take: a sculpture at 256 takes some twenty seconds of a small processor.
 const MAX_SLICE_TIME: Duration = Duration::from_secs(240);

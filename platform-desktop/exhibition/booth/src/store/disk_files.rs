@@ -1,20 +1,18 @@
 //! Kept files in a folder. All names are made of hexadecimal digits.
 
 use std::fs::{self, File};
-use std::io::{self, Write as _};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use paros_booth_rules::{BoothTime, Deletion, KeptName, KeptPart, ParcelFiles};
+use paros_protocol::{ContentHash, SculptureId};
 use paros_shell::durable;
 use rustix::fs::statvfs;
 
 use crate::store::deletion_log::DeletionLog;
 use crate::store::files::Files;
-use crate::store::own_file::OwnPart;
-
-/// The length of a file that checks a folder: a sculpture's file is a fifth of that.
-const CHECKED_BYTES: usize = 1 << 16;
+use crate::store::own_file::check_folder;
 
 /// Files in a folder.
 pub struct DiskFiles {
@@ -108,24 +106,26 @@ impl Files for DiskFiles {
     }
 }
 
-/// Checks that a folder has room for a file.
-///
-/// # Errors
-/// The error of the disk.
-pub(crate) fn check_folder(folder: &Path) -> io::Result<()> {
-    let (_removed, mut file) = OwnPart::new_file(&folder.join("check"))?;
-    file.write_all(&[0; CHECKED_BYTES])?;
-    file.sync_all()
-}
-
 /// The name of a kept file, wherever it is.
 pub(crate) fn kept_file_name(name: &KeptName) -> String {
-    let part = match name.part {
+    format!("{}-{}.{}", name.id, name.hash, ending_of(name.part))
+}
+
+/// Reads the name of a kept file; `None` for any other name.
+pub(crate) fn parse_kept_name(name: &str) -> Option<KeptName> {
+    let (names, ending) = name.split_once('.')?;
+    let (id, hash) = names.split_once('-')?;
+    let part = KeptPart::ALL.into_iter().find(|part| ending_of(*part) == ending)?;
+    Some(KeptName { id: SculptureId::parse_hex(id)?, hash: ContentHash::parse_hex(hash)?, part })
+}
+
+/// Returns the ending of a kept file's name.
+pub(crate) const fn ending_of(part: KeptPart) -> &'static str {
+    match part {
         KeptPart::Sculpture => "sculpture",
         KeptPart::Trace => "trace",
         KeptPart::Picture => "png",
-    };
-    format!("{}-{}.{part}", name.id, name.hash)
+    }
 }
 
 /// Removes a file, if there is one. Returns how many bytes it had.

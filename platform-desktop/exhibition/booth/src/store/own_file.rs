@@ -1,11 +1,14 @@
 //! A file or a folder that only its owner reads, under a temporary name until it is whole.
 
 use std::fs::{self, DirBuilder, File, OpenOptions};
-use std::io;
+use std::io::{self, Write as _};
 use std::os::unix::fs::{DirBuilderExt as _, OpenOptionsExt as _};
 use std::path::{Path, PathBuf};
 
 use paros_shell::durable;
+
+/// The length of a file that checks a folder: a sculpture's file is a fifth of that.
+const CHECKED_BYTES: usize = 1 << 16;
 
 /// A temporary file or folder, which is removed where it isn't renamed.
 #[derive(Debug)]
@@ -56,6 +59,16 @@ impl Drop for OwnPart {
             let _ = fs::remove_file(&self.path).or_else(|_| fs::remove_dir_all(&self.path));
         }
     }
+}
+
+/// Checks that a folder has room for a file.
+///
+/// # Errors
+/// The error of the disk.
+pub(crate) fn check_folder(folder: &Path) -> io::Result<()> {
+    let (_removed, mut file) = OwnPart::new_file(&folder.join("check"))?;
+    file.write_all(&[0; CHECKED_BYTES])?;
+    file.sync_all()
 }
 
 fn parent_of(path: &Path) -> &Path {
