@@ -24,7 +24,7 @@ pub(crate) fn write_glb(stl: &[u8]) -> Result<Vec<u8>, String> {
     // The STL's x, y and z become x, -z and y.
     let corners: Vec<[f32; 3]> =
         corners.iter().map(|[x, y, z]| [x * METRES, z * METRES, -y * METRES]).collect();
-    let normals = find_normals(&corners, &triangles);
+    let normals = find_smooth_normals(&corners, &triangles);
     let mut head = write_head(&corners, triangles.len());
     while !head.len().is_multiple_of(4) {
         head.push(' ');
@@ -49,6 +49,42 @@ pub(crate) fn write_glb(stl: &[u8]) -> Result<Vec<u8>, String> {
     Ok(glb)
 }
 
+/// How often each normal is mixed with those around it. The mesh has a corner for each voxel's face, so that its slopes are
+/// steps a voxel high, and so many times reach over steps six voxels wide.
+const SMOOTHINGS: usize = 12;
+
+/// Finds smooth normals: the mean of those around each corner, again and again, so that steps of voxels don't show.
+/// Neighbours that look elsewhere count less, which keeps edges.
+fn find_smooth_normals(corners: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[f32; 3]> {
+    let mut normals = find_normals(corners, triangles);
+    for _ in 0..SMOOTHINGS {
+        let mut sums = normals.clone();
+        for [a, b, c] in triangles {
+            // Each edge is one of two triangles, in either direction.
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                let (from, to) = (*from as usize, *to as usize);
+                let (one, other) = (normals[from], normals[to]);
+                let alike: f32 = (0..3).map(|k| one[k] * other[k]).sum();
+                let weight = alike.max(0.0).powi(2);
+                sums[from] = [0, 1, 2].map(|k| sums[from][k] + weight * other[k]);
+            }
+        }
+        normals = sums;
+        normals.iter_mut().for_each(normalise);
+    }
+    normals
+}
+
+/// Makes a normal one long.
+fn normalise(normal: &mut [f32; 3]) {
+    let length = normal.iter().map(|place| place * place).sum::<f32>().sqrt();
+    // A corner of no triangle, or of those that cancel out, looks upwards: glTF wants normals of length 1.
+    *normal = match length > 0.0 && length.is_finite() {
+        true => normal.map(|place| place / length),
+        false => [0.0, 1.0, 0.0],
+    };
+}
+
 /// The mean of the normals of each corner's triangles, by their areas.
 fn find_normals(corners: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[f32; 3]> {
     let mut sums = vec![[0.0f32; 3]; corners.len()];
@@ -62,15 +98,7 @@ fn find_normals(corners: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[f32; 3]> {
             *sum = [0, 1, 2].map(|k| sum[k] + normal[k]);
         }
     }
-    for sum in &mut sums {
-        let length = sum.iter().map(|place| place * place).sum::<f32>().sqrt();
-        // A corner of no triangle, or of those that cancel out, looks upwards: glTF wants normals of length 1.
-        *sum = if length > 0.0 && length.is_finite() {
-            sum.map(|place| place / length)
-        } else {
-            [0.0, 1.0, 0.0]
-        };
-    }
+    sums.iter_mut().for_each(normalise);
     sums
 }
 
@@ -108,7 +136,7 @@ fn write_head(corners: &[[f32; 3]], triangles: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::write_glb;
+    use super::{find_normals, find_smooth_normals, write_glb};
 
     fn stl_of(triangles: &[[[f32; 3]; 3]]) -> Vec<u8> {
         let mut stl = vec![0; 84];
@@ -168,6 +196,33 @@ mod tests {
         }
         let bounds = primitive.bounding_box();
         assert_eq!((bounds.min, bounds.max), ([0.0, 0.0, -0.1], [0.1, 0.1, 0.0]));
+    }
+
+    /// A slope of a quarter is made of steps a voxel high and four wide.
+    #[test]
+    fn steps_of_voxels_look_like_the_slope_that_they_are() {
+        const SIDE: usize = 48;
+        let at = |x: usize, y: usize| (x + SIDE * y) as u32;
+        let places = (0..SIDE * SIDE).map(|k| (k % SIDE, k / SIDE));
+        let corners: Vec<[f32; 3]> =
+            places.clone().map(|(x, y)| [x as f32, y as f32, (x / 4) as f32]).collect();
+        let squares = places.filter(|(x, y)| x + 1 < SIDE && y + 1 < SIDE);
+        let triangles: Vec<[u32; 3]> = squares
+            .flat_map(|(x, y)| {
+                let [a, b, c, d] = [at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)];
+                [[a, b, c], [a, c, d]]
+            })
+            .collect();
+        let slope = [-1.0 / 17f32.sqrt(), 0.0, 4.0 / 17f32.sqrt()];
+        let furthest = |normals: &[[f32; 3]]| {
+            let inner = (SIDE / 3..SIDE / 2).map(|x| normals[at(x, SIDE / 2) as usize]);
+            let cosines = inner.map(|normal| (0..3).map(|k| normal[k] * slope[k]).sum::<f32>());
+            cosines.fold(1.0, f32::min).acos().to_degrees()
+        };
+        let (rough, smooth) =
+            (find_normals(&corners, &triangles), find_smooth_normals(&corners, &triangles));
+        assert!(furthest(&rough) > 10.0, "{}", furthest(&rough));
+        assert!(furthest(&smooth) < 3.0, "{}", furthest(&smooth));
     }
 
     #[test]
