@@ -73,4 +73,4 @@ pub use store::{Access, Store, StoreError, Transaction, has_nul, update, view};
 pub use time::BoothTime;
 pub use upload::{DecodeParcel, ImportOutcome};
 pub use value::{Field, ToValue, Value};
-pub use words::{HeardBadge, WordsFault};
+pub use words::{BadgeComparison, HeardBadge, WordsFault};

@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use paros_core::badge::NUMBERS_OF_COLOUR;
+use paros_core::badge::{BadgeNumber, NUMBERS_OF_COLOUR};
 use paros_core::session::SessionMode;
 
 use crate::booth::{Booth, Tx};
 use crate::limits::MAX_LISTED;
-use crate::records::Sculpture;
+use crate::records::{Announcement, Sculpture};
 use crate::refusal::Refusal;
 use crate::store::StoreError;
 use crate::time::BoothTime;
@@ -122,6 +122,19 @@ impl ListPlace {
 }
 
 impl ListFilter {
+    /// Returns `true` if an announced sculpture meets the conditions. Its language and its start aren't known yet: conditions
+    /// on these are passed over.
+    #[must_use]
+    pub fn admits(&self, announcement: &Announcement) -> bool {
+        let badge = announcement.badge.and_then(BadgeNumber::new).map(|number| number.badge());
+        self.received.as_ref().is_none_or(|received| received.contains(&announcement.heard_at))
+            && self.headset.is_none_or(|headset| headset == announcement.headset)
+            && self
+                .badge
+                .as_ref()
+                .is_none_or(|said| badge.is_some_and(|badge| said.is_part_of(&badge)))
+    }
+
     fn conditions(&self) -> Conditions {
         let withdrawn = if self.is_withdrawn { "IS NOT NULL" } else { "IS NULL" };
         let terms = vec![format!("withdrawn_at {withdrawn}")];

@@ -181,14 +181,38 @@ impl Booth {
         })
     }
 
-    /// Who is logged in with a cookie.
+    /// Who is logged in with a cookie. Notes that the login is used.
     ///
     /// # Errors
     /// [`Refusal::UnknownToken`] where nobody is, or not any more.
     pub fn find_login(&self, cookie: &[u8; 32], now: BoothTime) -> Result<LoggedIn, Refusal> {
-        let token_hash = ContentHash::of(cookie).0;
+        let (login, used_at) = self.read_login(cookie, now)?;
+        if now.since(used_at) >= USE_STEP {
+            self.update(|tx| {
+                let used = "UPDATE staff_sessions SET used_at = ?1 WHERE token_hash = ?2";
+                tx.run(used, &[&now, &ContentHash::of(cookie).0])?;
+                Ok(())
+            })?;
+        }
+        Ok(login)
+    }
+
+    /// Who is logged in with a cookie, without noting that the login is used: for what pages do by themselves.
+    ///
+    /// # Errors
+    /// [`Refusal::UnknownToken`] where nobody is, or not any more.
+    pub fn peek_login(&self, cookie: &[u8; 32], now: BoothTime) -> Result<LoggedIn, Refusal> {
+        self.read_login(cookie, now).map(|(login, _)| login)
+    }
+
+    /// Reads a login that isn't over, and when it was last used.
+    fn read_login(
+        &self,
+        cookie: &[u8; 32],
+        now: BoothTime,
+    ) -> Result<(LoggedIn, BoothTime), Refusal> {
         let (session, account) = self.view(|tx| {
-            let session: Option<StaffSession> = tx.get(&[&token_hash])?;
+            let session: Option<StaffSession> = tx.get(&[&ContentHash::of(cookie).0])?;
             let account: Option<Account> = match &session {
                 Some(session) => tx.get(&[&session.account])?,
                 None => None,
@@ -200,15 +224,8 @@ impl Booth {
         let (Some(session), Some(account)) = (session, account) else {
             return Err(Refusal::UnknownToken);
         };
-        if now.since(session.used_at) >= USE_STEP {
-            self.update(|tx| {
-                let used = "UPDATE staff_sessions SET used_at = ?1 WHERE token_hash = ?2";
-                tx.run(used, &[&now, &token_hash])?;
-                Ok(())
-            })?;
-        }
-        let form_token = session.form_token;
-        Ok(LoggedIn { account: account.name, role: account.role, form_token })
+        let StaffSession { form_token, used_at, .. } = session;
+        Ok((LoggedIn { account: account.name, role: account.role, form_token }, used_at))
     }
 
     /// Makes the token of a browser in which an account was logged in. The token grants no access.

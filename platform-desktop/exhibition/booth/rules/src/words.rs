@@ -14,6 +14,19 @@ pub struct HeardBadge {
     pub unknown: Vec<String>,
 }
 
+/// A badge compared with what was said of it.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct BadgeComparison {
+    /// The pictograms that are in the badge, in the order in which they were said.
+    pub right: Vec<Pictogram>,
+    /// The pictograms that aren't.
+    pub wrong: Vec<Pictogram>,
+    /// `true` if the right ones were said in the badge's order.
+    pub is_in_order: bool,
+    /// `true` if the badge has the colour that was said, or none was.
+    pub is_colour_right: bool,
+}
+
 /// Why words are no badge.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum WordsFault {
@@ -128,19 +141,34 @@ impl HeardBadge {
         candidates
     }
 
-    /// What is otherwise in a badge: its colour, each pictogram that wasn't said, and the order.
-    fn mistakes(&self, badge: &Badge) -> usize {
+    /// Compares what was said with a badge.
+    #[must_use]
+    pub fn compare(&self, badge: &Badge) -> BadgeComparison {
         let mut left = badge.pictograms.to_vec();
-        let mut found = Vec::new();
+        let (mut right, mut wrong) = (Vec::new(), Vec::new());
         for pictogram in &self.pictograms {
             if let Some(place) = left.iter().position(|other| other == pictogram) {
-                found.push(left.remove(place));
+                right.push(left.remove(place));
+            } else {
+                wrong.push(*pictogram);
             }
         }
         let mut rest = badge.pictograms.iter();
-        let is_in_order = found.iter().all(|pictogram| rest.any(|other| other == pictogram));
-        let is_other_colour = self.colour.is_some_and(|colour| colour != badge.colour);
-        4 - found.len() + usize::from(!is_in_order) + usize::from(is_other_colour)
+        let is_in_order = right.iter().all(|pictogram| rest.any(|other| other == pictogram));
+        let is_colour_right = self.colour.is_none_or(|colour| colour == badge.colour);
+        BadgeComparison { right, wrong, is_in_order, is_colour_right }
+    }
+
+    /// Returns `true` if a badge has the colour and all pictograms.
+    pub(crate) fn is_part_of(&self, badge: &Badge) -> bool {
+        let BadgeComparison { wrong, is_colour_right, .. } = self.compare(badge);
+        wrong.is_empty() && is_colour_right
+    }
+
+    /// Counts what is otherwise in a badge: its colour, each pictogram that wasn't said, and the order.
+    fn mistakes(&self, badge: &Badge) -> usize {
+        let BadgeComparison { right, is_in_order, is_colour_right, .. } = self.compare(badge);
+        4 - right.len() + usize::from(!is_in_order) + usize::from(!is_colour_right)
     }
 }
 

@@ -1,7 +1,7 @@
 //! How a sculpture is found, by staff and by its visitor.
 
 use super::common::*;
-use paros_booth_rules::{FoundByBadge, HeardBadge, LinkToken, WordsFault};
+use paros_booth_rules::{BadgeComparison, FoundByBadge, HeardBadge, LinkToken, WordsFault};
 use paros_core::badge::{Badge, BadgeColour, BadgeNumber, Language, Pictogram, write_words};
 use paros_protocol::SculptureId;
 use proptest::prelude::*;
@@ -39,6 +39,24 @@ fn a_badge_finds_its_sculpture_and_a_provisional_one_all() {
     assert_eq!(found(&rig, &number.badge()), [id(1), id(50)]);
     let newest = rig.list(false);
     assert_eq!(newest[..2].iter().map(|kept| kept.id[0]).collect::<Vec<_>>(), [50, 5]);
+}
+
+#[test]
+fn a_badge_is_compared_with_what_was_said_of_it() {
+    let badge = BadgeNumber::new(77).expect("a number").badge();
+    let [a, b, c, _] = badge.pictograms;
+    let other = Pictogram::all().find(|shown| !badge.pictograms.contains(shown)).unwrap();
+    let other_colour = BadgeColour::ALL.into_iter().find(|colour| *colour != badge.colour);
+    for (colour, said, right, wrong, is_in_order, is_colour_right) in [
+        (None, vec![a, b, c], vec![a, b, c], vec![], true, true),
+        (Some(badge.colour), vec![b, a, other], vec![b, a], vec![other], false, true),
+        (other_colour, vec![other, c], vec![c], vec![other], true, false),
+        // No badge has a picture twice.
+        (None, vec![a, a], vec![a], vec![a], true, true),
+    ] {
+        let compared = HeardBadge::new(colour, said).compare(&badge);
+        assert_eq!(compared, BadgeComparison { right, wrong, is_in_order, is_colour_right });
+    }
 }
 
 #[test]

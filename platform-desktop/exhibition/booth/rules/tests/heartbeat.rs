@@ -1,11 +1,11 @@
 //! What headset and booth tell each other every two seconds.
 
 use super::common::*;
-use paros_booth_rules::BoothTime;
 use paros_booth_rules::limits::{COMMAND_LIFE, MAX_ANNOUNCED, MAX_WAITING_COMMANDS, STATUS_LIFE};
 use paros_booth_rules::records::AuditEntry;
 use paros_booth_rules::records::{CommandState, Device};
-use paros_core::badge::BadgeNumber;
+use paros_booth_rules::{BoothTime, HeardBadge, ListFilter};
+use paros_core::badge::{BadgeNumber, Pictogram};
 
 fn device_of(rig: &Rig, headset: u32) -> Device {
     rig.booth.list_devices().unwrap().into_iter().find(|device| device.headset == headset).unwrap()
@@ -76,6 +76,26 @@ fn what_is_announced_is_missing_until_it_comes() {
     assert_eq!(missing[0].announcement.badge, leased(9).map(BadgeNumber::get));
     assert_eq!(missing[0].announcement.status, UploadStatus::Kept as u8);
     assert_eq!(missing[0].announcement.heard_at, START);
+    let badge = leased(9).map(|number| number.badge()).unwrap();
+    let said = |pictogram| Some(HeardBadge::new(None, vec![pictogram]));
+    let other = Pictogram::all().find(|shown| !badge.pictograms.contains(shown)).unwrap();
+    for (filter, is_admitted) in [
+        (ListFilter::default(), true),
+        (
+            ListFilter {
+                headset: Some(device.headset),
+                badge: said(badge.pictograms[2]),
+                ..ListFilter::default()
+            },
+            true,
+        ),
+        (ListFilter { headset: Some(device.headset + 1), ..ListFilter::default() }, false),
+        (ListFilter { badge: said(other), ..ListFilter::default() }, false),
+        (ListFilter { received: Some(START..seconds(1)), ..ListFilter::default() }, true),
+        (ListFilter { received: Some(seconds(1)..seconds(9)), ..ListFilter::default() }, false),
+    ] {
+        assert_eq!(filter.admits(&missing[0].announcement), is_admitted, "{filter:?}");
+    }
     rig.upload(&device, &parcel, seconds(10)).unwrap();
     assert_eq!(rig.booth.list_missing(9).unwrap(), []);
     // A late heartbeat, and one after it was deleted: noted, and not missing.

@@ -1,5 +1,9 @@
 //! A small picture of a sculpture, by the renderer's CPU twin.
 
+use axum::http::header;
+use axum::response::{IntoResponse, Response};
+use maud::{Markup, html};
+use paros_booth_rules::records::{ExportState, Sculpture};
 use paros_core::RangeMaps;
 use paros_core::volume::{Grid, Size};
 use paros_shaders::twin::camera::Camera;
@@ -10,6 +14,32 @@ use paros_shell::{with_intervals, with_size};
 
 /// Pixels along a side.
 const SIDE: usize = 192;
+
+/// The view of the pictures: the side that is seen, and the height above the horizon, in radians.
+pub(crate) const PICTURE_AZIMUTH: f32 = 0.45;
+pub(crate) const PICTURE_ELEVATION: f32 = 0.3;
+
+/// Stands for a picture that isn't there yet, or can't be made: an empty stool.
+const BLANK: &str = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 192 192\">\
+    <rect width=\"192\" height=\"192\" fill=\"#e7e3db\"/><g fill=\"none\" stroke=\"#8d877c\" stroke-width=\"4\" \
+    stroke-linecap=\"round\"><ellipse cx=\"96\" cy=\"132\" rx=\"52\" ry=\"14\"/>\
+    <path d=\"M44 132v12a52 14 0 0 0 104 0v-12\"/><path d=\"M72 124V70q24-26 48 0v54\" stroke-dasharray=\"3 9\"/></g></svg>";
+
+/// Answers with a sculpture's picture. Where there is none, with a drawing in its place, so that no page shows a broken picture.
+pub(crate) fn send_picture(png: Option<Vec<u8>>) -> Response {
+    match png {
+        Some(png) => ([(header::CONTENT_TYPE, "image/png")], png).into_response(),
+        None => ([(header::CONTENT_TYPE, "image/svg+xml")], BLANK).into_response(),
+    }
+}
+
+/// The picture of a sculpture whose page is at an address. The picture's address changes once the picture is made.
+pub(crate) fn draw_picture(at: &str, sculpture: &Sculpture, label: &str) -> Markup {
+    let made = if sculpture.export == ExportState::Queued { "" } else { "?made" };
+    html! {
+        img src={ (at) "/picture.png" (made) } alt=(label) width="192" height="192" loading="lazy";
+    }
+}
 
 /// The PNG of the volume of an `.rmap` file's bytes.
 ///
@@ -37,7 +67,12 @@ where
     Grid<N>: Size,
 {
     let options = RenderOptions { width: SIDE, height: SIDE, ..RenderOptions::default() };
-    let image = render_image(maps, &Camera::orbiting(0.45, 0.3), &options, &|_| {});
+    let image = render_image(
+        maps,
+        &Camera::orbiting(PICTURE_AZIMUTH, PICTURE_ELEVATION),
+        &options,
+        &|_| {},
+    );
     let mut png = Vec::new();
     image.write_png(&mut png)?;
     Ok(png)

@@ -24,12 +24,13 @@ use super::address::path_of;
 use super::texts::PublicTexts;
 use crate::clock::{booth_time, write_day};
 use crate::models::model::ModelFormat;
+use crate::models::picture::{self, draw_picture};
 use crate::server::app::BoothApp;
 use crate::server::connections::{Connection, Holder};
 use crate::server::page_guard::guard;
 use crate::server::routes::bound_and_count;
 use crate::staff::draw_badge;
-use crate::viewer::{self, draw_viewer};
+use crate::viewer::{self, draw_downloads, draw_viewer};
 
 /// Bytes of a form: a word.
 const MAX_FORM_BYTES: usize = 4 << 10;
@@ -141,18 +142,12 @@ async fn show(State(app): State<Arc<BoothApp>>, visit: PageVisit) -> Response {
         texts,
         Some(&at),
         &html! {
-            img src={ (at) "/picture.png" } alt=(texts.picture) width="384" height="384";
+            (draw_picture(&at, sculpture, texts.picture))
             @if let Some(number) = sculpture.badge.and_then(BadgeNumber::new) {
                 (draw_badge(&number.badge(), texts.language))
             }
             (draw_viewer(&format!("{at}/model.glb"), texts.language))
-            p class="actions" {
-                @for format in ModelFormat::ALL {
-                    a class="button" href={ (at) "/model." (format.ending()) } {
-                        (texts.download) " " (format.name())
-                    } " "
-                }
-            }
+            (draw_downloads(&at, texts.language))
             p { (texts.kept_until) " " (last_day) "." }
             p { a href={ (at) "/delete?language=" (texts.code) } { (texts.delete) } }
         },
@@ -163,10 +158,7 @@ async fn show(State(app): State<Arc<BoothApp>>, visit: PageVisit) -> Response {
 async fn send_picture(State(app): State<Arc<BoothApp>>, visit: PageVisit) -> Answer {
     let texts = visit.texts;
     let png = app.run(move |app| app.booth.read_picture(&visit.sculpture)).await;
-    match png.map_err(|refusal| PublicAnswer(texts, refusal))? {
-        Some(png) => Ok(([(header::CONTENT_TYPE, "image/png")], Body::from(png)).into_response()),
-        None => Ok(StatusCode::NOT_FOUND.into_response()),
-    }
+    Ok(picture::send_picture(png.map_err(|refusal| PublicAnswer(texts, refusal))?))
 }
 
 /// `GET /s/{id}/{token}/model.*`.

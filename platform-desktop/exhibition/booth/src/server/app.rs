@@ -18,6 +18,7 @@ use crate::error::Error;
 use crate::printing::Printer;
 use crate::public::PublicAddress;
 use crate::random::random_bytes;
+use crate::server::changes::Changes;
 use crate::server::gate::Gate;
 use crate::server::keys::BoothKeys;
 use crate::server::metrics::Metrics;
@@ -80,6 +81,8 @@ pub(crate) struct BoothApp {
     pub booth: Booth,
     /// Where files are.
     pub files: Arc<dyn Files>,
+    /// What changes in its records.
+    pub changes: Changes,
     /// What is counted.
     pub metrics: Metrics,
     /// Tell threads of work.
@@ -124,6 +127,8 @@ pub(crate) struct OpenBooth {
     pub booth: Booth,
     /// Where files are.
     pub files: Arc<dyn Files>,
+    /// What changes in its records.
+    pub changes: Changes,
     /// Who it is.
     pub keys: BoothKeys,
 }
@@ -162,9 +167,11 @@ impl OpenBooth {
             None => open_sqlite(folder)?,
         };
         let worker = random_bytes().map_err(|error| Error::failure("random bits", error))?;
+        let changes = Changes::new();
+        let store = changes.watch_store(store);
         let booth = Booth::new(store, files.clone(), keys.site.clone(), plan)
             .as_worker(u64::from_le_bytes(worker));
-        Ok(OpenBooth { booth, files, keys })
+        Ok(OpenBooth { booth, files, changes, keys })
     }
 }
 
@@ -187,8 +194,7 @@ impl BoothApp {
     /// Of a booth.
     #[must_use]
     pub(crate) fn new(
-        booth: Booth,
-        files: Arc<dyn Files>,
+        (booth, files, changes): (Booth, Arc<dyn Files>, Changes),
         (wakers, printers): (Wakers, Vec<Printer>),
         logins: LoginGate,
         public_address: Option<PublicAddress>,
@@ -198,6 +204,7 @@ impl BoothApp {
         BoothApp {
             booth,
             files,
+            changes,
             metrics: Metrics::default(),
             wakers,
             printers,

@@ -76,6 +76,7 @@ pub(crate) async fn serve(
         }
     }
     drop(listener);
+    app.changes.end();
     if timeout(END_TIMEOUT, graceful.shutdown()).await.is_err() {
         warn!("requests were cut off at the end");
     }

@@ -2,6 +2,7 @@
 
 pub(crate) mod app;
 pub(crate) mod body;
+pub(crate) mod changes;
 pub(crate) mod connections;
 pub(crate) mod gate;
 pub(crate) mod keys;

@@ -93,7 +93,8 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     };
     let (wakers, public_of_app) = ((wakers, printers), public.clone());
     let threads = of_wholes.handle().clone();
-    let app = BoothApp::new(open.booth, open.files, wakers, logins, public_of_app, facts, threads);
+    let of_booth = (open.booth, open.files, open.changes);
+    let app = BoothApp::new(of_booth, wakers, logins, public_of_app, facts, threads);
     let app = Arc::new(app);
     let serving = Serving { app: app.clone(), public, first_code, of_staff, names, listeners };
     let served = runtime.block_on(serving.serve_until_told(open.keys));

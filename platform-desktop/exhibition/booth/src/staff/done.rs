@@ -94,7 +94,7 @@ const TEXTS: [(Done, &str, [&str; 2]); 23] = [
         "renew-link",
         [
             "There is a new link, on the next slip; the one before leads nowhere.",
-            "Υπάρχει νέος σύνδεσμος, στην επόμενη απόδειξη· ο προηγούμενος δεν ισχύει πια.",
+            "Υπάρχει νέος σύνδεσμος, στο επόμενο δελτίο· ο προηγούμενος δεν ισχύει πια.",
         ],
     ),
     (

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use axum::extract::{Query, State};
 use axum::response::{IntoResponse, Redirect, Response};
 use maud::{Markup, html};
-use paros_booth_rules::{BadgeMatches, FoundByBadge, HeardBadge, WordsFault};
-use paros_core::badge::{BadgeColour, Pictogram};
+use paros_booth_rules::{BadgeComparison, BadgeMatches, FoundByBadge, HeardBadge, WordsFault};
+use paros_core::badge::{Badge, BadgeColour, Pictogram};
 
 use super::admin_texts::AdminTexts;
 use super::list::{link_to_badge, unknown_words};
@@ -109,8 +109,30 @@ fn found_by_badge(texts: &Texts, heard: &HeardBadge, found: &FoundByBadge) -> Ma
             FoundByBadge::Nearest(nearest) => {
                 p class="note" role="status" { (texts.nearest) }
                 @if nearest.is_empty() { p { (texts.nothing) } }
-                @for (_, matches) in nearest { (matches_of(texts, matches)) }
+                @for (badge, matches) in nearest {
+                    (compared(texts, heard, badge))
+                    (matches_of(texts, matches))
+                }
             },
+        }
+    }
+}
+
+/// Tells which of the pictures that were said a badge has.
+fn compared(texts: &Texts, heard: &HeardBadge, badge: &Badge) -> Markup {
+    let BadgeComparison { right, wrong, is_in_order, is_colour_right } = heard.compare(badge);
+    let names = |pictograms: &[Pictogram]| {
+        let names = pictograms.iter().map(|pictogram| pictogram.name(texts.language));
+        names.collect::<Vec<_>>().join(", ")
+    };
+    html! {
+        p class="compared" {
+            span class="right" { "✓ " (texts.right) ": " (names(&right)) } " "
+            @if !wrong.is_empty() { span class="wrong" { "✗ " (texts.wrong) ": " (names(&wrong)) } " " }
+            @if !is_in_order { span class="wrong" { "✗ " (texts.other_order) } " " }
+            @if !is_colour_right {
+                span class="wrong" { "✗ " (texts.its_colour) ": " (badge.colour.name(texts.language)) }
+            }
         }
     }
 }

@@ -11,6 +11,7 @@ use paros_booth_rules::{BoothTime, LoggedIn, Reason, Refusal, device_status};
 use paros_protocol::{CommandKind, Heartbeat};
 
 use super::done::Done;
+use super::live::live;
 use super::page::{StaffAnswer, StaffForm, StaffView, action_button};
 use super::texts::Texts;
 use crate::clock::{booth_time, write_time};
@@ -47,7 +48,7 @@ pub(crate) async fn show_headsets(State(app): State<Arc<BoothApp>>, view: StaffV
         @if views.is_empty() { p { (texts.nothing) } }
         @for view in &views { (headset_card(texts, login, view, now)) }
     };
-    Ok(view.page(texts.headsets, &body))
+    Ok(view.page(texts.headsets, &live("headsets", &body)))
 }
 
 /// `POST /staff/headsets/{number}/{command}`.

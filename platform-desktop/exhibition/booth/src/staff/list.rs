@@ -6,11 +6,12 @@ use axum::extract::{Query, State};
 use axum::response::Response;
 use chrono::{Datelike as _, NaiveDate};
 use maud::{Markup, html};
+use paros_booth_rules::limits::MAX_LISTED;
 use paros_booth_rules::records::Sculpture;
 use paros_booth_rules::{
-    BoothTime, HeardBadge, ListFilter, ListPage, ListPlace, PageStart, WordsFault,
+    BoothTime, HeardBadge, ListFilter, ListPage, ListPlace, MissingSculpture, PageStart, WordsFault,
 };
-use paros_core::badge::{BadgeNumber, Language};
+use paros_core::badge::Language;
 use paros_core::session::SessionMode;
 use paros_protocol::SculptureId;
 use paros_shaders::panel::Message;
@@ -18,17 +19,19 @@ use paros_shell::figures::{HiddenStart, MAX_OWN_FIGURES, own_figure_mode};
 
 use super::admin_texts::AdminTexts;
 use super::list_texts::ListTexts;
+use super::live::live;
 use super::notices::AdminNotices;
 use super::page::{Fields, StaffAnswer, StaffView};
 use super::refusal_texts::tell_words_fault;
-use super::sculptures::{LISTED, badge_note};
-use super::svg::draw_plain_badge;
+use super::sculptures::{LISTED, badge_note, badge_of, missing_card};
 use super::texts::Texts;
 use crate::clock::{booth_time, time_of_day, today, write_time};
+use crate::models::picture::draw_picture;
 use crate::server::app::BoothApp;
 
-/// The value of the field `state` that shows withdrawn sculptures.
+/// The values of the field `state` that show withdrawn sculptures, and those that were announced and aren't here yet.
 const WITHDRAWN: &str = "withdrawn";
+const MISSING: &str = "missing";
 
 /// Visitors' languages: the code, and the name in the language itself.
 const LANGUAGES: [(&str, &str); Language::ALL.len()] = [("en", "English"), ("el", "Ελληνικά")];
@@ -69,12 +72,21 @@ pub(crate) async fn show_list(
     let filter = form.filter();
     let asked = filter.as_ref().ok().cloned();
     let is_admin = view.login.check_admin().is_ok();
+    let is_missing = form.state == MISSING;
     let found = app.run(move |app| {
-        let page = asked.map(|filter| app.booth.list_page(&filter, start, LISTED));
         let notices = AdminNotices::find(app, is_admin, now)?;
-        Ok((page.transpose()?.unwrap_or_default(), notices))
+        let (mut page, mut missing) = (ListPage::default(), Vec::new());
+        match asked {
+            Some(filter) if is_missing => {
+                missing = app.booth.list_missing(MAX_LISTED)?;
+                missing.retain(|found| filter.admits(&found.announcement));
+            }
+            Some(filter) => page = app.booth.list_page(&filter, start, LISTED)?,
+            None => {}
+        }
+        Ok((page, missing, notices))
     });
-    let (page, notices) = found.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
+    let (page, missing, notices) = found.await.map_err(|refusal| StaffAnswer(texts, refusal))?;
     let body = html! {
         (notices.draw(&app, AdminTexts::of(texts), &view.login, now))
         (draw_form(texts, &form))
@@ -82,7 +94,10 @@ pub(crate) async fn show_list(
             Err(fault) => p class="note" role="alert" { (tell_words_fault(texts.language, fault)) },
             Ok(filter) => {
                 @if let Some(heard) = &filter.badge { (unknown_words(texts, heard)) }
-                (draw_page(texts, &form, &page))
+                (live("list", &match is_missing {
+                    true => draw_missing(texts, &missing),
+                    false => draw_page(texts, &form, &page),
+                }))
             },
         }
     };
@@ -95,6 +110,8 @@ impl ListForm {
         let get = |name| fields.get(name).trim().to_owned();
         let hour = get("hour").parse::<u8>().ok().filter(|hour| *hour < 24);
         let day = parse_date(&get("day")).or(hour.map(|_| today(now)));
+        let state = get("state");
+        let is_missing = state == MISSING;
         let is_start = |start: &String| STARTS.iter().any(|(known, _)| known == start);
         let is_language = |code: &String| LANGUAGES.iter().any(|(known, _)| known == code);
         ListForm {
@@ -102,9 +119,14 @@ impl ListForm {
             day: day.map(|date| date.to_string()).unwrap_or_default(),
             hour: hour.map(|hour| hour.to_string()).unwrap_or_default(),
             headset: get("headset"),
-            language: Some(get("language")).filter(is_language).unwrap_or_default(),
-            start: Some(get("start")).filter(is_start).unwrap_or_default(),
-            state: Some(get("state")).filter(|state| state == WITHDRAWN).unwrap_or_default(),
+            // Of what isn't here yet these aren't known.
+            language: Some(get("language"))
+                .filter(|code| !is_missing && is_language(code))
+                .unwrap_or_default(),
+            start: Some(get("start"))
+                .filter(|start| !is_missing && is_start(start))
+                .unwrap_or_default(),
+            state: Some(state).filter(|state| is_missing || state == WITHDRAWN).unwrap_or_default(),
         }
     }
 
@@ -207,7 +229,8 @@ fn draw_form(texts: &Texts, form: &ListForm) -> Markup {
     let languages = LANGUAGES.map(|(code, name)| (code.to_owned(), name.to_owned()));
     let starts =
         STARTS.map(|(start, name)| (start.to_owned(), name.text(texts.language).to_owned()));
-    let withdrawn = [(WITHDRAWN.to_owned(), texts.withdrawn.to_lowercase())];
+    let states = [(WITHDRAWN, words.withdrawn), (MISSING, words.missing)]
+        .map(|(state, name)| (state.to_owned(), name.to_owned()));
     let select =
         |label: &str, name: &str, chosen: &str, first: &str, options: &[(String, String)]| {
             html! {
@@ -234,9 +257,11 @@ fn draw_form(texts: &Texts, form: &ListForm) -> Markup {
                 (texts.headset)
                 input type="number" name="headset" min="0" max=(u32::MAX) value=(form.headset);
             }
-            (select(words.language, "language", &form.language, words.any, &languages))
-            (select(words.start, "start", &form.start, words.any, &starts))
-            (select(words.state, "state", &form.state, words.kept, &withdrawn))
+            @if form.state != MISSING {
+                (select(words.language, "language", &form.language, words.any, &languages))
+                (select(words.start, "start", &form.start, words.any_start, &starts))
+            }
+            (select(words.state, "state", &form.state, words.kept, &states))
             div class="actions" {
                 button class="main" { (words.show) }
                 a class="button" href="/staff" { (words.clear) }
@@ -281,16 +306,24 @@ fn draw_page(texts: &Texts, form: &ListForm, page: &ListPage) -> Markup {
     }
 }
 
+fn draw_missing(texts: &Texts, missing: &[MissingSculpture]) -> Markup {
+    html! {
+        @if missing.is_empty() { p { (ListTexts::of(texts.language).none) } }
+        ul class="cards" {
+            @for MissingSculpture { announcement, is_lost } in missing {
+                li class="card" { (missing_card(texts, announcement, *is_lost)) }
+            }
+        }
+    }
+}
+
 fn thumbnail(texts: &Texts, sculpture: &Sculpture) -> Markup {
     let at = format!("/staff/sculptures/{}", SculptureId(sculpture.id));
     let note = badge_note(texts, sculpture);
     html! {
         a href=(at) {
-            img src={ (at) "/picture.png" } alt=(texts.no_picture) width="192" height="192" loading="lazy";
-            @match sculpture.badge.and_then(BadgeNumber::new) {
-                Some(number) => (draw_plain_badge(&number.badge(), texts.language)),
-                None => p { (texts.no_badge) },
-            }
+            (draw_picture(&at, sculpture, texts.picture))
+            (badge_of(texts, sculpture.badge))
             p { (write_time(sculpture.received_at)) br; (texts.headset) " " (sculpture.headset) }
             @if !note.is_empty() { p class="note" { (note) } }
         }

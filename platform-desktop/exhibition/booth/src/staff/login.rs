@@ -12,6 +12,7 @@ use paros_protocol::DeviceToken;
 
 use super::done::Done;
 use super::forms::{FormView, Refused};
+use super::live::{CHANGES_PATH, LIVE};
 use super::login_gate::{Asker, check_password};
 use super::page::{Fields, StaffAnswer, find_cookie, frame_page, with_cookie};
 use super::passwords::hash_password;
@@ -23,7 +24,7 @@ use crate::server::connections::{Connection, Holder};
 use crate::server::routes::Peer;
 
 /// The cookie of a login: sent to this host alone, over TLS alone, unseen by scripts, from no other site's pages.
-const COOKIE: &str = "__Host-paros";
+pub(super) const COOKIE: &str = "__Host-paros";
 
 /// The cookie of a browser in which somebody was logged in before. It grants no access: it keeps the logins there apart from
 /// those of others.
@@ -44,8 +45,15 @@ pub(crate) async fn require_login(
     next: Next,
 ) -> Result<Response, StaffAnswer> {
     let texts = Texts::of_request(request.headers());
+    let is_live = request.headers().contains_key(LIVE) || request.uri().path() == CHANGES_PATH;
     let found = match read_token(request.headers(), COOKIE) {
-        Some(cookie) => app.run(move |app| app.booth.find_login(&cookie, booth_time())).await,
+        Some(cookie) => {
+            let find = move |app: &BoothApp| match is_live {
+                true => app.booth.peek_login(&cookie, booth_time()),
+                false => app.booth.find_login(&cookie, booth_time()),
+            };
+            app.run(find).await
+        }
         None => Err(Refusal::UnknownToken),
     };
     match found {

@@ -12,6 +12,7 @@ use paros_protocol::{AgeGroup, SculptureId, UploadFacts};
 use super::admin_texts::AdminTexts;
 use super::done::Done;
 use super::forms::FormView;
+use super::live::live;
 use super::page::{StaffAnswer, StaffForm, form_token};
 use super::refusal_texts::tell_cause;
 use super::sculptures::{parse_id, refuse_form};
@@ -79,18 +80,18 @@ pub(crate) fn mails_of(
                 button { (texts.send_mail) }
             }
         }
-        @if !mails.is_empty() {
-            ul {
-                @for mail in mails {
-                    li {
-                        (write_time(mail.asked_at)) ": " (texts.mail_state(mail.state))
-                        @if !mail.why.is_empty() { " (" (tell_cause(texts.language, &mail.why)) ")" }
-                        @if mail.state == MailState::Queued && mail.tries > 0 {
-                            ", " (texts.next_try) " " (write_time(mail.next_try_at))
-                        }
-                    }
-                }
-            }
+        (live("mails", &html! {
+            @if !mails.is_empty() { ul { @for mail in mails { li { (mail_line(texts, mail)) } } } }
+        }))
+    }
+}
+
+fn mail_line(texts: &Texts, mail: &MailOrder) -> Markup {
+    html! {
+        (write_time(mail.asked_at)) ": " (texts.mail_state(mail.state))
+        @if !mail.why.is_empty() { " (" (tell_cause(texts.language, &mail.why)) ")" }
+        @if mail.state == MailState::Queued && mail.tries > 0 {
+            ", " (texts.next_try) " " (write_time(mail.next_try_at))
         }
     }
 }

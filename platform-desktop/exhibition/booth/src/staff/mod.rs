@@ -12,6 +12,7 @@ mod headsets;
 mod import;
 mod list;
 mod list_texts;
+mod live;
 mod login;
 mod login_gate;
 mod mails;
@@ -76,7 +77,7 @@ pub(crate) fn router(app: &Arc<BoothApp>) -> Router<Arc<BoothApp>> {
         .route("/staff/account", get(account::show_account))
         .route("/staff/account/password", post(account::change_password))
         .route("/staff", get(list::show_list))
-        .route("/staff/missing", get(sculptures::show_missing))
+        .route(live::CHANGES_PATH, get(live::stream_changes))
         .route("/staff/find", get(find::find))
         .route("/staff/sculptures/{id}", get(sculptures::show))
         .route("/staff/sculptures/{id}/picture.png", get(sculptures::send_picture))

@@ -36,6 +36,59 @@ if (chosen) {
 }
 const slip = document.getElementById("print-slip");
 if (slip) slip.addEventListener("click", () => print());
+// Parts of a page that follow what changes: the page reads itself again, and takes over what is otherwise.
+const parts = [...document.querySelectorAll("[data-live]")];
+if (parts.length > 0) {
+  let events = null;
+  let isReading = false;
+  let isLate = false;
+  let wasOpen = false;
+  const take = (part, fresh) => {
+    if (!fresh || part.isEqualNode(fresh)) return;
+    const held = part.contains(document.activeElement) && document.activeElement.closest("a, form");
+    // What stays the same stays there, with its picture.
+    const kept = new Map();
+    for (const item of part.querySelectorAll("li")) kept.set(item.outerHTML, item);
+    for (const item of fresh.querySelectorAll("li")) {
+      const same = kept.get(item.outerHTML);
+      if (same) item.replaceWith(same);
+    }
+    part.replaceChildren(...fresh.childNodes);
+    if (!held) return;
+    const key = held.getAttribute("href") || held.getAttribute("action");
+    const again = [...part.querySelectorAll("a, form")].find((other) => key === (other.getAttribute("href") || other.getAttribute("action")));
+    if (again) (again.querySelector("button") || again).focus({ preventScroll: true });
+  };
+  const read = async () => {
+    // Nothing moves away under a finger.
+    if (isReading || parts.some((part) => part.querySelector(":active"))) { isLate = true; return; }
+    isReading = true;
+    try {
+      const answer = await fetch(location.href, { headers: { "paros-live": "1" } });
+      if (answer.redirected || answer.status === 404) location.reload();
+      if (answer.ok) {
+        const page = new DOMParser().parseFromString(await answer.text(), "text/html");
+        for (const part of parts) take(part, page.getElementById(part.id));
+      }
+    } catch (error) {
+      console.info(error);
+    }
+    isReading = false;
+  };
+  const follow = () => {
+    if (events) events.close();
+    events = null;
+    if (document.hidden) return;
+    events = new EventSource("/staff/changes");
+    // What changed while nobody listened.
+    events.onopen = () => { if (wasOpen) read(); wasOpen = true; };
+    events.onmessage = read;
+    events.addEventListener("ended", () => location.reload());
+  };
+  document.addEventListener("visibilitychange", follow);
+  setInterval(() => { if (isLate) { isLate = false; read(); } }, 500);
+  follow();
+}
 // Screen readers say what comes into a status; what is there from the start they may pass over.
 const done = document.getElementById("done");
 if (done) {

@@ -151,7 +151,6 @@ pub(crate) fn frame_page(
                         nav aria-label=(texts.title) {
                             a href="/staff" { (ListTexts::of(texts.language).sculptures) } " "
                             a href="/staff/find" { (texts.find) } " "
-                            a href="/staff/missing" { (texts.missing) } " "
                             a href="/staff/prints" { (PrintTexts::of(texts.language).prints) } " "
                             a href="/staff/headsets" { (texts.headsets) } " "
                             @if login.check_admin().is_ok() {

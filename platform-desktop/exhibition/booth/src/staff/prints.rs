@@ -16,12 +16,14 @@ use paros_protocol::{SculptureId, UploadFacts};
 
 use super::done::Done;
 use super::forms::FormView;
+use super::live::live;
 use super::page::{StaffAnswer, StaffForm, StaffView, action_button, form_token};
 use super::print_texts::PrintTexts;
 use super::refusal_texts::tell_cause;
 use super::sculptures::{badge_of, parse_id, refuse_form};
 use super::texts::Texts;
 use crate::clock::{booth_time, write_time};
+use crate::models::picture::draw_picture;
 use crate::printing::{Printer, PrinterView};
 use crate::random::random_number;
 use crate::server::app::BoothApp;
@@ -46,20 +48,24 @@ pub(crate) async fn show_queue(State(app): State<Arc<BoothApp>>, view: StaffView
     let body = html! {
         (printers_of(texts, &printers))
         @if jobs.is_empty() { p { (texts.nothing) } }
-        ul class="cards" {
+        ul class="cards queue" {
             @for PrintJob { order, sculpture } in &jobs {
+                @let at = format!("/staff/sculptures/{}", SculptureId(sculpture.id));
                 li class="card" {
-                    a href={ "/staff/sculptures/" (SculptureId(sculpture.id)) } {
+                    a href=(at) {
+                        (draw_picture(&at, sculpture, texts.picture))
                         (badge_of(texts, sculpture.badge))
                     }
-                    (order_facts(texts, order))
-                    (order_actions(texts, login, order))
-                    (send_actions(texts, login, order, &printers))
+                    div {
+                        (order_facts(texts, order))
+                        (order_actions(texts, login, order))
+                        (send_actions(texts, login, order, &printers))
+                    }
                 }
             }
         }
     };
-    Ok(view.page(PrintTexts::of(texts.language).prints, &body))
+    Ok(view.page(PrintTexts::of(texts.language).prints, &live("queue", &body)))
 }
 
 /// The form's name on the page of a sculpture.
@@ -144,12 +150,14 @@ pub(crate) fn prints_of(
                 (order_form(of_prints, login, sculpture, (form, can_slice)))
             }
         }
-        @for order in prints {
-            section class="card" {
-                (order_facts(texts, order))
-                (order_actions(texts, login, order))
+        (live("prints", &html! {
+            @for order in prints {
+                section class="card" {
+                    (order_facts(texts, order))
+                    (order_actions(texts, login, order))
+                }
             }
-        }
+        }))
     }
 }
 

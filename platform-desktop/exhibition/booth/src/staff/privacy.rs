@@ -14,6 +14,7 @@ use paros_protocol::SculptureId;
 
 use super::admin_texts::AdminTexts;
 use super::done::Done;
+use super::list_texts::ListTexts;
 use super::page::{StaffAnswer, StaffForm, StaffView, action_button, frame_page};
 use super::svg::draw_badge;
 use super::texts::Texts;
@@ -111,7 +112,7 @@ fn records_of(texts: &Texts, words: &AdminTexts, known: &SculptureRecords) -> Ma
                 (texts.received) " " (write_time(sculpture.received_at)) br;
                 (words.kept_until) " " (write_day(sculpture.keep_day)) br;
                 @if sculpture.has_trace { (words.has_trace) br; }
-                @if let Some(at) = sculpture.withdrawn_at { (texts.withdrawn) " " (write_time(at)) br; }
+                @if let Some(at) = sculpture.withdrawn_at { (ListTexts::of(texts.language).withdrawn) " " (write_time(at)) br; }
             }
             ul {
                 @for mail in mails { li { (mail_line(texts, mail)) } }

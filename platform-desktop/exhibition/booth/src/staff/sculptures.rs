@@ -4,17 +4,17 @@ use std::sync::Arc;
 
 use axum::body::Body;
 use axum::extract::{Path, State};
-use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use maud::{Markup, html};
 use paros_booth_rules::records::{Announcement, Sculpture};
-use paros_booth_rules::{MissingSculpture, Reason, Refusal};
+use paros_booth_rules::{Reason, Refusal};
 use paros_core::badge::{BadgeNumber, Language};
 use paros_protocol::SculptureId;
 
 use super::admin_texts::AdminTexts;
 use super::done::Done;
 use super::forms::{FormView, Refused};
+use super::live::live;
 use super::mails::{MAIL_FORM, mails_of};
 use super::page::{StaffAnswer, StaffForm, StaffView, action_button};
 use super::print_texts::PrintTexts;
@@ -24,29 +24,14 @@ use super::svg::draw_badge;
 use super::texts::Texts;
 use crate::clock::{booth_time, write_date, write_time};
 use crate::models::model::ModelFormat;
+use crate::models::picture::{self, draw_picture};
 use crate::server::app::BoothApp;
-use crate::viewer::draw_viewer;
+use crate::viewer::{draw_downloads, draw_viewer};
 
 /// Sculptures of a page: rows of two to six thumbnails are full.
 pub(super) const LISTED: usize = 60;
 
 type Answer = Result<Response, StaffAnswer>;
-
-/// `GET /staff/missing`: what was announced and hasn't come.
-pub(crate) async fn show_missing(State(app): State<Arc<BoothApp>>, view: StaffView) -> Answer {
-    let texts = view.texts;
-    let found = app.run(|app| app.booth.list_missing(LISTED)).await;
-    let found = found.map_err(|refusal| StaffAnswer(texts, refusal))?;
-    let body = html! {
-        @if found.is_empty() { p { (texts.nothing) } }
-        ul class="cards" {
-            @for MissingSculpture { announcement, is_lost } in &found {
-                li class="card" { (missing_card(texts, announcement, *is_lost)) }
-            }
-        }
-    };
-    Ok(view.page(texts.missing, &body))
-}
 
 /// `GET /staff/sculptures/{id}`.
 pub(crate) async fn show(
@@ -84,22 +69,26 @@ async fn show_sculpture(
     let mail_form = app.wakers.mails.as_ref().map(|_| FormView::of(refused, MAIL_FORM));
     let print_form = FormView::of(refused, PRINT_FORM);
     let body = html! {
-        @if let Some(until) = app.booth.withdrawn_until(&found) {
-            p class="note" { (texts.withdrawn_until) " " (write_time(until)) "." }
-        }
-        div class="card" { (sculpture_facts(texts, &found)) }
-        (draw_viewer(&format!("{at}/model.glb"), texts.language))
-        p class="actions" {
-            @for format in ModelFormat::ALL {
-                a class="button" href={ (at) "/model." (format.ending()) } {
-                    (texts.download) " " (format.name())
-                } " "
+        div class="sculpture" {
+            section class="card" {
+                (live("facts", &html! {
+                    @if let Some(until) = app.booth.withdrawn_until(&found) {
+                        p class="note" { (texts.withdrawn_until) " " (write_time(until)) "." }
+                    }
+                    (sculpture_facts(texts, &found))
+                }))
+                (draw_downloads(&at, texts.language))
+                p class="actions" {
+                    a class="button" href={ (at) "/slip" } { (PrintTexts::of(texts.language).slip) }
+                }
+                (actions_of(app, view, &found))
             }
-            a class="button" href={ (at) "/slip" } { (PrintTexts::of(texts.language).slip) }
+            div {
+                (draw_viewer(&format!("{at}/model.glb"), texts.language))
+                (mails_of(texts, login, &found, &mails, mail_form))
+                (prints_of(texts, login, &found, &prints, (print_form, app.wakers.slices.is_some())))
+            }
         }
-        (mails_of(texts, login, &found, &mails, mail_form))
-        (prints_of(texts, login, &found, &prints, (print_form, app.wakers.slices.is_some())))
-        (actions_of(app, view, &found))
     };
     Ok(view.page(&heading_of(texts, &found), &body))
 }
@@ -148,10 +137,8 @@ pub(crate) async fn send_picture(
 ) -> Answer {
     let fail = |refusal| StaffAnswer(texts, refusal);
     let found = find_sculpture(&app, &id).await.map_err(fail)?;
-    match app.run(move |app| app.booth.read_picture(&found)).await.map_err(fail)? {
-        Some(png) => Ok(([(header::CONTENT_TYPE, "image/png")], Body::from(png)).into_response()),
-        None => Ok(StatusCode::NOT_FOUND.into_response()),
-    }
+    let png = app.run(move |app| app.booth.read_picture(&found)).await.map_err(fail)?;
+    Ok(picture::send_picture(png))
 }
 
 /// `GET /staff/sculptures/{id}/model.stl`, `.3mf` and `.glb`.
@@ -226,10 +213,10 @@ pub(super) fn cards(texts: &Texts, sculptures: &[Sculpture]) -> Markup {
 }
 
 fn sculpture_facts(texts: &Texts, sculpture: &Sculpture) -> Markup {
-    let at = format!("/staff/sculptures/{}/picture.png", SculptureId(sculpture.id));
+    let at = format!("/staff/sculptures/{}", SculptureId(sculpture.id));
     let note = badge_note(texts, sculpture);
     html! {
-        img src=(at) alt=(texts.no_picture) width="192" height="192" loading="lazy";
+        (draw_picture(&at, sculpture, texts.picture))
         (badge_of(texts, sculpture.badge))
         @if !note.is_empty() { p class="note" { (note) } }
         p {
@@ -249,6 +236,7 @@ pub(super) fn badge_note(texts: &Texts, sculpture: &Sculpture) -> &'static str {
     }
 }
 
+/// Draws a sculpture that was announced and isn't here yet.
 pub(super) fn missing_card(texts: &Texts, announcement: &Announcement, is_lost: bool) -> Markup {
     html! {
         (badge_of(texts, announcement.badge))

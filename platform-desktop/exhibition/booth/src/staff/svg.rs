@@ -7,32 +7,23 @@ use paros_core::badge::{
     Badge, BadgeColour, BadgePart, BadgeShape, Language, Pictogram, write_words,
 };
 
-/// A badge with its words below it.
+/// Draws a badge and its words, in the same way on all pages: a square as the headset shows it, with the colour's rim, which
+/// tells the colour without any colour, and the pictograms in two rows.
 pub(crate) fn draw_badge(badge: &Badge, language: Language) -> Markup {
+    let (ground, ink) = (hex(badge.colour.ground()), hex(badge.colour.ink()));
+    let words = words_of(badge, language);
     html! {
         figure class="badge" {
-            (draw_plain_badge(badge, language))
-            figcaption { (words_of(badge, language)) }
-        }
-    }
-}
-
-/// A badge with its words as its label: its colour with the rim, which tells it without any colour, and its pictograms.
-pub(crate) fn draw_plain_badge(badge: &Badge, language: Language) -> Markup {
-    let (ground, ink) = (hex(badge.colour.ground()), hex(badge.colour.ink()));
-    let parts: Vec<(usize, String)> = badge
-        .pictograms
-        .iter()
-        .enumerate()
-        .map(|(k, pictogram)| (8 + 72 * (k + 1), draw_parts(pictogram.parts(), &ink, &ground)))
-        .collect();
-    html! {
-        svg viewBox="0 0 368 80" role="img" aria-label=(words_of(badge, language)) {
-            rect x="1" y="1" width="366" height="78" rx="10" fill=(ground) stroke="#000000" {}
-            g transform="translate(8 8)" { (PreEscaped(draw_rim(badge.colour))) }
-            @for (x, parts) in &parts {
-                g transform={ "translate(" (x) " 8)" } { (PreEscaped(parts)) }
+            svg viewBox="0 0 176 176" role="img" aria-label=(words) {
+                rect width="176" height="176" rx="4" fill=(ground) {}
+                g transform="translate(4 4) scale(2.625)" { (PreEscaped(draw_rim(badge.colour))) }
+                @for (k, pictogram) in badge.pictograms.iter().enumerate() {
+                    g transform=(format!("translate({} {}) scale(.875)", 29 + 62 * (k % 2), 29 + 62 * (k / 2))) {
+                        (PreEscaped(draw_parts(pictogram.parts(), &ink, &ground)))
+                    }
+                }
             }
+            figcaption aria-hidden="true" { (words) }
         }
     }
 }

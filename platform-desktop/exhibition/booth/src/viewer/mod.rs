@@ -8,6 +8,10 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use maud::{Markup, html};
 use paros_core::badge::Language;
+use paros_shaders::constants::{AMBIENT_HARMONICS, SUN_COLOR, SUN_DIRECTION, TONE_WHITE_POINT};
+
+use crate::models::model::ModelFormat;
+use crate::models::picture::{PICTURE_AZIMUTH, PICTURE_ELEVATION};
 
 /// What browsers are told of these files: they are the same for everybody.
 const HEADERS: [(HeaderName, &str); 3] = [
@@ -36,6 +40,40 @@ pub(crate) fn router<S: Clone + Send + Sync + 'static>() -> Router<S> {
         )
 }
 
+/// Reflectance of the stone, as that of marble without veins.
+const STONE: [f32; 3] = [0.84, 0.83, 0.81];
+
+/// Writes the studio's light and the view of [`draw_volume`](crate::models::picture::draw_volume) as JSON: the view beside a
+/// picture starts as the picture.
+fn write_light() -> String {
+    serde_json::json!({
+        "sun": SUN_DIRECTION,
+        "sunColour": SUN_COLOR,
+        "ambient": AMBIENT_HARMONICS,
+        "white": TONE_WHITE_POINT,
+        "stone": STONE,
+        "azimuth": PICTURE_AZIMUTH,
+        "elevation": PICTURE_ELEVATION,
+    })
+    .to_string()
+}
+
+/// The models of a sculpture at an address, to be downloaded: one button, and the choice behind it.
+pub(crate) fn draw_downloads(at: &str, language: Language) -> Markup {
+    let (download, uses) = match language {
+        Language::English => ("Download", ["any 3D printer", "3D printer, with units", "screens"]),
+        Language::Greek => ("Λήψη", ["κάθε 3D εκτυπωτής", "3D εκτυπωτής, με μονάδες", "οθόνες"]),
+    };
+    html! {
+        details class="menu" {
+            summary class="button" { (download) }
+            @for (format, used) in ModelFormat::ALL.into_iter().zip(uses) {
+                a href={ (at) "/model." (format.ending()) } { (format.name()) " " small { (used) } }
+            }
+        }
+    }
+}
+
 /// Where a model at an address is turned, once somebody asks for it.
 pub(crate) fn draw_viewer(model: &str, language: Language) -> Markup {
     let (turn, how, fault) = match language {
@@ -51,7 +89,7 @@ pub(crate) fn draw_viewer(model: &str, language: Language) -> Markup {
         ),
     };
     html! {
-        div class="viewer" data-model=(model) data-fault=(fault) {
+        div class="viewer" data-model=(model) data-light=(write_light()) data-fault=(fault) {
             button type="button" { (turn) }
             canvas hidden tabindex="0" role="img" aria-label=(how) {}
             p hidden { (how) }

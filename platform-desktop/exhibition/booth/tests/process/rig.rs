@@ -299,6 +299,14 @@ pub(crate) fn read_answer(stream: &mut impl io::Read) -> io::Result<Answer> {
     let length = length.map_or(0, |length| length.parse().expect("a length"));
     let mut body = vec![0; length];
     stream.read_exact(&mut body)?;
+    if head.contains("transfer-encoding: chunked") {
+        // With the lengths of its pieces, which whoever looks for words in it passes over.
+        while !body.ends_with(b"\r\n0\r\n\r\n") {
+            let mut byte = [0];
+            stream.read_exact(&mut byte)?;
+            body.extend(byte);
+        }
+    }
     Ok(Answer { status: status.expect("a status"), head, body })
 }
 

@@ -1,11 +1,10 @@
 //! What staff see and do, in the HTML and headers that the booth sends.
 
-use std::time::{Duration, Instant};
-
 use paros_core::badge::{BadgeNumber, Language, write_words};
 use paros_protocol::*;
 
 use crate::rig::{Answer, BoothFolder, Client, Headset, Parcel, figure, heartbeat};
+use crate::smtp_sink::wait_until;
 
 /// A browser that is logged in.
 pub(crate) struct Browser<'a> {
@@ -180,29 +179,41 @@ fn staff_find_download_withdraw_and_delete_a_sculpture() {
     let stl = browser.get(&format!("{at}/model.stl"));
     assert!(stl.head.contains("content-disposition: attachment"));
     assert!(stl.body == figure().stl, "the mesh that the headset exported");
-    let start = Instant::now();
-    let picture = loop {
+    // Until it is drawn, another picture stands for it.
+    wait_until(|| {
         let picture = browser.get(&format!("{at}/picture.png"));
-        if picture.status == 200 || start.elapsed() > Duration::from_secs(60) {
-            break picture;
-        }
-        std::thread::sleep(Duration::from_millis(100));
-    };
-    assert_eq!(&picture.body[..8], b"\x89PNG\r\n\x1a\n");
+        assert_eq!(picture.status, 200);
+        picture.body.starts_with(b"\x89PNG\r\n\x1a\n").then_some(())
+    });
 
-    // A form of another page, or of none.
-    let forged = post_form(client, &format!("{at}/withdraw"), &browser.cookie, "form=00");
-    assert_eq!(forged.status, 403);
-    assert_eq!(browser.click(&at, &format!("{at}/withdraw")).status, 303);
-    assert!(!browser.get("/staff").text().contains(&words));
-    assert!(browser.get("/staff?state=withdrawn").text().contains(&words));
-    assert_eq!(browser.click(&at, &format!("{at}/bring-back")).status, 303);
-    assert!(browser.get("/staff").text().contains(&words));
-    assert_eq!(browser.click(&at, &format!("{at}/delete")).status, 303);
-    assert_eq!(browser.get(&at).status, 404);
+    // A stream of changes ends with its login.
+    let open = || client.metric("paros_booth_connections");
+    let others = open();
+    let stream = std::thread::scope(|scope| {
+        let stream = scope.spawn(|| browser.get("/staff/changes"));
+        wait_until(|| (open() > others).then_some(()));
+        withdraw_and_delete(&browser, &at, &words);
+        assert_eq!(post_form(client, "/staff/logout", &browser.cookie, "").status, 303);
+        stream.join().expect("a stream")
+    });
+    assert!(stream.head.contains("text/event-stream"), "{}", stream.head);
+    assert!(stream.text().contains("event: ended\ndata:\n\n"), "{}", stream.text());
     assert_eq!(folder.files("sculptures"), [""; 0]);
     let late = headset.upload(client, &parcel).unwrap().expect("it is taken");
     assert_eq!(late, ParcelOutcome::Deleted);
+}
+
+fn withdraw_and_delete(browser: &Browser<'_>, at: &str, words: &str) {
+    // A form of another page, or of none.
+    let forged = post_form(browser.client, &format!("{at}/withdraw"), &browser.cookie, "form=00");
+    assert_eq!(forged.status, 403);
+    assert_eq!(browser.click(at, &format!("{at}/withdraw")).status, 303);
+    assert!(!browser.get("/staff").text().contains(words));
+    assert!(browser.get("/staff?state=withdrawn").text().contains(words));
+    assert_eq!(browser.click(at, &format!("{at}/bring-back")).status, 303);
+    assert!(browser.get("/staff").text().contains(words));
+    assert_eq!(browser.click(at, &format!("{at}/delete")).status, 303);
+    assert_eq!(browser.get(at).status, 404);
 }
 
 #[test]
