@@ -63,6 +63,17 @@ pub struct ServeOptions {
     /// Where visitors find their sculptures.
     #[command(flatten)]
     pub public: PublicOptions,
+    /// What visitors are told of the museum.
+    #[command(flatten)]
+    pub museum: MuseumOptions,
+}
+
+/// What visitors are told of the museum.
+#[derive(Clone, Debug, Default, Args)]
+pub struct MuseumOptions {
+    /// The booth's opening hours, as slips and visitors' pages show them.
+    #[arg(long, value_name = "TEXT")]
+    pub opening_hours: Option<String>,
 }
 
 /// Where everything is kept.

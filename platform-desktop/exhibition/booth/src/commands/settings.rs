@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::ValueEnum as _;
 use paros_booth_rules::BoothTime;
 
-use crate::commands::options::{FolderOption, ServeOptions};
+use crate::commands::options::{FolderOption, MuseumOptions, ServeOptions};
 use crate::commands::shared::SharedOptions;
 use crate::printing::SlicerOptions;
 use crate::public::PublicOptions;
@@ -21,6 +21,8 @@ pub(crate) struct SiteFacts {
     pub ca_end: Option<BoothTime>,
     /// Its settings: flag and value.
     pub settings: Vec<(&'static str, String)>,
+    /// What visitors are told of the museum.
+    pub museum: MuseumOptions,
     /// The certificate that staff's browsers are shown.
     pub of_staff: StaffCertificate,
 }
@@ -39,6 +41,7 @@ pub(crate) fn list_settings(options: &ServeOptions) -> Vec<(&'static str, String
         mail,
         slicer,
         public,
+        museum: MuseumOptions { opening_hours },
     } = options;
     let FolderOption { folder: _, shared } = folder;
     let mut list = vec![
@@ -59,6 +62,7 @@ pub(crate) fn list_settings(options: &ServeOptions) -> Vec<(&'static str, String
     list.extend(list_mail(mail));
     list.extend(list_slicer(slicer));
     list.extend(list_public(public));
+    list.push(("--opening-hours", or_none(opening_hours.as_ref())));
     list
 }
 

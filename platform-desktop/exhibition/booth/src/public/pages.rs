@@ -149,6 +149,7 @@ async fn show(State(app): State<Arc<BoothApp>>, visit: PageVisit) -> Response {
             (draw_viewer(&format!("{at}/model.glb"), texts.language))
             (draw_downloads(&at, texts.language))
             p { (texts.kept_until) " " (last_day) "." }
+            @if let Some(hours) = &app.facts.museum.opening_hours { p { (texts.open) ": " (hours) } }
             p { a href={ (at) "/delete?language=" (texts.code) } { (texts.delete) } }
         },
     )

@@ -89,6 +89,7 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
         ca_pem: open.keys.ca_pem.clone(),
         ca_end: end_of_pem(&open.keys.ca_pem),
         settings: list_settings(options),
+        museum: options.museum.clone(),
         of_staff: of_staff.clone(),
     };
     let (wakers, public_of_app) = ((wakers, printers), public.clone());

@@ -66,6 +66,7 @@ fn slip(app: &BoothApp, sculpture: &Sculpture, order: Option<&PrintOrder>) -> Ma
                 p { strong { (of_prints.state(order.state)) } }
                 (order_wish(texts, order))
             }
+            @if let Some(hours) = &app.facts.museum.opening_hours { p { (of_prints.open) ": " (hours) } }
             @if let Some(link) = link_of(app, sculpture) {
                 p { (of_prints.scan) }
                 (draw_qr(&link, of_prints.scan))

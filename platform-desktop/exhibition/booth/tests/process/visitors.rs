@@ -92,10 +92,12 @@ fn staff(booth: &BoothProcess) -> Browser<'_> {
 #[test]
 fn a_visitor_sees_downloads_and_deletes_by_the_code_of_the_slip() {
     let folder = BoothFolder::new("visitors");
-    let (booth, at) = start(&folder, &[]);
+    let (booth, at) = start(&folder, &["--opening-hours", "10:00–18:00"]);
     let page = with_sculpture(&booth.client, &folder);
     let browser = staff(&booth);
-    let path = scan(&browser.get(&format!("{page}/slip"))).expect("a code");
+    let slip = browser.get(&format!("{page}/slip"));
+    assert!(slip.text().contains("10:00–18:00"), "{}", slip.text());
+    let path = scan(&slip).expect("a code");
     let seen = get(at, &path);
     assert_eq!(seen.status, 200);
     let mut words = String::new();
@@ -105,6 +107,7 @@ fn a_visitor_sees_downloads_and_deletes_by_the_code_of_the_slip() {
         words.as_str(),
         "<html lang=\"el\">",
         "Το γλυπτό σας",
+        "10:00–18:00",
         "model.stl",
         "model.3mf",
         "model.glb",
