@@ -69,7 +69,7 @@ where
     let report = mesh
         .bake_into_maps(up, &mut *Grid::<N>::lock_baker(), &mut *maps, &mut *bit_grid)
         .ok_or_else(|| Error::Input(format!("{}: the mesh has no extent", args.mesh.display())))?;
-    let faults = mesh.count_directed_edges_repeated_by_position();
+    let faults = mesh.findings.winding_faults;
     drop(baking);
     rmap::write(&args.output, &maps)?;
 

@@ -150,7 +150,7 @@ fn mesh_info(path: &Path) -> Result<MeshInfo, Error> {
         vertices: mesh.positions.len(),
         triangles: mesh.triangles.len(),
         bounds: mesh.bounding_box().map(|bounds| (bounds.min, bounds.max)),
-        winding_faults: mesh.count_directed_edges_repeated_by_position(),
+        winding_faults: mesh.findings.winding_faults,
     })
 }
 

@@ -8,6 +8,7 @@ use paros_core::{Baker, RangeMaps};
 use paros_models::bake::Triangle;
 use paros_models::bake_harness::{N, check_bake};
 use paros_shell::mesh::{Mesh, MeshBounds};
+use paros_shell::statics::Resident;
 
 use crate::shapes::with_holes_closed;
 
@@ -65,4 +66,35 @@ pub fn assert_bakes_as_model_also_inside_out(mesh: &Mesh) {
     check_bake(&triangles).unwrap();
     let inside_out: Vec<Triangle> = triangles.iter().map(|t| [t[0], t[2], t[1]]).collect();
     check_bake(&inside_out).unwrap();
+}
+
+/// The voxels of a mesh at a grid's side M, in columns of two intervals, as `paros bake` makes them.
+///
+/// # Panics
+/// The mesh has no extent.
+#[must_use]
+pub fn bake_voxels<const M: usize>(mesh: &Mesh, up: UpAxis) -> Box<BitGrid<M>>
+where
+    Grid<M>: Size + Resident<M, 2>,
+{
+    let mut bits = Box::new(BitGrid::new());
+    let mut maps = Box::new(RangeMaps::<M, 2>::new());
+    let mut baker = <Grid<M> as Resident<M, 2>>::lock_baker();
+    mesh.bake_into_maps(up, &mut *baker, &mut maps, &mut bits).expect("a mesh with an extent");
+    bits
+}
+
+/// The voxels that two grids have in common, as a share of those that either has (intersection over union).
+#[must_use]
+pub fn share_in_common<const M: usize>(a: &BitGrid<M>, b: &BitGrid<M>) -> f64
+where
+    Grid<M>: Size,
+{
+    let rows = (0..M * M).map(|i| (i / M, i % M));
+    let (mut both, mut either) = (0, 0);
+    for (y, z) in rows {
+        both += u64::from((a.row(y, z) & b.row(y, z)).count_ones());
+        either += u64::from((a.row(y, z) | b.row(y, z)).count_ones());
+    }
+    both as f64 / either as f64
 }

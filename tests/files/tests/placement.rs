@@ -4,7 +4,6 @@ use paros_core::convert::{MeshPlacement, UpAxis};
 use paros_core::internals::BAKE_UNITS_PER_VOXEL;
 use paros_core::volume::BitGrid;
 use paros_core::{Baker, RangeMaps};
-use paros_shell::mesh::Mesh;
 use paros_tests_files::shapes::vase;
 use std::sync::Mutex;
 
@@ -81,21 +80,4 @@ fn bounds_that_can_not_be_fitted_are_refused() {
     ] {
         assert_eq!(MeshPlacement::stand_bounds_on_floor(min, max, UpAxis::Y, 64), None);
     }
-}
-
-#[test]
-fn winding_faults_are_counted() {
-    let mesh = vase();
-    assert_eq!(mesh.count_directed_edges_repeated_by_position(), 0);
-    let mut faulty = mesh.clone();
-    faulty.triangles[700].swap(1, 2);
-    assert_eq!(faulty.count_directed_edges_repeated_by_position(), 3);
-    // Split at a seam, the same surface: vertices are merged by position.
-    let mut split = Mesh::default();
-    for t in &faulty.triangles {
-        let base = split.positions.len() as u32;
-        split.positions.extend(t.map(|i| faulty.positions[i as usize]));
-        split.triangles.push([base, base + 1, base + 2]);
-    }
-    assert_eq!(split.count_directed_edges_repeated_by_position(), 3);
 }

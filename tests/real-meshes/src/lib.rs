@@ -1,10 +1,12 @@
-//! The meshes beside the checkout, in `../shared/meshes`, which are no part of the project.
+//! The meshes beside the checkout, in `../shared/meshes` and `../shared/cases`, which are no part of the project.
 //! It takes a file's name and gives the mesh, or says that the test is skipped.
 //! Nothing stands in for a mesh that is missing: `tests/files` bakes meshes of the project's own.
 
+use std::fs;
+use std::io::Read;
 use std::path::Path;
 
-use paros_shell::mesh::{self, Mesh};
+use paros_shell::mesh::{self, Mesh, MeshFault, MeshFormat};
 use paros_shell::require::require_or_skip;
 
 /// A mesh from the folder beside the checkout, or none after `skipped: why` where it is missing.
@@ -17,4 +19,24 @@ pub fn real_mesh(name: &str) -> Option<Mesh> {
     let found = path.is_file().then_some(()).ok_or_else(|| format!("no ../shared/meshes/{name}"));
     require_or_skip(found).expect("the meshes beside the checkout")?;
     Some(mesh::read(&path).expect("a mesh"))
+}
+
+/// The mesh of an example, or why it gives none; none after `skipped: why` where the folder is missing. An example
+/// may lie there compressed, under its name with `.gz` behind.
+///
+/// # Panics
+/// The folder is missing and `PAROS_REQUIRE` is `all`; the example is missing in the folder.
+#[must_use]
+pub fn read_case(name: &str) -> Option<Result<Mesh, MeshFault>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/cases");
+    let found = folder.is_dir().then_some(()).ok_or("no ../shared/cases");
+    require_or_skip(found).expect("the examples beside the checkout")?;
+    let bytes = fs::read(folder.join(name)).unwrap_or_else(|_| {
+        let packed = fs::File::open(folder.join(format!("{name}.gz"))).expect("an example");
+        let mut bytes = Vec::new();
+        flate2::read::GzDecoder::new(packed).read_to_end(&mut bytes).expect("a compressed example");
+        bytes
+    });
+    let kind = MeshFormat::from_extension(Path::new(name)).expect("a mesh's name");
+    Some(Mesh::from_bytes(kind, &bytes, &folder))
 }

@@ -1,10 +1,9 @@
-//! Voxelization of a mesh through the core's baker, and the mesh's bounding box and winding check.
+//! Voxelization of a mesh through the core's baker, and the mesh's bounding box.
 
 use super::Mesh;
 use paros_core::convert::{BakeReport, MeshPlacement, UpAxis, Windings};
 use paros_core::volume::{BitGrid, Grid, Size};
 use paros_core::{Baker, RangeMaps};
-use std::collections::HashMap;
 
 /// An axis-aligned bounding box, in mesh units.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -103,28 +102,5 @@ impl Mesh {
                 .expect("the placement keeps every corner inside the box");
         }
         Some(baker.write_maps(maps, bit_grid))
-    }
-
-    /// How many directed edges more than one triangle uses, vertices merged by position: 0 where
-    /// the winding is consistent, as on any surface that two triangles at most share an edge of.
-    #[must_use]
-    pub fn count_directed_edges_repeated_by_position(&self) -> usize {
-        let mut merged = HashMap::new();
-        let vertices: Vec<u32> = self
-            .positions
-            .iter()
-            .enumerate()
-            // Adding zero makes one of the two zeros.
-            .map(|(i, p)| *merged.entry(p.map(|c| (c + 0.0).to_bits())).or_insert(i as u32))
-            .collect();
-        let mut edges: Vec<[u32; 2]> = Vec::with_capacity(self.triangles.len() * 3);
-        for t in &self.triangles {
-            let [a, b, c] = t.map(|i| vertices[i as usize]);
-            if a != b && b != c && c != a {
-                edges.extend([[a, b], [b, c], [c, a]]);
-            }
-        }
-        edges.sort_unstable();
-        edges.chunk_by(|e, f| e == f).filter(|uses| uses.len() > 1).count()
     }
 }

@@ -1,150 +1,132 @@
-//! OBJ through `tobj`, with the line at which it stopped.
+//! OBJ: the lines `v` and `f`. Everything else is passed over, as nothing else makes a surface.
 
-use super::{MAX_TRIANGLES, MAX_VERTICES, Mesh, ParseStop, check_count, malformed};
-use std::io::{self, BufRead, Read};
+use super::builder::{MeshBuilder, VertexIndex};
+use super::text::{self, Lines, parse_index, parse_number, quote};
+use super::{MAX_TRIANGLES, Mesh, MeshFault};
+use std::borrow::Cow;
 
-/// Some programs start a text with it; it would make the first line an unknown one.
-const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
-
-pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, ParseStop> {
-    // Comments and names may be in any encoding; what counts is ASCII.
-    let text = String::from_utf8_lossy(bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes));
-    let given = Given::count_in(&text);
-    check_count("vertices", given.0[0], MAX_VERTICES)?;
-    check_faces_and_lines(&text, &given)?;
-    let mut lines = LineCounter { rest: text.as_bytes(), read: 0 };
-    let options = tobj::LoadOptions {
-        triangulate: true,
-        ignore_points: true,
-        ignore_lines: true,
-        ..tobj::LoadOptions::default()
-    };
-    let no_materials = |_: &std::path::Path| Ok(Default::default());
-    let (models, _) = tobj::load_obj_buf(&mut lines, &options, no_materials).map_err(|error| {
-        format!("line {}: {error}; expected {}", lines.read, describe_expected_syntax(error))
-    })?;
-    let mut mesh = Mesh::default();
-    for model in models {
-        // Parts that share a vertex have one each.
-        mesh.check_room_for_vertices(model.mesh.positions.len() / 3)?;
-        let base = mesh.positions.len() as u32;
-        mesh.positions.extend(model.mesh.positions.as_chunks().0);
-        let (triangles, _) = model.mesh.indices.as_chunks::<3>();
-        mesh.triangles.extend(triangles.iter().map(|t| t.map(|i| i.saturating_add(base))));
-    }
-    Ok(mesh)
+pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, MeshFault> {
+    let text = text::decode(bytes);
+    let mut builder = MeshBuilder::default();
+    // Faces may name vertices that stand below them.
+    let vertices = read_vertices(&text, &mut builder)?;
+    read_faces(&text, &vertices, &mut builder)?;
+    builder.finish()
 }
 
-/// What the indices of a corner name, `v/vt/vn`: the keyword of its lines, and what it is.
-const KINDS: [(&str, &str); 3] = [("v", "vertex"), ("vt", "texture coordinate"), ("vn", "normal")];
-
-/// How many there are of each of [`KINDS`].
-#[derive(Clone, Copy, Default)]
-struct Given([usize; 3]);
-
-impl Given {
-    fn count_in(text: &str) -> Self {
-        let mut given = Given::default();
-        text.lines().for_each(|line| given.count_line(line));
-        given
-    }
-
-    fn count_line(&mut self, line: &str) {
-        let word = line.split_whitespace().next();
-        if let Some(kind) = KINDS.iter().position(|(keyword, _)| word == Some(keyword)) {
-            self.0[kind] += 1;
-        }
-    }
-}
-
-/// Checks what `tobj` would panic at or has no bound for: the corners of faces and lines.
-fn check_faces_and_lines(text: &str, all: &Given) -> Result<(), ParseStop> {
-    let (mut above, mut triangles) = (Given::default(), 0);
-    for (i, line) in text.lines().enumerate() {
-        above.count_line(line);
-        let mut words = line.split_whitespace();
-        let keyword = words.next();
-        if keyword != Some("f") && keyword != Some("l") {
+/// Reads all lines `v x y z`, with a weight or a colour behind, which is not looked at.
+fn read_vertices(text: &[u8], builder: &mut MeshBuilder) -> Result<Vec<VertexIndex>, MeshFault> {
+    let mut vertices = Vec::new();
+    let mut lines = LogicalLines::new(text);
+    while let Some((number, line)) = lines.next() {
+        let mut words = text::words(&line);
+        if !words.next().is_some_and(|word| word.eq_ignore_ascii_case(b"v")) {
             continue;
         }
-        let mut corners = 0;
-        for corner in words {
-            check_corner(corner, all, &above).map_err(|why| format!("line {}: {why}", i + 1))?;
-            corners += 1;
+        let mut position = [0.0; 3];
+        for coordinate in &mut position {
+            *coordinate = words.next().and_then(parse_number).ok_or_else(|| {
+                format!("line {number}: found {}; expected `v` and three numbers", quote(&line))
+            })?;
         }
-        if keyword == Some("f") {
-            if corners < 3 {
-                return malformed(format!("line {}: a face of fewer than three corners", i + 1));
-            }
-            triangles += corners - 2;
+        // More than the corners of all triangles.
+        if vertices.len() >= 3 * MAX_TRIANGLES {
+            return Err(MeshFault::TooManyTriangles { count: vertices.len() / 3 + 1 });
         }
+        vertices.push(builder.add_vertex(position));
     }
-    check_count("triangles", triangles, MAX_TRIANGLES)
+    Ok(vertices)
 }
 
-/// Checks the indices of a corner: of those given in the whole file from 1 on, of those given above it
-/// from -1 back. A word that is no index is left to `tobj`, and so are texture coordinates and normals
-/// where the file gives none: it never looks at them.
-fn check_corner(corner: &str, all: &Given, above: &Given) -> Result<(), String> {
-    for (kind, word) in corner.split('/').enumerate().take(KINDS.len()) {
-        let Ok(index) = word.parse::<isize>() else { continue };
-        let (all, above) = (all.0[kind], above.0[kind]);
-        let optional = kind > 0;
-        let fits = match index {
-            0 => optional,
-            1.. => index.unsigned_abs() <= all || optional && all == 0,
-            _ => index.unsigned_abs() <= above || optional && all == 0,
-        };
-        if !fits {
-            let (keyword, name) = KINDS[kind];
-            return Err(format!(
-                "`{corner}` names {name} {index}; expected one of the {all} `{keyword}` lines, counted \
-                 from 1, or of the {above} above it, counted back from -1"
-            ));
+/// Reads all lines `f`, also of old files, which write `fo`.
+fn read_faces(
+    text: &[u8],
+    vertices: &[VertexIndex],
+    builder: &mut MeshBuilder,
+) -> Result<(), MeshFault> {
+    let mut above = 0;
+    let mut corners = Vec::new();
+    let mut lines = LogicalLines::new(text);
+    while let Some((number, line)) = lines.next() {
+        let mut words = text::words(&line);
+        match words.next() {
+            Some(b"v" | b"V") => above += 1,
+            Some(b"f" | b"F" | b"fo") => {
+                corners.clear();
+                for word in words.take_while(|word| word[0] != b'#') {
+                    let corner = find_corner(word, vertices, above);
+                    corners.push(corner.map_err(|why| format!("line {number}: {why}"))?);
+                }
+                let added = builder.add_polygon(&corners);
+                added.map_err(|fault| fault.at(|| format!("line {number}")))?;
+            }
+            _ => {}
         }
     }
     Ok(())
 }
 
-fn describe_expected_syntax(error: tobj::LoadError) -> &'static str {
-    match error {
-        tobj::LoadError::PositionParseError => "`v x y z` with three numbers",
-        tobj::LoadError::FaceParseError | tobj::LoadError::InvalidPolygon => {
-            "`f a b c ...` with at least three corners, each `v`, `v/vt`, `v//vn` or `v/vt/vn`"
+/// Returns the vertex that a corner names: `v`, `v/vt`, `v//vn` or `v/vt/vn`, of which only `v` counts. It is
+/// counted from 1 on, or from the last vertex above back from -1.
+fn find_corner(word: &[u8], vertices: &[VertexIndex], above: usize) -> Result<VertexIndex, String> {
+    let first = word.split(|byte| matches!(byte, b'/' | b'#')).next().unwrap_or_default();
+    let Some(index) = parse_index(first) else {
+        return Err(format!(
+            "found the corner {}; expected `v`, `v/vt`, `v//vn` or `v/vt/vn`",
+            quote(word)
+        ));
+    };
+    let back = usize::try_from(index.unsigned_abs()).unwrap_or(usize::MAX);
+    let at = if index < 0 { above.checked_sub(back) } else { back.checked_sub(1) };
+    at.and_then(|at| vertices.get(at).copied()).ok_or_else(|| {
+        format!(
+            "{} names vertex {index}; expected one of the {} `v` lines, counted from 1, or of the \
+             {above} above it, counted back from -1",
+            quote(word),
+            vertices.len()
+        )
+    })
+}
+
+/// The lines of a text. Vertices and faces that end in `\` are joined with the next line; a comment or a name
+/// may end in a folder's name.
+struct LogicalLines<'a> {
+    lines: Lines<'a>,
+}
+
+impl<'a> LogicalLines<'a> {
+    fn new(text: &'a [u8]) -> Self {
+        LogicalLines { lines: Lines::new(text) }
+    }
+
+    /// Returns the next line, and its number from 1 on.
+    fn next(&mut self) -> Option<(usize, Cow<'a, [u8]>)> {
+        let line = self.lines.next()?;
+        let number = self.lines.number;
+        let is_used = matches!(text::words(line).next(), Some(b"v" | b"V" | b"f" | b"F" | b"fo"));
+        let Some(start) = strip_continuation(line).filter(|_| is_used) else {
+            return Some((number, Cow::Borrowed(line)));
+        };
+        let mut joined = start.to_vec();
+        while let Some(line) = self.lines.next() {
+            joined.push(b' ');
+            match strip_continuation(line) {
+                Some(part) => joined.extend(part),
+                None => {
+                    joined.extend(line);
+                    break;
+                }
+            }
         }
-        tobj::LoadError::FaceVertexOutOfBounds
-        | tobj::LoadError::FaceTexCoordOutOfBounds
-        | tobj::LoadError::FaceNormalOutOfBounds => "indices from 1 to the number given above it",
-        _ => "a line as the OBJ format has it",
+        Some((number, Cow::Owned(joined)))
     }
 }
 
-/// A reader that counts the lines read from it.
-struct LineCounter<'a> {
-    rest: &'a [u8],
-    read: usize,
-}
-
-impl Read for LineCounter<'_> {
-    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
-        let n = self.rest.len().min(into.len());
-        into[..n].copy_from_slice(&self.rest[..n]);
-        self.consume(n);
-        Ok(n)
-    }
-}
-
-impl BufRead for LineCounter<'_> {
-    fn fill_buf(&mut self) -> io::Result<&[u8]> {
-        Ok(self.rest)
-    }
-
-    fn consume(&mut self, n: usize) {
-        let (taken, rest) = self.rest.split_at(n);
-        self.read += taken.iter().filter(|&&byte| byte == b'\n').count();
-        // The last line may end without one.
-        self.read +=
-            usize::from(rest.is_empty() && taken.last().is_some_and(|&byte| byte != b'\n'));
-        self.rest = rest;
+/// Returns a line without the `\` at its end; `None` if there is none.
+fn strip_continuation(line: &[u8]) -> Option<&[u8]> {
+    if line.last().is_some_and(|&byte| byte == b'\\' || text::is_blank(byte)) {
+        text::trim(line).strip_suffix(b"\\")
+    } else {
+        None
     }
 }

@@ -1,92 +1,230 @@
-//! STL through `stl_io`, told apart by length and not by the first word, which binary files use too.
+//! STL: the corners of its facets. Normals are not looked at. Binary and text are told apart by length first, as
+//! binary files may start with `solid` too.
 
-use super::{MAX_TRIANGLES, Mesh, ParseStop, check_count, malformed};
-use std::io::Cursor;
+use super::builder::MeshBuilder;
+use super::text::{self, parse_number, quote};
+use super::{MAX_TRIANGLES, Mesh, MeshFault};
+use std::io::{self, Read};
 
-const HEADER: usize = 80;
-const TRIANGLE: usize = 50;
+/// The bytes of a binary file before its first facet: a free text and the number of facets.
+pub(super) const HEADER: usize = 84;
+const FACET: usize = 50;
+/// The bytes in which a text shows its first facet.
+const HEAD: usize = 4096;
 
-pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, ParseStop> {
-    let stated = bytes.get(HEADER..HEADER + 4).map(|count| {
-        let count = u32::from_le_bytes([count[0], count[1], count[2], count[3]]);
-        (count, HEADER as u64 + 4 + u64::from(count) * TRIANGLE as u64)
-    });
-    let text = bytes.starts_with(b"solid");
-    match stated {
-        Some((count, length))
-            if length == bytes.len() as u64 || (!text && length < bytes.len() as u64) =>
-        {
-            parse_binary(bytes, count)
+pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, MeshFault> {
+    if let Some(header) = bytes.first_chunk()
+        && let Some(count) = find_binary_count(header, bytes.len() as u64)
+    {
+        return parse_binary(&bytes[HEADER..], count);
+    }
+    let text = text::decode(bytes);
+    if is_text(&text[..text.len().min(HEAD)]) {
+        return parse_text(&text);
+    }
+    let Some(header) = bytes.first_chunk() else {
+        let found = bytes.len();
+        return Err(MeshFault::Malformed(format!(
+            "found {found} bytes; expected a text that starts with `solid`, or at least {HEADER} bytes"
+        )));
+    };
+    let count = read_count(header);
+    if length_of(count) <= bytes.len() as u64 {
+        return parse_binary(&bytes[HEADER..], count);
+    }
+    Err(MeshFault::Malformed(format!(
+        "byte 80: found {count} as the number of facets, which take {} bytes; expected as many as the file \
+         has, {}",
+        length_of(count),
+        bytes.len()
+    )))
+}
+
+fn read_count(header: &[u8; HEADER]) -> u32 {
+    u32::from_le_bytes([header[80], header[81], header[82], header[83]])
+}
+
+/// The length of a binary file of that many facets.
+fn length_of(facets: u32) -> u64 {
+    HEADER as u64 + u64::from(facets) * FACET as u64
+}
+
+/// Returns the number of facets if the file has just the length for them, as no text has.
+pub(super) fn find_binary_count(header: &[u8; HEADER], length: u64) -> Option<u32> {
+    let count = read_count(header);
+    (length_of(count) == length).then_some(count)
+}
+
+/// Returns `true` for the start of a text: one of its keywords, and a second in the first kilobytes.
+fn is_text(head: &[u8]) -> bool {
+    let is = |word: &[u8], keyword: &str| word.eq_ignore_ascii_case(keyword.as_bytes());
+    let first = text::words(head).next().unwrap_or_default();
+    is(first, "facet")
+        || is(first, "solid")
+            && text::words(head).skip(1).any(|word| {
+                is(word, "facet") || is(word, "endsolid") || is(word, "solid") || is(word, "outer")
+            })
+}
+
+/// Reads the facets of a binary file, a block at a time.
+///
+/// # Errors
+/// As [`parse`], and where the source ends early.
+pub(super) fn parse_binary(mut source: impl Read, count: u32) -> Result<Mesh, MeshFault> {
+    let count = count as usize;
+    if count > MAX_TRIANGLES {
+        return Err(MeshFault::TooManyTriangles { count });
+    }
+    let mut builder = MeshBuilder::default();
+    builder.reserve_triangles(count);
+    let mut block = vec![0; FACET * count.min(1 << 14)];
+    let mut at = 0;
+    while at < count {
+        let facets = (count - at).min(1 << 14);
+        let block = &mut block[..facets * FACET];
+        source.read_exact(block).map_err(MeshFault::Unreadable)?;
+        for facet in block.as_chunks::<FACET>().0 {
+            let corners: [[u8; 12]; 3] = [12, 24, 36].map(|start| {
+                let mut corner = [0; 12];
+                corner.copy_from_slice(&facet[start..start + 12]);
+                corner
+            });
+            let corners = corners.map(|corner| {
+                let coordinate = |k: usize| {
+                    let bytes = [corner[k], corner[k + 1], corner[k + 2], corner[k + 3]];
+                    f64::from(f32::from_le_bytes(bytes))
+                };
+                builder.add_vertex([coordinate(0), coordinate(4), coordinate(8)])
+            });
+            builder.add_triangle(corners).map_err(|fault| {
+                fault.at(|| format!("byte {}: facet {at}", HEADER + at * FACET))
+            })?;
+            at += 1;
         }
-        _ if text => parse_text(bytes),
-        Some((count, length)) => malformed(format!(
-            "its {} bytes are too few for the {count} triangles it states; expected {length}",
-            bytes.len()
-        )),
-        None => malformed(format!(
-            "{} bytes; expected `solid`, or a header of {HEADER} bytes and a count",
-            bytes.len()
-        )),
+    }
+    builder.finish()
+}
+
+/// The words of a text, and the lines that they stand in.
+struct Words<'a> {
+    rest: &'a [u8],
+    line: usize,
+}
+
+impl<'a> Words<'a> {
+    fn next(&mut self) -> Option<&'a [u8]> {
+        let blanks = self.rest.iter().take_while(|&&byte| text::is_blank(byte)).count();
+        self.skip(blanks);
+        let length = self.rest.iter().take_while(|&&byte| !text::is_blank(byte)).count();
+        let word = &self.rest[..length];
+        self.skip(length);
+        (length > 0).then_some(word)
+    }
+
+    fn skip(&mut self, length: usize) {
+        let (skipped, rest) = self.rest.split_at(length);
+        let mut last = 0;
+        for &byte in skipped {
+            // CR LF is one end of a line.
+            self.line += usize::from(byte == b'\r' || byte == b'\n' && last != b'\r');
+            last = byte;
+        }
+        self.rest = rest;
+    }
+
+    fn skip_line(&mut self) {
+        let end = self.rest.iter().take_while(|&&byte| byte != b'\n' && byte != b'\r').count();
+        self.skip(end);
     }
 }
 
-fn parse_binary(bytes: &[u8], count: u32) -> Result<Mesh, ParseStop> {
-    check_count("triangles", count as usize, MAX_TRIANGLES)?;
-    // The header may start with `solid`, which would be taken for text.
-    let mut plain = vec![0; HEADER];
-    plain.extend_from_slice(&bytes[HEADER..HEADER + 4 + count as usize * TRIANGLE]);
-    let mut mesh = Mesh::default();
-    push_solid(&mut mesh, plain)?;
-    Ok(mesh)
+/// The words between which a facet's corners stand.
+#[derive(Clone, Copy, PartialEq)]
+enum Keyword {
+    Solid,
+    Facet,
+    Vertex,
+    EndLoop,
+    EndFacet,
+    /// What says nothing about a corner: `outer`, `loop`, `normal` and its numbers, words between facets.
+    Other,
 }
 
-/// Text may hold several solids; each is handed over by itself, under a plain first line.
-fn parse_text(bytes: &[u8]) -> Result<Mesh, ParseStop> {
-    let text = String::from_utf8_lossy(bytes);
-    let mut mesh = Mesh::default();
-    let mut solid = None;
-    for (i, line) in text.lines().enumerate() {
-        let word = line.split_whitespace().next();
-        match (word, &mut solid) {
-            (Some("solid"), None) => solid = Some(String::from("solid \n")),
-            (Some("endsolid"), Some(lines)) => {
-                lines.push_str("endsolid\n");
-                push_solid(&mut mesh, std::mem::take(lines).into_bytes()).map_err(
-                    |stop| match stop {
-                        ParseStop::Malformed(what) => ParseStop::Malformed(format!(
-                            "in the solid that ends in line {}: {what}",
-                            i + 1
-                        )),
-                        too_large => too_large,
-                    },
-                )?;
-                solid = None;
+impl Keyword {
+    fn from_word(word: &[u8]) -> Self {
+        match word.to_ascii_lowercase().as_slice() {
+            b"solid" | b"endsolid" => Keyword::Solid,
+            b"facet" => Keyword::Facet,
+            b"vertex" => Keyword::Vertex,
+            b"endloop" => Keyword::EndLoop,
+            b"endfacet" => Keyword::EndFacet,
+            _ => Keyword::Other,
+        }
+    }
+}
+
+fn parse_text(text: &[u8]) -> Result<Mesh, MeshFault> {
+    let mut builder = MeshBuilder::default();
+    let mut words = Words { rest: text, line: 1 };
+    // The line in which the facet under way starts.
+    let mut facet: Option<usize> = None;
+    let mut corners = Vec::new();
+    while let Some(word) = words.next() {
+        let keyword = Keyword::from_word(word);
+        match (keyword, facet) {
+            (Keyword::Solid, None) => words.skip_line(),
+            (Keyword::Facet, None) => facet = Some(words.line),
+            (Keyword::Vertex, Some(_)) => {
+                corners.push(builder.add_vertex(read_vertex(&mut words)?))
             }
-            (Some(word), None) => {
-                return malformed(format!("line {}: found `{word}`; expected `solid`", i + 1));
+            (Keyword::EndLoop | Keyword::EndFacet, Some(start)) => {
+                if !corners.is_empty() {
+                    let added = builder.add_polygon(&corners);
+                    added.map_err(|fault| fault.at(|| format!("line {start}: the facet")))?;
+                    corners.clear();
+                }
+                facet = facet.filter(|_| keyword != Keyword::EndFacet);
             }
-            (None, _) => {}
-            (Some(_), Some(lines)) => {
-                lines.push_str(line);
-                lines.push('\n');
+            (Keyword::Other, _) => {}
+            (_, facet) => {
+                let (line, found) = (words.line, quote(word));
+                let expected = if facet.is_some() { "`endfacet`" } else { "`facet`" };
+                let before = if facet.is_some() { "inside" } else { "outside" };
+                return Err(MeshFault::Malformed(format!(
+                    "line {line}: found {found} {before} a facet; expected {expected} before it"
+                )));
             }
         }
     }
-    match solid {
-        None => Ok(mesh),
-        Some(_) => malformed("the text ends inside a solid; expected `endsolid`".into()),
+    match facet {
+        None => builder.finish(),
+        Some(start) => Err(MeshFault::Malformed(format!(
+            "line {}: the text ends inside the facet of line {start}; expected `endfacet`",
+            words.line
+        ))),
     }
 }
 
-fn push_solid(mesh: &mut Mesh, solid: Vec<u8>) -> Result<(), ParseStop> {
-    let mut cursor = Cursor::new(solid);
-    let triangles = stl_io::create_stl_reader(&mut cursor).map_err(|error| error.to_string())?;
-    for triangle in triangles {
-        let corners = triangle.map_err(|error| error.to_string())?.vertices;
-        mesh.check_room_for_triangles(1)?;
-        let base = mesh.positions.len() as u32;
-        mesh.positions.extend(corners.map(|corner| corner.0));
-        mesh.triangles.push([0, 1, 2].map(|i| base + i));
+fn read_vertex(words: &mut Words<'_>) -> Result<[f64; 3], MeshFault> {
+    let mut position = [0.0; 3];
+    for coordinate in &mut position {
+        let word = words.next().unwrap_or_default();
+        *coordinate = parse_number(word).ok_or_else(|| {
+            let (line, found) = (words.line, quote(word));
+            MeshFault::Malformed(format!(
+                "line {line}: found {found}; expected `vertex` and three numbers"
+            ))
+        })?;
     }
-    Ok(())
+    Ok(position)
+}
+
+/// Reads the header of a source, or as much of it as there is.
+pub(super) fn read_header(source: &mut impl Read) -> io::Result<Option<[u8; HEADER]>> {
+    let mut header = [0; HEADER];
+    match source.read_exact(&mut header) {
+        Ok(()) => Ok(Some(header)),
+        Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Ok(None),
+        Err(error) => Err(error),
+    }
 }

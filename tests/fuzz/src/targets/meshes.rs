@@ -123,11 +123,10 @@ fn check(format: MeshFormat, bytes: &[u8]) -> String {
     let vertices = mesh.positions.len() as u32;
     assert!((1..=MAX_TRIANGLES).contains(&mesh.triangles.len()));
     assert!(mesh.triangles.as_flattened().iter().all(|&i| i < vertices));
-    assert!(mesh.positions.as_flattened().iter().all(|c| c.abs() <= COORDINATE_BOUND));
+    assert!(mesh.positions.as_flattened().iter().all(|c| f64::from(c.abs()) <= COORDINATE_BOUND));
     if mesh.triangles.len() > 5000 {
         return "a mesh too large to bake here".into();
     }
-    let _ = mesh.count_directed_edges_repeated_by_position();
     bake(&mesh)
 }
 

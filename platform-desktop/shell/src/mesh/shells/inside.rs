@@ -1,0 +1,147 @@
+//! Which shells lie inside which others: winding numbers of sample points, by rays along z.
+
+use super::edges::Connections;
+use super::{Mesh, Shell};
+use std::collections::HashMap;
+
+/// The most shells that are compared.
+const MAX_COMPARED: usize = 4096;
+/// About as many points are tried in all, and this many at most in a shell.
+const POINTS: usize = 8192;
+const POINTS_OF_SHELL: usize = 32;
+
+/// By shell, the shells that it lies inside.
+pub(super) struct Containment {
+    containers: HashMap<usize, Vec<usize>>,
+}
+
+/// A point of a shell.
+struct Sample {
+    shell: usize,
+    at: [f64; 3],
+}
+
+impl Containment {
+    /// No shell lies inside another.
+    pub(super) fn none() -> Self {
+        Containment { containers: HashMap::new() }
+    }
+
+    /// Compares the shells that are `clear`. `None` if there are more than [`MAX_COMPARED`].
+    pub(super) fn find(
+        mesh: &Mesh,
+        connections: &Connections,
+        shells: &[Shell],
+        clear: &[usize],
+    ) -> Option<Self> {
+        if clear.len() > MAX_COMPARED {
+            return None;
+        }
+        let mut samples = sample_shells(mesh, connections, shells, clear);
+        samples.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]));
+        // By sample and shell, how often the shell winds around the sample.
+        let mut windings: HashMap<(usize, usize), i32> = HashMap::new();
+        for (facet, triangle) in mesh.triangles.iter().enumerate() {
+            let shell = connections.shell_of(facet);
+            if clear.binary_search(&shell).is_err() {
+                continue;
+            }
+            let corners = triangle.map(|i| mesh.positions[i as usize].map(f64::from));
+            let low = corners.iter().map(|c| c[0]).fold(f64::INFINITY, f64::min);
+            let high = corners.iter().map(|c| c[0]).fold(f64::NEG_INFINITY, f64::max);
+            let first = samples.partition_point(|sample| sample.at[0] < low);
+            let near = samples[first..].iter().take_while(|sample| sample.at[0] <= high);
+            let sign = if connections.is_turned(facet) { -1 } else { 1 };
+            for (i, sample) in near.enumerate() {
+                let crossed = crossing_above(&corners, sample.at);
+                if crossed != 0 && sample.shell != shell {
+                    *windings.entry((first + i, shell)).or_default() += sign * crossed;
+                }
+            }
+        }
+        Some(Self::from_windings(shells, &samples, &windings))
+    }
+
+    /// A shell lies inside another if that one winds around all its samples and is larger.
+    fn from_windings(
+        shells: &[Shell],
+        samples: &[Sample],
+        windings: &HashMap<(usize, usize), i32>,
+    ) -> Self {
+        let mut totals: HashMap<usize, usize> = HashMap::new();
+        samples.iter().for_each(|sample| *totals.entry(sample.shell).or_default() += 1);
+        let mut inside: HashMap<(usize, usize), usize> = HashMap::new();
+        for (&(sample, container), &winding) in windings {
+            let shell = samples[sample].shell;
+            *inside.entry((shell, container)).or_default() += usize::from(winding != 0);
+        }
+        let mut found = Containment::none();
+        for (&(shell, container), count) in &inside {
+            let (a, b) = (&shells[shell], &shells[container]);
+            let is_within = (0..3).all(|k| a.low[k] >= b.low[k] && a.high[k] <= b.high[k]);
+            if is_within && Some(count) == totals.get(&shell) {
+                found.containers.entry(shell).or_default().push(container);
+            }
+        }
+        found
+    }
+
+    /// Returns the shells around a shell, in no order.
+    pub(super) fn containers_of(&self, shell: usize) -> &[usize] {
+        self.containers.get(&shell).map_or(&[], Vec::as_slice)
+    }
+}
+
+/// Takes the middles of facets all over each shell.
+fn sample_shells(
+    mesh: &Mesh,
+    connections: &Connections,
+    shells: &[Shell],
+    clear: &[usize],
+) -> Vec<Sample> {
+    let most = (POINTS / clear.len().max(1)).clamp(1, POINTS_OF_SHELL);
+    let mut seen = vec![0; shells.len()];
+    let mut samples = Vec::new();
+    for (facet, triangle) in mesh.triangles.iter().enumerate() {
+        let shell = connections.shell_of(facet);
+        let step = shells[shell].facets.div_ceil(most);
+        let is_sampled = seen[shell] % step == 0;
+        seen[shell] += 1;
+        if is_sampled && clear.binary_search(&shell).is_ok() {
+            let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].map(f64::from));
+            samples.push(Sample { shell, at: [0, 1, 2].map(|k| (a[k] + b[k] + c[k]) / 3.0) });
+        }
+    }
+    samples
+}
+
+/// Returns 1 if the ray from a point along z leaves the triangle's outer side, -1 if it enters there, and 0 if it
+/// doesn't meet the triangle.
+fn crossing_above(corners: &[[f64; 3]; 3], p: [f64; 3]) -> i32 {
+    let [a, b, c] = corners;
+    let around = [(a, b), (b, c), (c, a)].map(|(a, b)| crossing_of_edge(a, b, p));
+    let winding: i32 = around.iter().sum();
+    if winding == 0 {
+        return 0;
+    }
+    let (d, e) = ([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| c[k] - a[k]));
+    let normal_z = d[0] * e[1] - d[1] * e[0];
+    let [normal_x, normal_y] = [d[1] * e[2] - d[2] * e[1], d[2] * e[0] - d[0] * e[2]];
+    let above = normal_x * (a[0] - p[0]) + normal_y * (a[1] - p[1]) + normal_z * (a[2] - p[2]);
+    if (above > 0.0) == (normal_z > 0.0) { winding } else { 0 }
+}
+
+/// Returns 1 or -1 if the edge crosses the line from a point along x in the plane z = 0, upwards or downwards. An edge
+/// gives the same answer in both directions but for the sign.
+fn crossing_of_edge(a: &[f64; 3], b: &[f64; 3], p: [f64; 3]) -> i32 {
+    if (a[1] > p[1]) == (b[1] > p[1]) {
+        return 0;
+    }
+    let (low, high) = if a[1] < b[1] { (a, b) } else { (b, a) };
+    let side = (high[0] - low[0]) * (p[1] - low[1]) - (high[1] - low[1]) * (p[0] - low[0]);
+    match (side > 0.0, a[1] < b[1]) {
+        (false, _) => 0,
+        (true, true) => 1,
+        (true, false) => -1,
+    }
+}
