@@ -62,7 +62,7 @@ fn is_text(head: &[u8]) -> bool {
     is(first, "facet")
         || is(first, "solid")
             && text::words(head).skip(1).any(|word| {
-                is(word, "facet") || is(word, "endsolid") || is(word, "solid") || is(word, "outer")
+                ["facet", "endsolid", "solid", "vertex"].iter().any(|keyword| is(word, keyword))
             })
 }
 

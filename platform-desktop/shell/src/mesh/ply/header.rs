@@ -92,7 +92,8 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(Header, &[u8]), String> {
             });
         };
         let text = String::from_utf8_lossy(text::trim(line)).to_ascii_lowercase();
-        let words: Vec<&str> = text.split_ascii_whitespace().collect();
+        let words: Vec<&str> =
+            text.split(|c: char| c <= ' ').filter(|word| !word.is_empty()).collect();
         let at = |expected: &str| {
             let (number, found) = (lines.number, quote(line));
             Err(format!("line {number}: found {found}; expected {expected}"))
