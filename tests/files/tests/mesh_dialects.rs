@@ -234,7 +234,8 @@ fn ply_headers_and_rows_hold_more_than_is_used() {
 fn ply_lists_are_of_any_type() {
     let header =
         format!("{PLY_VERTICES}element face 6\nproperty list COUNT INDEX vertex_indices\n");
-    let types: [(&str, fn(u32) -> Vec<u8>); 8] = [
+    type WriteNumber = fn(u32) -> Vec<u8>;
+    let types: [(&str, WriteNumber); 8] = [
         ("char", |i| (i as i8).to_be_bytes().into()),
         ("uchar", |i| (i as u8).to_be_bytes().into()),
         ("int16", |i| (i as i16).to_be_bytes().into()),

@@ -271,7 +271,8 @@ fn morph_targets_count_by_their_weights() {
 #[test]
 fn corners_without_indices_and_strips_and_fans_are_split() {
     let corners = |order: &[u32]| order.iter().map(|&i| CORNERS[i as usize]).collect::<Vec<_>>();
-    let cases: [(u32, &[u32], &[[u32; 3]]); 4] = [
+    type Case = (u32, &'static [u32], &'static [[u32; 3]]);
+    let cases: [Case; 4] = [
         (4, &[0, 1, 3, 0, 3, 2, 5], &[[0, 1, 3], [0, 3, 2]]),
         (5, &[0, 1, 2, 3], &[[0, 1, 2], [2, 1, 3]]),
         (6, &[0, 1, 3, 2], &[[0, 1, 3], [0, 3, 2]]),

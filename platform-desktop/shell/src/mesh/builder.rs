@@ -76,7 +76,8 @@ impl MeshBuilder {
         self.check_room(1)?;
         for corner in corners {
             let position = self.positions[corner as usize];
-            if let Some(value) = position.iter().find(|c| !(c.abs() <= COORDINATE_BOUND)) {
+            if let Some(value) = position.iter().find(|c| c.is_nan() || c.abs() > COORDINATE_BOUND)
+            {
                 return Err(MeshFault::Malformed(format!(
                     "found the coordinate {value:e}; expected a number of at most \
                      {COORDINATE_BOUND:e} either way"
@@ -170,10 +171,8 @@ impl MeshBuilder {
     fn drop_unused_vertices(&mut self) {
         let mut names = vec![FREE; self.positions.len()];
         self.triangles.as_flattened().iter().for_each(|&i| names[i as usize] = 0);
-        let mut kept = 0;
-        for name in names.iter_mut().filter(|name| **name == 0) {
+        for (kept, name) in (0..).zip(names.iter_mut().filter(|name| **name == 0)) {
             *name = kept;
-            kept += 1;
         }
         self.triangles.as_flattened_mut().iter_mut().for_each(|i| *i = names[*i as usize]);
         let mut names = names.into_iter();

@@ -108,7 +108,7 @@ impl<'a> LogicalLines<'a> {
             return Some((number, Cow::Borrowed(line)));
         };
         let mut joined = start.to_vec();
-        while let Some(line) = self.lines.next() {
+        for line in self.lines.by_ref() {
             joined.push(b' ');
             match strip_continuation(line) {
                 Some(part) => joined.extend(part),

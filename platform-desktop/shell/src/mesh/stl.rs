@@ -175,7 +175,7 @@ fn parse_text(text: &[u8]) -> Result<Mesh, MeshFault> {
             (Keyword::Solid, None) => words.skip_line(),
             (Keyword::Facet, None) => facet = Some(words.line),
             (Keyword::Vertex, Some(_)) => {
-                corners.push(builder.add_vertex(read_vertex(&mut words)?))
+                corners.push(builder.add_vertex(read_vertex(&mut words)?));
             }
             (Keyword::EndLoop | Keyword::EndFacet, Some(start)) => {
                 if !corners.is_empty() {

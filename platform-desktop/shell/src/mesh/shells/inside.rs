@@ -100,12 +100,12 @@ fn sample_shells(
     clear: &[usize],
 ) -> Vec<Sample> {
     let most = (POINTS / clear.len().max(1)).clamp(1, POINTS_OF_SHELL);
-    let mut seen = vec![0; shells.len()];
+    let mut seen = vec![0usize; shells.len()];
     let mut samples = Vec::new();
     for (facet, triangle) in mesh.triangles.iter().enumerate() {
         let shell = connections.shell_of(facet);
         let step = shells[shell].facets.div_ceil(most);
-        let is_sampled = seen[shell] % step == 0;
+        let is_sampled = seen[shell].is_multiple_of(step);
         seen[shell] += 1;
         if is_sampled && clear.binary_search(&shell).is_ok() {
             let [a, b, c] = triangle.map(|i| mesh.positions[i as usize].map(f64::from));

@@ -52,10 +52,8 @@ impl Shell {
 
     fn add_facet(&mut self, [a, b, c]: [[f64; 3]; 3], is_turned: bool, is_at_rim: bool) {
         for p in [a, b, c] {
-            for k in 0..3 {
-                self.low[k] = self.low[k].min(p[k]);
-                self.high[k] = self.high[k].max(p[k]);
-            }
+            self.low = [0, 1, 2].map(|k| self.low[k].min(p[k]));
+            self.high = [0, 1, 2].map(|k| self.high[k].max(p[k]));
         }
         let (d, e) = ([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| c[k] - a[k]));
         let normal = [0, 1, 2].map(|k| {
