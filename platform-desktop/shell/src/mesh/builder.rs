@@ -1,6 +1,6 @@
 //! Collection of a file's facets, with vertices welded by position while they are read.
 
-use super::{COORDINATE_BOUND, MAX_TRIANGLES, Mesh, MeshFault, shells};
+use super::{COORDINATE_BOUND, MAX_TRIANGLES, Mesh, MeshFault, area_vector, malformed, shells};
 
 /// An index into the positions of a [`MeshBuilder`].
 pub(super) type VertexIndex = u32;
@@ -78,10 +78,10 @@ impl MeshBuilder {
             let position = self.positions[corner as usize];
             if let Some(value) = position.iter().find(|c| c.is_nan() || c.abs() > COORDINATE_BOUND)
             {
-                return Err(MeshFault::Malformed(format!(
+                return malformed(format!(
                     "found the coordinate {value:e}; expected a number of at most \
                      {COORDINATE_BOUND:e} either way"
-                )));
+                ));
             }
         }
         let [a, b, c] = corners;
@@ -155,16 +155,14 @@ impl MeshBuilder {
 
     /// Returns `true` if a triangle is higher over its longest edge than this part of that edge.
     fn has_area(&self, triangle: &[VertexIndex; 3], least_height: f64) -> bool {
-        let [a, b, c] = triangle.map(|i| self.positions[i as usize]);
+        let corners = triangle.map(|i| self.positions[i as usize]);
+        let [a, b, c] = corners;
         let (d, e) = ([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| c[k] - a[k]));
         let f = [0, 1, 2].map(|k| e[k] - d[k]);
         let square = |v: [f64; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
         let longest = square(d).max(square(e)).max(square(f));
-        let cross = [0, 1, 2].map(|k| {
-            let (u, v) = ((k + 1) % 3, (k + 2) % 3);
-            (d[u] * e[v] - d[v] * e[u]).abs()
-        });
-        cross[0].max(cross[1]).max(cross[2]) > least_height * longest
+        let [x, y, z] = area_vector(&corners).map(f64::abs);
+        x.max(y).max(z) > least_height * longest
     }
 
     /// Removes vertices that no triangle uses.

@@ -138,6 +138,12 @@ impl MeshFault {
     }
 }
 
+/// Returns the normal of a facet, as long as twice its area.
+fn area_vector([a, b, c]: &[[f64; 3]; 3]) -> [f64; 3] {
+    let (d, e) = ([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| c[k] - a[k]));
+    [d[1] * e[2] - d[2] * e[1], d[2] * e[0] - d[0] * e[2], d[0] * e[1] - d[1] * e[0]]
+}
+
 fn malformed<T>(what: String) -> Result<T, MeshFault> {
     Err(MeshFault::Malformed(what))
 }

@@ -3,11 +3,11 @@
 
 use super::builder::MeshBuilder;
 use super::text::{self, parse_number, quote};
-use super::{MAX_TRIANGLES, Mesh, MeshFault};
+use super::{MAX_TRIANGLES, Mesh, MeshFault, malformed};
 use std::io::{self, Read};
 
 /// The bytes of a binary file before its first facet: a free text and the number of facets.
-pub(super) const HEADER: usize = 84;
+const HEADER: usize = 84;
 const FACET: usize = 50;
 /// The bytes in which a text shows its first facet.
 const HEAD: usize = 4096;
@@ -24,20 +24,20 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, MeshFault> {
     }
     let Some(header) = bytes.first_chunk() else {
         let found = bytes.len();
-        return Err(MeshFault::Malformed(format!(
+        return malformed(format!(
             "found {found} bytes; expected a text that starts with `solid`, or at least {HEADER} bytes"
-        )));
+        ));
     };
     let count = read_count(header);
     if length_of(count) <= bytes.len() as u64 {
         return parse_binary(&bytes[HEADER..], count);
     }
-    Err(MeshFault::Malformed(format!(
+    malformed(format!(
         "byte 80: found {count} as the number of facets, which take {} bytes; expected as many as the file \
          has, {}",
         length_of(count),
         bytes.len()
-    )))
+    ))
 }
 
 fn read_count(header: &[u8; HEADER]) -> u32 {
@@ -84,17 +84,12 @@ pub(super) fn parse_binary(mut source: impl Read, count: u32) -> Result<Mesh, Me
         let block = &mut block[..facets * FACET];
         source.read_exact(block).map_err(MeshFault::Unreadable)?;
         for facet in block.as_chunks::<FACET>().0 {
-            let corners: [[u8; 12]; 3] = [12, 24, 36].map(|start| {
-                let mut corner = [0; 12];
-                corner.copy_from_slice(&facet[start..start + 12]);
-                corner
-            });
-            let corners = corners.map(|corner| {
-                let coordinate = |k: usize| {
-                    let bytes = [corner[k], corner[k + 1], corner[k + 2], corner[k + 3]];
-                    f64::from(f32::from_le_bytes(bytes))
-                };
-                builder.add_vertex([coordinate(0), coordinate(4), coordinate(8)])
+            let coordinate = |at: usize| {
+                let bytes = [facet[at], facet[at + 1], facet[at + 2], facet[at + 3]];
+                f64::from(f32::from_le_bytes(bytes))
+            };
+            let corners = [12, 24, 36].map(|at| {
+                builder.add_vertex([coordinate(at), coordinate(at + 4), coordinate(at + 8)])
             });
             builder.add_triangle(corners).map_err(|fault| {
                 fault.at(|| format!("byte {}: facet {at}", HEADER + at * FACET))
@@ -190,18 +185,18 @@ fn parse_text(text: &[u8]) -> Result<Mesh, MeshFault> {
                 let (line, found) = (words.line, quote(word));
                 let expected = if facet.is_some() { "`endfacet`" } else { "`facet`" };
                 let before = if facet.is_some() { "inside" } else { "outside" };
-                return Err(MeshFault::Malformed(format!(
+                return malformed(format!(
                     "line {line}: found {found} {before} a facet; expected {expected} before it"
-                )));
+                ));
             }
         }
     }
     match facet {
         None => builder.finish(),
-        Some(start) => Err(MeshFault::Malformed(format!(
+        Some(start) => malformed(format!(
             "line {}: the text ends inside the facet of line {start}; expected `endfacet`",
             words.line
-        ))),
+        )),
     }
 }
 
@@ -211,9 +206,7 @@ fn read_vertex(words: &mut Words<'_>) -> Result<[f64; 3], MeshFault> {
         let word = words.next().unwrap_or_default();
         *coordinate = parse_number(word).ok_or_else(|| {
             let (line, found) = (words.line, quote(word));
-            MeshFault::Malformed(format!(
-                "line {line}: found {found}; expected `vertex` and three numbers"
-            ))
+            format!("line {line}: found {found}; expected `vertex` and three numbers")
         })?;
     }
     Ok(position)

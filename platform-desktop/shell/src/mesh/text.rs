@@ -116,6 +116,11 @@ pub(super) fn index_from_number(value: f64) -> Option<i64> {
     (value.abs() <= EXACT && value == value.trunc()).then_some(value as i64)
 }
 
+/// Returns a whole number from 0 on, of at most 2^53, as an index or a length.
+pub(super) fn size_from_number(value: f64) -> Option<usize> {
+    index_from_number(value).and_then(|index| usize::try_from(index).ok())
+}
+
 /// Returns a text for a message, in back-quotes and at most 40 characters long.
 pub(super) fn quote(text: &[u8]) -> String {
     let text = String::from_utf8_lossy(trim(text));

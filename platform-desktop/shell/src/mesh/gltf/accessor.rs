@@ -1,6 +1,8 @@
 //! Accessors: the numbers of a buffer, of any component type, normalised or not, sparse or not.
 
+use super::super::text::size_from_number;
 use super::container::Buffers;
+use super::items;
 use serde_json::Value;
 
 /// Extensions that compress a mesh.
@@ -104,8 +106,7 @@ fn has_no_data(json: &Value, view: &Value) -> bool {
     let is_placeholder = COMPRESSIONS
         .iter()
         .any(|name| buffer["extensions"][*name]["fallback"].as_bool() == Some(true));
-    is_placeholder && buffer["uri"].is_null()
-        || buffer["uri"].is_null() && number(&view["buffer"]) != Some(0)
+    buffer["uri"].is_null() && (is_placeholder || number(&view["buffer"]) != Some(0))
 }
 
 /// Returns the extension by which an object is compressed.
@@ -122,7 +123,7 @@ pub(super) fn describe_compression(name: &str) -> String {
 
 /// Finds an object of a list that another one names.
 pub(super) fn find<'a>(json: &'a Value, list: &str, index: &Value) -> Result<&'a Value, String> {
-    let objects = json[list].as_array().map_or(&[][..], Vec::as_slice);
+    let objects = items(&json[list]);
     number(index).and_then(|index| objects.get(index)).ok_or_else(|| {
         format!("found index {index} into `{list}`; expected less than {}", objects.len())
     })
@@ -130,9 +131,10 @@ pub(super) fn find<'a>(json: &'a Value, list: &str, index: &Value) -> Result<&'a
 
 /// Returns a whole number, also one written as a float.
 pub(super) fn number(value: &Value) -> Option<usize> {
-    let whole = || value.as_f64().and_then(super::super::text::index_from_number);
-    let number = value.as_u64().or_else(|| whole().and_then(|n| u64::try_from(n).ok()))?;
-    usize::try_from(number).ok()
+    match value.as_u64() {
+        Some(number) => usize::try_from(number).ok(),
+        None => value.as_f64().and_then(size_from_number),
+    }
 }
 
 impl<'a, const M: usize> Accessor<'a, M> {

@@ -1,6 +1,7 @@
 //! The parts of a glTF file: its JSON, and the bytes of its buffers.
 
-use super::super::MAX_FILE_BYTES;
+use super::super::{MAX_FILE_BYTES, text};
+use super::items;
 use crate::durable;
 use serde_json::Value;
 use std::borrow::Cow;
@@ -54,7 +55,7 @@ pub(super) fn split(bytes: &[u8]) -> Result<Parts<'_>, String> {
 /// Parses JSON, also with a byte-order mark, text in another encoding, trailing NULs, or a number that C printed as
 /// `nan` or `inf`.
 fn parse_json(bytes: &[u8]) -> Result<Value, String> {
-    let text = super::super::text::decode(bytes);
+    let text = text::decode(bytes);
     let text = String::from_utf8_lossy(&text);
     let text = text.trim_end_matches(|c: char| c == '\0' || c.is_whitespace());
     serde_json::from_str(text).or_else(|error| {
@@ -112,7 +113,7 @@ pub(super) struct Buffers<'a> {
 
 impl<'a> Buffers<'a> {
     pub(super) fn new(json: &'a Value, binary: Option<&'a [u8]>, folder: &'a Path) -> Self {
-        let definitions = json["buffers"].as_array().map_or(&[][..], Vec::as_slice);
+        let definitions = items(&json["buffers"]);
         let read = definitions.iter().map(|_| None).collect();
         Buffers { definitions, binary, folder, read, left: MAX_FILE_BYTES }
     }

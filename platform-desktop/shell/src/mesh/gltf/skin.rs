@@ -1,5 +1,6 @@
 //! Nodes and what places meshes: the tree's transforms, instances, and skins in their bind pose.
 
+use super::super::MAX_TRIANGLES;
 use super::accessor::{self, Accessor, number};
 use super::container::Buffers;
 use super::items;
@@ -234,11 +235,8 @@ pub(super) fn instances(
         let scale = scales.as_ref().map_or([1.0; 3], |accessor| accessor.get(i));
         matrix::product(world_from_node, &matrix::from_parts(translation, rotation, scale))
     };
-    if count > super::super::MAX_TRIANGLES {
-        return Err(format!(
-            "found {count} instances; expected at most {}",
-            super::super::MAX_TRIANGLES
-        ));
+    if count > MAX_TRIANGLES {
+        return Err(format!("found {count} instances; expected at most {MAX_TRIANGLES}"));
     }
     Ok((0..count).map(instance).collect())
 }

@@ -110,8 +110,7 @@ impl<'a> Body<'a> {
 
     fn read_count(&mut self, number: Number) -> Result<usize, String> {
         let found = self.read_number(number)?;
-        let count = text::index_from_number(found).and_then(|count| usize::try_from(count).ok());
-        count
+        text::size_from_number(found)
             .ok_or_else(|| format!("found {found} as a list's length; expected a number from 0 on"))
     }
 

@@ -75,7 +75,6 @@ impl Element {
 /// Reads a header, and returns it with the bytes after it. Comments may be in any encoding, and lines may be
 /// blank.
 pub(super) fn parse(bytes: &[u8]) -> Result<(Header, &[u8]), String> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     // A file whose lines end in CR may have data that starts with LF.
     let ends_in_cr = bytes.iter().find(|&&byte| byte == b'\r' || byte == b'\n') == Some(&b'\r')
         && !bytes.windows(2).take(256).any(|pair| pair == b"\r\n");

@@ -4,33 +4,27 @@ mod body;
 mod header;
 
 use super::builder::{MeshBuilder, VertexIndex};
-use super::text::index_from_number;
+use super::text::{self, size_from_number};
 use super::{MAX_TRIANGLES, Mesh, MeshFault, malformed};
 use body::Body;
 use header::{Element, Header};
 
 pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, MeshFault> {
-    let text = utf16_to_utf8(bytes);
-    let (header, bytes) = header::parse(text.as_deref().unwrap_or(bytes))?;
+    let bytes = text::decode(bytes);
+    let (header, bytes) = header::parse(&bytes)?;
     let has = |kind: Kind| header.elements.iter().any(|element| Kind::of(element) == kind);
     if !has(Kind::Vertices) || !(has(Kind::Faces) || has(Kind::Strips)) {
-        return Err(MeshFault::Malformed(
+        return malformed(
             "its header has no elements `vertex` and `face`; expected both, or `vertex` and \
              `tristrips`"
                 .into(),
-        ));
+        );
     }
     let mut mesh = PlyMesh::default();
     // Faces may stand before the vertices.
     mesh.read_elements(&header, bytes, |kind| kind == Kind::Vertices)?;
     mesh.read_elements(&header, bytes, |kind| kind == Kind::Faces || kind == Kind::Strips)?;
     mesh.builder.finish()
-}
-
-/// Converts a text in UTF-16 with a byte-order mark.
-fn utf16_to_utf8(bytes: &[u8]) -> Option<Vec<u8>> {
-    let is_utf16 = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
-    is_utf16.then(|| super::text::decode(bytes).into_owned())
 }
 
 /// What is made of an element.
@@ -180,8 +174,8 @@ impl PlyMesh {
     }
 
     fn find_corner(&self, corner: f64) -> Result<VertexIndex, String> {
-        let index = index_from_number(corner).and_then(|index| usize::try_from(index).ok());
-        index.and_then(|index| self.vertices.get(index).copied()).ok_or_else(|| {
+        let vertex = size_from_number(corner).and_then(|index| self.vertices.get(index).copied());
+        vertex.ok_or_else(|| {
             format!("found vertex {corner}; expected one of {}, from 0 on", self.vertices.len())
         })
     }

@@ -1,7 +1,7 @@
 //! Which shells lie inside which others: winding numbers of sample points, by rays along z.
 
 use super::edges::Connections;
-use super::{Mesh, Shell};
+use super::{Mesh, Shell, area_vector};
 use std::collections::HashMap;
 
 /// The most shells that are compared.
@@ -124,9 +124,7 @@ fn crossing_above(corners: &[[f64; 3]; 3], p: [f64; 3]) -> i32 {
     if winding == 0 {
         return 0;
     }
-    let (d, e) = ([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| c[k] - a[k]));
-    let normal_z = d[0] * e[1] - d[1] * e[0];
-    let [normal_x, normal_y] = [d[1] * e[2] - d[2] * e[1], d[2] * e[0] - d[0] * e[2]];
+    let [normal_x, normal_y, normal_z] = area_vector(corners);
     let above = normal_x * (a[0] - p[0]) + normal_y * (a[1] - p[1]) + normal_z * (a[2] - p[2]);
     if (above > 0.0) == (normal_z > 0.0) { winding } else { 0 }
 }

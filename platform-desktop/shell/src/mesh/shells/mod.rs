@@ -7,7 +7,7 @@
 mod edges;
 mod inside;
 
-use super::{Mesh, outlier};
+use super::{Mesh, area_vector, outlier};
 use edges::Connections;
 use inside::Containment;
 
@@ -50,16 +50,13 @@ impl Shell {
         is_one_sided: false,
     };
 
-    fn add_facet(&mut self, [a, b, c]: [[f64; 3]; 3], is_turned: bool, is_at_rim: bool) {
-        for p in [a, b, c] {
+    fn add_facet(&mut self, corners: &[[f64; 3]; 3], is_turned: bool, is_at_rim: bool) {
+        for p in corners {
             self.low = [0, 1, 2].map(|k| self.low[k].min(p[k]));
             self.high = [0, 1, 2].map(|k| self.high[k].max(p[k]));
         }
-        let (d, e) = ([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| c[k] - a[k]));
-        let normal = [0, 1, 2].map(|k| {
-            let (u, v) = ((k + 1) % 3, (k + 2) % 3);
-            d[u] * e[v] - d[v] * e[u]
-        });
+        let a = corners[0];
+        let normal = area_vector(corners);
         let sign = if is_turned { -1.0 } else { 1.0 };
         for k in 0..3 {
             self.area_vector[k] += sign * normal[k];
@@ -136,7 +133,7 @@ fn measure(mesh: &Mesh, connections: &Connections) -> Vec<Shell> {
     for (facet, triangle) in mesh.triangles.iter().enumerate() {
         let corners = triangle.map(|i| mesh.positions[i as usize].map(f64::from));
         let shell = &mut shells[connections.shell_of(facet)];
-        shell.add_facet(corners, connections.is_turned(facet), connections.is_at_rim(facet));
+        shell.add_facet(&corners, connections.is_turned(facet), connections.is_at_rim(facet));
         shell.is_one_sided |= connections.is_one_sided(facet);
     }
     shells
