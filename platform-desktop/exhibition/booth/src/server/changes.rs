@@ -9,19 +9,12 @@ use tokio::sync::watch;
 const SHOWN: [&str; 6] =
     ["announcements", "commands", "mail_orders", "print_orders", "sculptures", "staff_sessions"];
 
-/// The number of changes that this process has committed to the tables that pages show.
+/// Tells of changes that this process has committed to the tables that pages show, and whether the program ends.
 #[derive(Clone)]
-pub(crate) struct Changes(watch::Sender<Progress>);
-
-/// How far the changes have come.
-#[derive(Clone, Copy, Default)]
-struct Progress {
-    count: u64,
-    is_over: bool,
-}
+pub(crate) struct Changes(watch::Sender<bool>);
 
 /// Waits for changes.
-pub(crate) struct ChangeWatch(watch::Receiver<Progress>);
+pub(crate) struct ChangeWatch(watch::Receiver<bool>);
 
 impl Changes {
     #[must_use]
@@ -29,7 +22,7 @@ impl Changes {
         Changes(watch::Sender::default())
     }
 
-    /// Returns the same store, whose changes are counted here.
+    /// Returns the same store, whose changes are told here.
     #[must_use]
     pub(crate) fn watch_store(&self, store: Arc<dyn Store>) -> Arc<dyn Store> {
         Arc::new(WatchedStore { store, changes: self.clone() })
@@ -43,22 +36,23 @@ impl Changes {
 
     /// Ends all waiting: the program ends.
     pub(crate) fn end(&self) {
-        self.0.send_modify(|progress| progress.is_over = true);
+        self.0.send_replace(true);
     }
 
-    fn count(&self) {
-        self.0.send_modify(|progress| progress.count += 1);
+    /// Wakes all that wait.
+    fn tell(&self) {
+        self.0.send_modify(|_| {});
     }
 }
 
 impl ChangeWatch {
     /// Waits for a change since the last call. Returns `false` if the program ends.
     pub(crate) async fn changed(&mut self) -> bool {
-        self.0.changed().await.is_ok() && !self.0.borrow_and_update().is_over
+        self.0.changed().await.is_ok() && !*self.0.borrow_and_update()
     }
 }
 
-/// A store whose changes are counted.
+/// A store whose changes are told.
 struct WatchedStore {
     store: Arc<dyn Store>,
     changes: Changes,
@@ -94,7 +88,7 @@ impl Transaction for WatchedTransaction<'_> {
         let WatchedTransaction { transaction, changes, is_change } = *self;
         transaction.commit()?;
         if is_change {
-            changes.count();
+            changes.tell();
         }
         Ok(())
     }
