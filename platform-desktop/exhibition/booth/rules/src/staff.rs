@@ -181,7 +181,7 @@ impl Booth {
         })
     }
 
-    /// Who is logged in with a cookie. Notes that the login is used.
+    /// Returns the login of a cookie, and notes that it is used.
     ///
     /// # Errors
     /// [`Refusal::UnknownToken`] where nobody is, or not any more.
@@ -197,7 +197,7 @@ impl Booth {
         Ok(login)
     }
 
-    /// Who is logged in with a cookie, without noting that the login is used: for what pages do by themselves.
+    /// Returns the login of a cookie without noting its use, for requests that pages make by themselves.
     ///
     /// # Errors
     /// [`Refusal::UnknownToken`] where nobody is, or not any more.

@@ -63,12 +63,12 @@ pub struct ServeOptions {
     /// Where visitors find their sculptures.
     #[command(flatten)]
     pub public: PublicOptions,
-    /// What visitors are told of the museum.
+    /// Facts of the museum for its visitors.
     #[command(flatten)]
     pub museum: MuseumOptions,
 }
 
-/// What visitors are told of the museum.
+/// Facts of the museum for its visitors.
 #[derive(Clone, Debug, Default, Args)]
 pub struct MuseumOptions {
     /// The booth's opening hours, as slips and visitors' pages show them.

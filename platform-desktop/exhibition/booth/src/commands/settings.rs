@@ -21,7 +21,7 @@ pub(crate) struct SiteFacts {
     pub ca_end: Option<BoothTime>,
     /// Its settings: flag and value.
     pub settings: Vec<(&'static str, String)>,
-    /// What visitors are told of the museum.
+    /// Facts of the museum for its visitors.
     pub museum: MuseumOptions,
     /// The certificate that staff's browsers are shown.
     pub of_staff: StaffCertificate,
