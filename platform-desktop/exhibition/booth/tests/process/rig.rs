@@ -287,13 +287,23 @@ pub(crate) fn write_request(
 }
 
 pub(crate) fn read_answer(stream: &mut impl io::Read) -> io::Result<Answer> {
+    let head = read_head(stream)?;
+    read_body(head, stream)
+}
+
+/// The head of an answer, in small letters.
+pub(crate) fn read_head(stream: &mut impl io::Read) -> io::Result<String> {
     let mut head = Vec::new();
     while !head.ends_with(b"\r\n\r\n") {
         let mut byte = [0];
         stream.read_exact(&mut byte)?;
         head.extend(byte);
     }
-    let head = String::from_utf8(head).map_err(io::Error::other)?.to_lowercase();
+    Ok(String::from_utf8(head).map_err(io::Error::other)?.to_lowercase())
+}
+
+/// The answer whose head was read.
+pub(crate) fn read_body(head: String, stream: &mut impl io::Read) -> io::Result<Answer> {
     let status = head.split(' ').nth(1).and_then(|status| status.parse().ok());
     let length = head.split("content-length: ").nth(1).and_then(|rest| rest.lines().next());
     let length = length.map_or(0, |length| length.parse().expect("a length"));

@@ -1,9 +1,14 @@
 //! What staff see and do, in the HTML and headers that the booth sends.
 
+use std::io::Read as _;
+
 use paros_core::badge::{BadgeNumber, Language, write_words};
 use paros_protocol::*;
 
-use crate::rig::{Answer, BoothFolder, Client, Headset, Parcel, figure, heartbeat};
+use crate::rig::{
+    Answer, BoothFolder, Client, Headset, Parcel, figure, heartbeat, read_body, read_head,
+    write_request,
+};
 use crate::smtp_sink::wait_until;
 
 /// A browser that is logged in.
@@ -186,16 +191,14 @@ fn staff_find_download_withdraw_and_delete_a_sculpture() {
         picture.body.starts_with(b"\x89PNG\r\n\x1a\n").then_some(())
     });
 
-    // A stream of changes ends with its login.
-    let open = || client.metric("paros_booth_connections");
-    let others = open();
-    let stream = std::thread::scope(|scope| {
-        let stream = scope.spawn(|| browser.get("/staff/changes"));
-        wait_until(|| (open() > others).then_some(()));
-        withdraw_and_delete(&browser, &at, &words);
-        assert_eq!(post_form(client, "/staff/logout", &browser.cookie, "").status, 303);
-        stream.join().expect("a stream")
-    });
+    // A stream of changes ends with its login. One that didn't would send this many bytes in minutes.
+    let mut stream = client.connect().expect("a connection").take(2 << 10);
+    let cookie = ("Cookie", browser.cookie.clone());
+    write_request(stream.get_mut(), "GET", "/staff/changes", &[cookie], &[]).expect("a request");
+    let head = read_head(&mut stream).expect("a head");
+    withdraw_and_delete(&browser, &at, &words);
+    assert_eq!(post_form(client, "/staff/logout", &browser.cookie, "").status, 303);
+    let stream = read_body(head, &mut stream).expect("a stream that ends");
     assert!(stream.head.contains("text/event-stream"), "{}", stream.head);
     assert!(stream.text().contains("event: ended\ndata:\n\n"), "{}", stream.text());
     assert_eq!(folder.files("sculptures"), [""; 0]);
