@@ -3,9 +3,9 @@
 use paros_core::RangeMaps;
 use paros_core::session::SessionMode;
 use paros_core::volume::{BitGrid, Grid, Size};
+use paros_shapes::lump;
 
-use super::sdf::max;
-use super::{Figure, lump, raster};
+use super::{Figure, raster};
 
 /// How much stone hides a figure at the start.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -127,7 +127,7 @@ impl HiddenStart {
             } else {
                 ROUGHNESS_OF_LUMP * broken.unwrap_or_else(|| lump::fracture(p))
             };
-            max(in_lump, (even + rough) * 0.75)
+            f32::max(in_lump, (even + rough) * 0.75)
         });
         bit_grid.write_closure(maps);
         bit_grid.set_from_maps(maps);

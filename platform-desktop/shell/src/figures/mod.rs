@@ -3,20 +3,14 @@
 //! They are rasterized on demand, to the same bits on every machine. All figures stand on the ground
 //! layer and, except for the toy, lie within the lump.
 
-mod amphora;
-mod cat;
-mod dolphin;
 mod hidden;
-mod lump;
-mod owl;
 mod own;
 mod raster;
-mod sdf;
-mod toy;
 
 use glam::Vec3;
 use paros_core::RangeMaps;
 use paros_core::volume::{BitGrid, Grid, Size};
+use paros_shapes::{amphora, cat, dolphin, lump, owl, toy};
 
 pub use hidden::{HiddenStart, StoneThickness};
 pub use own::{

@@ -4,13 +4,15 @@
 
 use glam::Vec3;
 
-use super::sdf::{
+use crate::sdf::{
     carve_flute, clamp_to_unit, distance_from_nearest_of_16_spokes, distance_from_y_axis,
     ellipsoid, fold_x, max, min, round_cone, rounded_disc_around_y, smooth_subtract, smooth_union,
     torus_around_y, v,
 };
 
-pub(super) fn signed_distance(p: Vec3) -> f32 {
+/// Signed distance to the surface.
+#[must_use]
+pub fn signed_distance(p: Vec3) -> f32 {
     let jar = smooth_union(carve_ornament(belly_distance(p), p), neck_distance(p), 8.0);
     let jar = smooth_union(jar, handle_distance(fold_x(p)), 8.0);
     let hollow = ellipsoid(p, v(0.0, 115.0, 0.0), v(14.5, 22.0, 14.5));

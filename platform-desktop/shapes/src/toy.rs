@@ -2,11 +2,13 @@
 
 use glam::Vec3;
 
-use super::sdf::{
+use crate::sdf::{
     carve_groove, ellipsoid, fold_x, min, round_cone, smooth_subtract, smooth_union, sphere, v,
 };
 
-pub(super) fn signed_distance(p: Vec3) -> f32 {
+/// Signed distance to the surface.
+#[must_use]
+pub fn signed_distance(p: Vec3) -> f32 {
     let folded = fold_x(p);
     let body = carve_belly_seam(ellipsoid(folded, v(0.0, 40.0, 0.0), v(30.0, 32.0, 27.0)), folded);
     let creature =

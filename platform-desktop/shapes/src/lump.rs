@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use glam::Vec3;
 
-use super::sdf::{clamp_to_unit, faceted_noise, max, min, signed_value_noise, v};
+use crate::sdf::{clamp_to_unit, faceted_noise, max, min, signed_value_noise, v};
 
 /// A flat cut: what lies beyond `height` along `normal` is gone.
 struct Facet {
@@ -111,12 +111,15 @@ static FACETS: LazyLock<[Facet; CUTS.len()]> = LazyLock::new(|| {
 /// The most by which chisel and fracture move the surface.
 const RELIEF: f32 = 5.0;
 
-pub(super) fn signed_distance(p: Vec3) -> f32 {
+/// Signed distance to the surface.
+#[must_use]
+pub fn signed_distance(p: Vec3) -> f32 {
     distance_and_fracture(p).0
 }
 
 /// The signed distance, and the [`fracture`] if it was needed for that.
-pub(super) fn distance_and_fracture(p: Vec3) -> (f32, Option<f32>) {
+#[must_use]
+pub fn distance_and_fracture(p: Vec3) -> (f32, Option<f32>) {
     let middle = p - v(0.0, 64.0, 0.0);
     let beyond = |facet: &Facet| middle.dot(facet.normal) - facet.height;
     let cut = FACETS.iter().map(beyond).fold(f32::MIN, max);
@@ -146,10 +149,11 @@ pub(super) fn distance_and_fracture(p: Vec3) -> (f32, Option<f32>) {
 }
 
 /// The most by which a fracture moves a surface.
-pub(super) const MAX_FRACTURE: f32 = 2.5;
+pub const MAX_FRACTURE: f32 = 2.5;
 
 /// How far a fractured surface lies from an even one: within [`MAX_FRACTURE`], in flat facets that meet in creases.
-pub(super) fn fracture(p: Vec3) -> f32 {
+#[must_use]
+pub fn fracture(p: Vec3) -> f32 {
     // Any rotation, so that no crease lies along an axis.
     let turned =
         v(p.dot(v(0.64, 0.48, 0.6)), p.dot(v(-0.6, 0.8, 0.0)), p.dot(v(-0.48, -0.36, 0.8)));

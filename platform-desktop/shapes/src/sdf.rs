@@ -10,61 +10,61 @@ use glam::{Vec2, Vec3};
 
 /// The smaller; never NaN here, and the sign of a zero makes no difference.
 #[inline]
-pub(super) fn min(a: f32, b: f32) -> f32 {
+pub(crate) fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
 /// The larger.
 #[inline]
-pub(super) fn max(a: f32, b: f32) -> f32 {
+pub(crate) fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
 /// Clamps `t` to 0..=1.
 #[inline]
-pub(super) fn clamp_to_unit(t: f32) -> f32 {
+pub(crate) fn clamp_to_unit(t: f32) -> f32 {
     max(0.0, min(1.0, t))
 }
 
 #[inline]
-pub(super) fn v(x: f32, y: f32, z: f32) -> Vec3 {
+pub(crate) fn v(x: f32, y: f32, z: f32) -> Vec3 {
     Vec3::new(x, y, z)
 }
 
 /// Mirrors a point to x >= 0, for shapes in mirrored pairs.
 #[inline]
-pub(super) fn fold_x(p: Vec3) -> Vec3 {
+pub(crate) fn fold_x(p: Vec3) -> Vec3 {
     v(p.x.abs(), p.y, p.z)
 }
 
 /// Smooth minimum (Quilez, polynomial): a union with a fillet of about `blend_width / 4`.
 #[inline]
-pub(super) fn smooth_union(a: f32, b: f32, blend_width: f32) -> f32 {
+pub(crate) fn smooth_union(a: f32, b: f32, blend_width: f32) -> f32 {
     let h = max(blend_width - (a - b).abs(), 0.0);
     min(a, b) - h * h / (4.0 * blend_width)
 }
 
 /// Smooth difference: `solid` without `cutter`; `blend_width` as in [`smooth_union`].
 #[inline]
-pub(super) fn smooth_subtract(solid: f32, cutter: f32, blend_width: f32) -> f32 {
+pub(crate) fn smooth_subtract(solid: f32, cutter: f32, blend_width: f32) -> f32 {
     -smooth_union(-solid, cutter, blend_width)
 }
 
 #[inline]
-pub(super) fn sphere(p: Vec3, centre: Vec3, radius: f32) -> f32 {
+pub(crate) fn sphere(p: Vec3, centre: Vec3, radius: f32) -> f32 {
     (p - centre).length() - radius
 }
 
 /// A lower bound of the distance to an ellipsoid, true along its shortest axis.
 #[inline]
-pub(super) fn ellipsoid(p: Vec3, centre: Vec3, radii: Vec3) -> f32 {
+pub(crate) fn ellipsoid(p: Vec3, centre: Vec3, radii: Vec3) -> f32 {
     (((p - centre) / radii).length() - 1.0) * min(radii.x, min(radii.y, radii.z))
 }
 
 /// A round cone: the union of the spheres on a segment from `a` to `b`, of radii from `radius_a` to
 /// `radius_b`.
 #[inline]
-pub(super) fn round_cone(p: Vec3, (a, radius_a): (Vec3, f32), (b, radius_b): (Vec3, f32)) -> f32 {
+pub(crate) fn round_cone(p: Vec3, (a, radius_a): (Vec3, f32), (b, radius_b): (Vec3, f32)) -> f32 {
     let (axis, from) = (b - a, p - a);
     let length = axis.length();
     // In the half plane through the axis: distance from it, and place along it.
@@ -85,13 +85,13 @@ pub(super) fn round_cone(p: Vec3, (a, radius_a): (Vec3, f32), (b, radius_b): (Ve
 
 /// A chain of round cones through the given centres of spheres, each with its radius.
 #[inline]
-pub(super) fn cone_chain(p: Vec3, centres_and_radii: &[(Vec3, f32)]) -> f32 {
+pub(crate) fn cone_chain(p: Vec3, centres_and_radii: &[(Vec3, f32)]) -> f32 {
     centres_and_radii.windows(2).fold(f32::MAX, |d, pair| min(d, round_cone(p, pair[0], pair[1])))
 }
 
 /// A box, its edges rounded by `edge_radius` within the half extents.
 #[inline]
-pub(super) fn rounded_box(
+pub(crate) fn rounded_box(
     p: Vec3,
     centre: Vec3,
     outer_half_extents: Vec3,
@@ -104,7 +104,7 @@ pub(super) fn rounded_box(
 
 /// An upright disc around the y axis, its rim rounded by `rim_radius` within `radius`.
 #[inline]
-pub(super) fn rounded_disc_around_y(
+pub(crate) fn rounded_disc_around_y(
     p: Vec3,
     y_range: Range<f32>,
     radius: f32,
@@ -120,20 +120,20 @@ pub(super) fn rounded_disc_around_y(
 
 /// A torus around the y axis.
 #[inline]
-pub(super) fn torus_around_y(p: Vec3, centre_y: f32, ring_radius: f32, tube_radius: f32) -> f32 {
+pub(crate) fn torus_around_y(p: Vec3, centre_y: f32, ring_radius: f32, tube_radius: f32) -> f32 {
     Vec2::new(distance_from_y_axis(p) - ring_radius, p.y - centre_y).length() - tube_radius
 }
 
 /// Distance from the y axis.
 #[inline]
-pub(super) fn distance_from_y_axis(p: Vec3) -> f32 {
+pub(crate) fn distance_from_y_axis(p: Vec3) -> f32 {
     square_root(p.x * p.x + p.z * p.z)
 }
 
 /// Carves a furrow of half width and depth `groove_radius` into the surface where `solid_distance` is
 /// zero, along the line where `line_distance` is.
 #[inline]
-pub(super) fn carve_groove(solid_distance: f32, line_distance: f32, groove_radius: f32) -> f32 {
+pub(crate) fn carve_groove(solid_distance: f32, line_distance: f32, groove_radius: f32) -> f32 {
     let groove = Vec2::new(solid_distance, line_distance).length() - groove_radius;
     smooth_subtract(solid_distance, groove, groove_radius)
 }
@@ -141,7 +141,7 @@ pub(super) fn carve_groove(solid_distance: f32, line_distance: f32, groove_radiu
 /// Carves a furrow of circular section into the surface where `solid_distance` is zero, along the line where
 /// `line_distance` is, to `depth` (zero or less: none). It is wide enough for a ball of 15 mm to bare its floor.
 #[inline]
-pub(super) fn carve_flute(solid_distance: f32, line_distance: f32, depth: f32) -> f32 {
+pub(crate) fn carve_flute(solid_distance: f32, line_distance: f32, depth: f32) -> f32 {
     // A little more than the ball's 128 * 15 / 450.
     const RADIUS: f32 = 4.8;
     if depth <= 0.0 {
@@ -154,7 +154,7 @@ pub(super) fn carve_flute(solid_distance: f32, line_distance: f32, depth: f32) -
 /// Distance from the nearest of 16 half planes that stand around the y axis like spokes, a 16th of a
 /// turn apart. The point is folded by symmetry to within a 32nd of a turn of the first.
 #[inline]
-pub(super) fn distance_from_nearest_of_16_spokes(p: Vec3) -> f32 {
+pub(crate) fn distance_from_nearest_of_16_spokes(p: Vec3) -> f32 {
     let mut q = Vec2::new(p.x.abs(), p.z.abs());
     // Sine and cosine of the mirrors at 45, 22.5 and 11.25 degrees.
     const MIRRORS: [(f32, f32); 3] =
@@ -170,7 +170,7 @@ pub(super) fn distance_from_nearest_of_16_spokes(p: Vec3) -> f32 {
 
 /// Value noise within -1..=1: hashed values at integer points, smoothstep between them. It changes by at most
 /// 5.2 over a unit.
-pub(super) fn signed_value_noise(p: Vec3, seed: u32) -> f32 {
+pub(crate) fn signed_value_noise(p: Vec3, seed: u32) -> f32 {
     let cell = p.floor();
     let ease = |t: f32| t * t * (3.0 - 2.0 * t);
     let (fx, fy, fz) = (ease(p.x - cell.x), ease(p.y - cell.y), ease(p.z - cell.z));
@@ -184,7 +184,7 @@ pub(super) fn signed_value_noise(p: Vec3, seed: u32) -> f32 {
 
 /// Faceted noise within -1..=1: hashed values at integer points, linear between them over the six tetrahedra of each
 /// cube (Kuhn's triangulation), so that it's flat but for creases. It changes by at most 3.5 over a unit.
-pub(super) fn faceted_noise(p: Vec3, seed: u32) -> f32 {
+pub(crate) fn faceted_noise(p: Vec3, seed: u32) -> f32 {
     let cell = p.floor();
     let fraction = (p - cell).to_array();
     let mut corner = cell.to_array().map(|c| c as i32);

@@ -4,12 +4,14 @@
 
 use glam::Vec3;
 
-use super::sdf::{
+use crate::sdf::{
     carve_flute, clamp_to_unit, cone_chain, min, round_cone, rounded_disc_around_y, smooth_union,
     sphere, v,
 };
 
-pub(super) fn signed_distance(p: Vec3) -> f32 {
+/// Signed distance to the surface.
+#[must_use]
+pub fn signed_distance(p: Vec3) -> f32 {
     let folded_z = v(p.x, p.y, p.z.abs());
     let animal = smooth_union(
         smooth_union(body_distance(folded_z), fins_distance(folded_z), 8.0),

@@ -4,12 +4,14 @@
 
 use glam::Vec3;
 
-use super::sdf::{
+use crate::sdf::{
     carve_flute, clamp_to_unit, ellipsoid, fold_x, min, round_cone, rounded_disc_around_y,
     smooth_subtract, smooth_union, sphere, v,
 };
 
-pub(super) fn signed_distance(p: Vec3) -> f32 {
+/// Signed distance to the surface.
+#[must_use]
+pub fn signed_distance(p: Vec3) -> f32 {
     let folded = fold_x(p);
     let bird = smooth_union(body_distance(p, folded), wings_distance(folded), 8.0);
     let bird = smooth_union(bird, head_distance(folded), 8.0);

@@ -4,12 +4,14 @@
 
 use glam::Vec3;
 
-use super::sdf::{
+use crate::sdf::{
     carve_flute, clamp_to_unit, cone_chain, ellipsoid, fold_x, min, round_cone, rounded_box,
     smooth_subtract, smooth_union, sphere, v,
 };
 
-pub(super) fn signed_distance(p: Vec3) -> f32 {
+/// Signed distance to the surface.
+#[must_use]
+pub fn signed_distance(p: Vec3) -> f32 {
     let folded = fold_x(p);
     let torso = smooth_union(body_distance(folded), legs_distance(folded), 8.0);
     let animal = smooth_union(torso, head_distance(folded), 8.0);
