@@ -49,19 +49,6 @@ impl StartVolume {
             },
         }
     }
-
-    fn rasterize_into<const N: usize, const K: usize>(
-        self,
-        maps: &mut RangeMaps<N, K>,
-        bit_grid: &mut BitGrid<N>,
-    ) where
-        Grid<N>: Size,
-    {
-        match self {
-            StartVolume::Figure(figure) => figure.rasterize_into(maps, bit_grid),
-            StartVolume::Stone(start) => start.rasterize_stone_into(maps, bit_grid),
-        }
-    }
 }
 
 /// A hidden figure of the operator's own.
@@ -135,7 +122,14 @@ where
         }
         for (i, volume) in StartVolume::all().enumerate() {
             on_fraction_done(i as f32 / COUNT as f32);
-            volume.rasterize_into(&mut self.volumes[i], scratch);
+            let (before, maps) = self.volumes.split_at_mut(i);
+            match volume {
+                StartVolume::Figure(figure) => figure.rasterize_into(&mut maps[0], scratch),
+                StartVolume::Stone(start) => {
+                    maps[0].copy_from(&before[Figure::Lump as usize]);
+                    start.rasterize_stone_into(&mut maps[0], scratch);
+                }
+            }
         }
         self.has_volumes = true;
     }

@@ -12,6 +12,7 @@ where
     Grid<N>: Size,
 {
     maps: RangeMaps<N, 2>,
+    lump_maps: RangeMaps<N, 2>,
     figure: BitGrid<N>,
     stone: BitGrid<N>,
     lump: BitGrid<N>,
@@ -24,6 +25,7 @@ where
     const fn new() -> Self {
         Rasters {
             maps: RangeMaps::new(),
+            lump_maps: RangeMaps::new(),
             figure: BitGrid::new(),
             stone: BitGrid::new(),
             lump: BitGrid::new(),
@@ -37,11 +39,12 @@ where
         thicknesses: &[StoneThickness],
         mut check: impl FnMut(HiddenStart, &Self),
     ) {
-        Figure::Lump.rasterize_into(&mut self.maps, &mut self.lump);
+        Figure::Lump.rasterize_into(&mut self.lump_maps, &mut self.lump);
         for figure in Figure::HIDDEN {
             figure.rasterize_into(&mut self.maps, &mut self.figure);
             for &thickness in thicknesses {
                 let start = HiddenStart { figure, thickness };
+                self.maps.copy_from(&self.lump_maps);
                 start.rasterize_stone_into(&mut self.maps, &mut self.stone);
                 check(start, self);
             }

@@ -113,6 +113,7 @@ where
     /// Clears the world. Its sessions start as `start`, whose figure is number 0.
     pub fn reset_to_hidden(&mut self, start: HiddenStart) -> &mut Self {
         start.figure.rasterize_into(&mut self.figure, &mut self.plane);
+        Figure::Lump.rasterize_into(&mut self.lump, &mut self.plane);
         start.rasterize_stone_into(&mut self.lump, &mut self.plane);
         self.reset_to_lump()
     }

@@ -99,7 +99,7 @@ impl HiddenStart {
     }
 
     /// Rasterizes its stone, as [`Figure::rasterize_into`] does a figure: a subset of the lump, and the figure one
-    /// of it.
+    /// of it. `maps` are the lump before.
     #[inline(never)]
     pub fn rasterize_stone_into<const N: usize, const K: usize>(
         self,
@@ -108,26 +108,20 @@ impl HiddenStart {
     ) where
         Grid<N>: Size,
     {
-        let Some(reach) = self.thickness.reach() else {
-            return Figure::Lump.rasterize_into(maps, bit_grid);
-        };
-        raster::rasterize(bit_grid, &|p| {
+        bit_grid.set_from_maps(maps);
+        let Some(reach) = self.thickness.reach() else { return };
+        raster::keep_within(bit_grid, &|p| {
             let even = self.figure.signed_distance(p) - reach + 0.5;
             // A bound is enough where a sign is certain: the fracture takes most of the time.
-            if even > ROUGHNESS {
-                return (even - ROUGHNESS) * 0.75;
-            }
-            let (in_lump, broken) = lump::distance_and_fracture(p);
-            if in_lump > 0.0 {
-                return in_lump;
-            }
-            // Smoother than the lump, as a newcomer strokes it off in layers.
-            let rough = if even < -ROUGHNESS {
+            let rough = if even > ROUGHNESS {
+                -ROUGHNESS
+            } else if even < -ROUGHNESS {
                 ROUGHNESS
             } else {
-                ROUGHNESS_OF_LUMP * broken.unwrap_or_else(|| lump::fracture(p))
+                // Smoother than the lump, as a newcomer strokes it off in layers.
+                ROUGHNESS_OF_LUMP * lump::fracture(p)
             };
-            f32::max(in_lump, (even + rough) * 0.75)
+            (even + rough) * 0.75
         });
         bit_grid.write_closure(maps);
         bit_grid.set_from_maps(maps);

@@ -27,11 +27,23 @@ pub(super) fn rasterize<const N: usize>(
 ) where
     Grid<N>: Size,
 {
-    bit_grid.clear();
-    fill_block(bit_grid, signed_distance, [0; 3], N);
+    for y in 0..N {
+        bit_grid.layer_mut(y).fill(<Grid<N> as Size>::Row::span(0, N - 1));
+    }
+    keep_within(bit_grid, signed_distance);
 }
 
-fn fill_block<const N: usize>(
+/// Clears the voxels of `bit_grid` at whose centres `signed_distance` is above zero.
+pub(super) fn keep_within<const N: usize>(
+    bit_grid: &mut BitGrid<N>,
+    signed_distance: &impl Fn(Vec3) -> f32,
+) where
+    Grid<N>: Size,
+{
+    clear_outside(bit_grid, signed_distance, [0; 3], N);
+}
+
+fn clear_outside<const N: usize>(
     bit_grid: &mut BitGrid<N>,
     signed_distance: &impl Fn(Vec3) -> f32,
     lowest_voxel: [usize; 3],
@@ -39,25 +51,31 @@ fn fill_block<const N: usize>(
 ) where
     Grid<N>: Size,
 {
+    let [x, y, z] = lowest_voxel;
+    let run = <Grid<N> as Size>::Row::span(x, x + edge_voxels - 1);
+    let mut layers = y..y + edge_voxels;
+    if layers
+        .all(|y| bit_grid.layer(y)[z..z + edge_voxels].iter().all(|&row| (row & run).is_empty()))
+    {
+        return;
+    }
     let distance = signed_distance(block_centre::<N>(lowest_voxel, edge_voxels));
     // From the centre to the farthest voxel centre in the block: half its diagonal.
     let reach = STEEPEST * 0.866_026 * (edge_voxels - 1) as f32 * (EDGE / N as f32);
     if distance > reach {
-        return;
-    }
-    let [x, y, z] = lowest_voxel;
-    if distance <= -reach {
-        let run = <Grid<N> as Size>::Row::span(x, x + edge_voxels - 1);
         for y in y..y + edge_voxels {
             for row in &mut bit_grid.layer_mut(y)[z..z + edge_voxels] {
-                *row |= run;
+                *row &= !run;
             }
         }
+        return;
+    }
+    if distance <= -reach {
         return;
     }
     let half = edge_voxels / 2;
     for child in 0..8 {
         let step = |bit: usize| (child >> bit & 1) * half;
-        fill_block(bit_grid, signed_distance, [x + step(0), y + step(1), z + step(2)], half);
+        clear_outside(bit_grid, signed_distance, [x + step(0), y + step(1), z + step(2)], half);
     }
 }

@@ -11,7 +11,7 @@ pub(super) const WORDS: FuzzTarget = FuzzTarget {
     seeds,
     words: &[b" and ", b", ", b": ", "\u{301}".as_bytes(), "ς".as_bytes(), b"\xff", b"a"],
     longest: 400,
-    runs: 4_000,
+    runs: 1_000,
     run,
 };
 

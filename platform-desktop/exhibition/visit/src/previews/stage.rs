@@ -83,6 +83,7 @@ impl PreviewSubject {
                 self.still_figure().rasterize_into(stone, &mut scratch);
             }
             PreviewSubject::Hidden(start) => {
+                Figure::Lump.rasterize_into(stone, &mut scratch);
                 start.rasterize_stone_into(stone, &mut scratch);
                 start.figure.rasterize_into(figure, &mut scratch);
             }
