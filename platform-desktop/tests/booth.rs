@@ -1,11 +1,11 @@
-//! `paros booth` becomes the program beside it, or names the command that builds that.
+//! `paros booth` runs the program beside it, or names the command that builds that program.
 
 use std::fs;
 use std::process::{Command, Output};
 
 use crate::support::{TestFolder, install_program};
 
-/// A folder with the program.
+/// Creates a folder with the program.
 fn folder_with_paros(name: &str) -> TestFolder {
     let folder = TestFolder::new(name);
     let paros = env!("CARGO_BIN_EXE_paros");

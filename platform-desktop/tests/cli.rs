@@ -1,5 +1,5 @@
-//! The `paros` command as a user meets it: what good input gives, and that bad input of every kind
-//! ends in exit code 2 and a message that names the file, with nothing written.
+//! The `paros` command from a user's view: the results of good input, and for every kind of bad input exit
+//! code 2 and a message that names the file, with nothing written.
 
 use std::fs;
 use std::process::{Command, Stdio};
@@ -11,7 +11,7 @@ use crate::support::{TOY, TestFolder, install_program};
 const OCTAHEDRON: &str = "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n\
     f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n";
 
-/// A wedge along z lies down if its y is up, and stands if its z is.
+/// A wedge along z lies down with y as the up axis, and stands with z.
 #[test]
 fn a_mesh_stands_on_the_axis_that_is_asked_for() {
     let folder = TestFolder::new("up");
@@ -42,7 +42,7 @@ fn a_mesh_becomes_a_volume_a_picture_and_a_print() {
     let said = folder.succeeds(&["info", "v.rmap", "--json"]);
     let info: serde_json::Value = serde_json::from_str(&said).unwrap();
     assert_eq!((&info["kind"], &info["size"]), (&"volume".into(), &128.into()));
-    // 126 voxels along each axis: a sixth of the cube around it, and what its faces touch.
+    // 126 voxels along each axis: a sixth of the cube around it, and the voxels that its faces touch.
     let voxels = info["voxels"].as_u64().unwrap();
     assert!((330_000..380_000).contains(&voxels), "{voxels}");
 
@@ -121,7 +121,7 @@ fn bad_meshes_are_refused() {
     folder.refuses(&["info", "nan.obj"], "nan.obj");
 }
 
-/// The number of triangles is bounded, and the message says by how much it is exceeded.
+/// The number of triangles is limited, and the message states the excess.
 #[test]
 fn a_mesh_of_too_many_triangles_is_refused() {
     let folder = TestFolder::new("triangles");
@@ -179,7 +179,7 @@ fn bad_volumes_are_refused() {
     folder.refuses(&["info", "."], ".");
 }
 
-/// A file of one kind in the place of another: what it is, and what to do with it.
+/// A file of one kind in the place of another: the message names its kind and the right command.
 #[test]
 fn a_file_of_another_kind_is_told_what_it_is() {
     let folder = TestFolder::new("kinds");
@@ -195,7 +195,7 @@ fn a_file_of_another_kind_is_told_what_it_is() {
     folder.refuses(&["play", "v.rmap"], word);
 }
 
-/// What is written would not be what the name says.
+/// The contents would not match the extension.
 #[test]
 fn a_name_of_another_kind_is_refused() {
     let folder = TestFolder::new("endings");
@@ -209,7 +209,7 @@ fn a_name_of_another_kind_is_refused() {
     folder.succeeds(&["export", "v.rmap", "-o", "M.STL"]);
 }
 
-/// A missing file is told in the same words by all commands.
+/// All commands report a missing file in the same words.
 #[test]
 fn a_missing_file_cannot_be_read() {
     let folder = TestFolder::new("missing");
@@ -234,7 +234,7 @@ fn the_bench_is_named_as_a_program_of_its_own() {
     folder.refuses(&args, "cargo run --release -p paros-bench -- islands --help owl\n");
 }
 
-/// Before a window is looked for: here there is no display.
+/// This is checked before looking for a display: here there is none.
 #[test]
 fn a_window_for_what_is_no_stone_is_refused() {
     let folder = TestFolder::new("window");
@@ -250,8 +250,8 @@ fn a_window_for_what_is_no_stone_is_refused() {
     assert!(errors.contains("no window can be opened: no display"), "{errors}");
 }
 
-/// A display is named, and there is none: with a server's libraries or without them, what is said
-/// names no file of the machine that built the program.
+/// A display is named, but doesn't exist. With or without a server's libraries, the message contains no path
+/// of the build machine.
 #[test]
 fn a_display_that_is_not_there_is_told_without_a_path_of_the_source() {
     let folder = TestFolder::new("no-server");
@@ -341,7 +341,7 @@ fn a_command_that_is_killed_leaves_nothing() {
     assert_eq!(folder.names(), ["v.rmap"]);
 }
 
-/// The session takes long; what can't be written is told before it.
+/// The session takes long, so that a target that can't be written is reported before it.
 #[test]
 fn a_demo_that_has_no_place_leaves_nothing() {
     let folder = TestFolder::new("demo");
@@ -353,8 +353,8 @@ fn a_demo_that_has_no_place_leaves_nothing() {
     assert_eq!(fs::read_dir(folder.0.join("out")).unwrap().count(), 1);
 }
 
-/// A folder that only its owner may write into is no wrong argument. Root may write anywhere, so
-/// there the command is run by nobody.
+/// A folder without write permission is a failure, not a wrong argument. Root may write anywhere, so then the
+/// command runs as the user `nobody`.
 #[cfg(unix)]
 #[test]
 fn a_folder_that_may_not_be_written_is_a_failure() {
@@ -364,7 +364,7 @@ fn a_folder_that_may_not_be_written_is_a_failure() {
     let folder = std::env::temp_dir().join(format!("paros-{}-shut", std::process::id()));
     fs::create_dir_all(&folder).unwrap();
     fs::write(folder.join("m.obj"), OCTAHEDRON).unwrap();
-    // Where this is built, nobody may not even look.
+    // The user `nobody` may not be able to read the build folder.
     let program = folder.join("paros");
     install_program(env!("CARGO_BIN_EXE_paros").as_ref(), &program);
     fs::set_permissions(&folder, fs::Permissions::from_mode(0o555)).unwrap();

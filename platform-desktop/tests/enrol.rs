@@ -1,4 +1,4 @@
-//! `paros enrol`: what it refuses, and at a real booth what it brings; `paros exhibit`, which has a booth of its own.
+//! `paros enrol`: its errors, and its result with a real booth; `paros exhibit`, which has its own booth.
 
 use std::fs;
 use std::net::TcpStream;
@@ -71,7 +71,7 @@ fn without_a_booth_s_program_it_tells_what_builds_it() {
     assert_eq!(folder.names(), ["paros"]);
 }
 
-/// There is no display here: the window doesn't open, and the booth doesn't stay.
+/// There is no display here: the window doesn't open, and the booth ends with it.
 #[test]
 fn the_studio_is_enrolled_once_and_the_booth_ends_with_the_window() {
     let folder = TestFolder::new("exhibit");

@@ -1,4 +1,4 @@
-//! What the commands take a name or a file for: a figure, a file to open, or one of no known kind.
+//! How the commands interpret their argument: as a figure, a file to open, or a file of unknown kind.
 
 use crate::support::{TETRAHEDRON, TOY, TestFolder};
 
@@ -29,7 +29,7 @@ fn a_figure_is_drawn_by_its_name() {
     folder.refuses(&["render", "./toy", "-o", "c.png"], "./toy: cannot read: No such file");
 }
 
-/// As `window FILE` does; here there is no display.
+/// The same as `window FILE`; here there is no display.
 #[test]
 fn a_file_alone_is_opened_in_the_window() {
     let folder = TestFolder::new("alone");

@@ -1,7 +1,8 @@
-//! Volumes of several intervals a column on the command line: what is written, told, refused and closed.
+//! Volumes of several intervals a column on the command line: written, reported, refused and closed.
 //!
-//! Planted faults (tried by hand): a volume is closed though nobody asked for it; `info` reads a volume of one
-//! interval as one of two; `play` opens a volume with as many intervals as it is told, whatever the trace has.
+//! Planted faults (tried by hand): a volume is closed without a request; `info` reads a volume of one
+//! interval as one of two; `play` opens a volume with the requested number of intervals, regardless of the
+//! trace.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -18,7 +19,7 @@ use crate::support::{TETRAHEDRON, TestFolder};
 /// Voxels of the cavity.
 const CAVITY: u64 = 20 * 20 * 20;
 
-/// A block with a cavity of 20 voxels a side within, which columns of two intervals hold.
+/// Locks a block with a cavity of 20 voxels a side, which needs columns of two intervals.
 fn lock_hollow_block() -> MutexGuard<'static, BitGrid<128>> {
     static BITS: Mutex<BitGrid<128>> = Mutex::new(BitGrid::new());
     let mut bits = BITS.lock().unwrap_or_else(PoisonError::into_inner);
@@ -34,7 +35,7 @@ fn lock_hollow_block() -> MutexGuard<'static, BitGrid<128>> {
     bits
 }
 
-/// The bytes of the hollow block's file.
+/// Encodes the hollow block as a file.
 fn encode_hollow_block<const K: usize>() -> Vec<u8> {
     let mut maps = Box::new(RangeMaps::<128, K>::new());
     lock_hollow_block().write_closure(&mut maps);
@@ -137,7 +138,7 @@ fn more_intervals_than_are_opened_are_refused() {
     );
 }
 
-/// A trace of one interval a column, in which a session starts from this volume, closed.
+/// Records a trace with one interval a column, in which a session starts from this volume, closed.
 fn record_start_from_closed(volume: &[u8]) -> Vec<u8> {
     let mut resident = <Grid<128> as Resident<128, 1>>::lock_world();
     resident.generate_starts();

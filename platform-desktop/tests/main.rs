@@ -1,4 +1,5 @@
-//! Runs the program `paros` as its users do: commands, the window, and what both need of a device or a booth.
+//! Runs the program `paros` as its users do: the commands and the window, with a device or a booth where
+//! needed.
 
 mod booth;
 mod cli;

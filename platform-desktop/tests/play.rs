@@ -1,4 +1,4 @@
-//! `paros play` as a user meets it: a trace replays, and what can't be leaves nothing behind.
+//! `paros play` from a user's view: a trace is replayed, and a failed replay leaves no files.
 
 use std::fs;
 use std::process::Output;
@@ -13,7 +13,7 @@ use paros_shell::tick_runner;
 
 use crate::support::TestFolder;
 
-/// A folder with `t.trace`, forty ticks of a session, `bad.trace`, whose last digest is wrong, and
+/// Creates a folder with `t.trace`, forty ticks of a session, `bad.trace`, whose last digest is wrong, and
 /// `empty.trace`, in which no session starts.
 fn folder(name: &str) -> TestFolder {
     let folder = TestFolder::new(&format!("play-{name}"));
@@ -73,8 +73,8 @@ fn what_can_not_be_played_leaves_nothing() {
     refuses(&folder, &["cut.trace", "--frames", "f"], "cut.trace");
 }
 
-/// Writes `cut.trace`, in which a ball and its mirror cut aslant into the stone, where a column of one interval
-/// keeps no hole, and then straight down. Returns the sums of its edits' reports: removed, added, and
+/// Writes `cut.trace`: a ball and its mirror image cut at an angle into the stone, where a column of one
+/// interval keeps no hole, and then straight down. Returns the sums over its edits: removed, added, and
 /// refused by closure, mask, depth.
 fn record_cuts(folder: &TestFolder) -> [u64; 5] {
     let mut sums = [0; 5];
@@ -147,7 +147,7 @@ fn the_edits_of_a_session_are_told() {
     refuses(&folder, &["cut.trace", "--json"], "--stats");
 }
 
-/// Nobody listens: the exit code still tells.
+/// Standard error can't be written, but the exit code is still right.
 #[test]
 fn an_unwritable_standard_error_is_no_panic() {
     let full = fs::OpenOptions::new().write(true).open("/dev/full");

@@ -1,4 +1,4 @@
-//! The file of settings as `paros settings` and the window's command take it.
+//! The settings file in `paros settings` and `paros window`.
 
 use serde_json::Value;
 
@@ -64,7 +64,7 @@ fn what_holds_is_shown_with_where_it_comes_from() {
     );
     assert_eq!((&of("size")["value"], &of("size")["from"]), (&Value::Null, &"default".into()));
     assert_eq!(of("handover_seconds")["value"], 120);
-    // What holds all the same is shown of a file with faults too.
+    // For a file with faults, the settings in effect are still shown.
     folder.write("wrong.toml", WRONG);
     let output = folder.paros(&["settings", "show", "wrong.toml"]);
     assert_eq!(output.status.code(), Some(2));
@@ -72,7 +72,7 @@ fn what_holds_is_shown_with_where_it_comes_from() {
     let mode = said.lines().find(|line| line.starts_with("mode ")).unwrap();
     assert!(mode.contains("= \"free\""), "{said}");
 
-    // Without a file, that of the user.
+    // Without a file argument, the user's file is shown.
     let show = |data: &str| {
         let mut command = folder.command(&["settings", "show"]);
         let output = command.env("XDG_DATA_HOME", folder.0.join(data)).output().unwrap();
@@ -153,7 +153,7 @@ fn a_template_is_a_file_without_faults() {
     assert_eq!(folder.read("paros.toml"), template.as_bytes());
 }
 
-/// Without a display the command ends there, after it has read the settings.
+/// Without a display the command ends after it has read the settings.
 #[test]
 fn a_window_reads_the_file_that_is_named_or_the_users() {
     let folder = TestFolder::new("settings-window");

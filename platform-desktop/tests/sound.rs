@@ -1,4 +1,4 @@
-//! `paros sound` as a user meets it: a trace becomes a WAV file, and what can't be leaves nothing behind.
+//! `paros sound` from a user's view: a trace becomes a WAV file, and a failure leaves no files.
 
 use std::io::Cursor;
 
@@ -11,7 +11,7 @@ use paros_shell::tick_runner;
 
 use crate::support::TestFolder;
 
-/// Two seconds: a motor runs in the second half of the first one, and the session ends with the second one.
+/// Records two seconds: a motor runs in the second half of the first, and the session ends with the second.
 fn record_motor() -> Vec<u8> {
     tick_runner::with_fresh_world::<128, INTERVALS, _>(|mut runner| {
         runner.start_recording();
@@ -48,13 +48,13 @@ fn a_trace_is_heard_as_it_was() {
         let samples = &samples[of_tick(ticks.start)..of_tick(ticks.end)];
         samples.iter().map(|sample| sample.abs()).max().unwrap()
     };
-    // The tool is taken, and heard for a moment.
+    // The tool is taken, which makes a short sound.
     assert!(loudest_in_ticks(1..4) > 500);
     assert_eq!(loudest_in_ticks(30..36), 0);
     assert!(loudest_in_ticks(36..38) > 1000 && loudest_in_ticks(38..72) > 2000);
     assert_eq!(loudest_in_ticks(90..108), 0);
     assert!(loudest_in_ticks(108..110) > 1000);
-    // Half as loud, four times as quiet; and the same each time.
+    // Half the loudness setting means a quarter of the amplitude. The output is deterministic.
     folder.succeeds(&["sound", "t.trace", "-o", "half.wav", "--loudness", "50"]);
     folder.succeeds(&["sound", "t.trace", "-o", "again.wav", "--loudness", "100"]);
     assert!(folder.read("again.wav") == bytes);

@@ -1,10 +1,10 @@
-//! `paros render --turn`: turntables, and what the rest of `render` says of its pictures.
+//! `paros render --turn`: turntables, and the other reports of `render` on its pictures.
 
 use std::io::Cursor;
 
 use crate::support::TestFolder;
 
-/// The frames of an animated PNG, and the length of the first in seconds.
+/// Returns the frames of an animated PNG, and the duration of the first in seconds.
 fn frames(png: &[u8]) -> (Vec<Vec<u8>>, f32) {
     let mut reader = png::Decoder::new(Cursor::new(png)).read_info().unwrap();
     let count = reader.info().animation_control().unwrap().num_frames;
@@ -30,7 +30,7 @@ fn a_turntable_shows_the_sculpture_from_all_sides() {
     let (turned, seconds) = frames(&folder.read("p.png"));
     assert_eq!((turned.len(), seconds), (4, 1.5));
     assert!((0..4).all(|i| turned[i] != turned[(i + 1) % 4]), "it turns");
-    // Each frame is the picture of its own view.
+    // Each frame equals the still picture from its view.
     for (frame, azimuth) in [(0, "10,15"), (3, "280,15")] {
         folder.succeeds(&["render", "cat", "-o", "one.png", "--size", "48x40", "--view", azimuth]);
         let still = folder.read("one.png");

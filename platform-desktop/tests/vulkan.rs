@@ -1,4 +1,4 @@
-//! What the commands do with a Vulkan device, and what they say without one.
+//! The commands with a Vulkan device, and their messages without one.
 
 use std::fs;
 use std::path::Path;
@@ -13,7 +13,7 @@ use paros_shell::tick_runner::with_fresh_world;
 
 use crate::support::{TOY, TestFolder, rasterize_toy};
 
-/// The name of the best device, if there is one.
+/// Returns the name of the best device, if there is one.
 fn device() -> Option<String> {
     require_or_skip(paros_headless::open_gpu(None)).unwrap().map(|gpu| gpu.name.clone())
 }
@@ -24,7 +24,7 @@ fn succeeds(folder: &TestFolder, args: &[&str]) {
     assert!(output.status.success(), "{args:?}: {errors}");
 }
 
-/// Width, height, and the colours row by row.
+/// Returns width, height, and the colours row by row.
 fn picture(path: &Path) -> (usize, usize, Vec<[u8; 3]>) {
     let decoder = png::Decoder::new(std::io::BufReader::new(fs::File::open(path).unwrap()));
     let mut reader = decoder.read_info().unwrap();
@@ -34,7 +34,7 @@ fn picture(path: &Path) -> (usize, usize, Vec<[u8; 3]>) {
     (info.width as usize, info.height as usize, pixels)
 }
 
-/// Away from the outline, a pixel shows the sculpture exactly where the twin's ray meets it.
+/// Away from the outline, a pixel shows the sculpture exactly where the ray of the CPU twin hits it.
 #[test]
 fn a_vulkan_picture_has_the_twins_silhouette() {
     let Some(_) = device() else { return };
@@ -87,7 +87,7 @@ fn a_trace_is_drawn() {
     assert!(covered > pixels.len() / 10, "{covered}");
 }
 
-/// Two ticks of a session.
+/// Returns a trace of two ticks of a session.
 fn trace() -> Vec<u8> {
     with_fresh_world::<128, INTERVALS, _>(|mut runner| {
         runner.start_recording();
@@ -97,7 +97,7 @@ fn trace() -> Vec<u8> {
     })
 }
 
-/// The room around the sculpture, and the sculpture in its light.
+/// The room is drawn around the sculpture, and its light falls on the sculpture.
 #[test]
 fn a_vulkan_picture_shows_the_room() {
     let Some(_) = device() else { return };
@@ -113,7 +113,7 @@ fn a_vulkan_picture_shows_the_room() {
     let backdrop = |pixels: &[[u8; 3]]| pixels.iter().filter(|&&p| alike(p, plain[0])).count();
     assert!(backdrop(&plain) > plain.len() / 2, "{}", backdrop(&plain));
     assert!(backdrop(&room) < room.len() / 10, "{}", backdrop(&room));
-    // The owl's chest is stone in both, in other light; its top is where it was.
+    // The owl's chest is stone in both pictures, in different light, at the same place.
     let chest = 58 * 160 + 80;
     assert!(plain[chest].iter().chain(&room[chest]).all(|&c| c > 90), "{:?}", room[chest]);
     assert_ne!(plain[chest], room[chest]);
@@ -122,7 +122,7 @@ fn a_vulkan_picture_shows_the_room() {
     let far = |(a, b): (&[u8; 3], &[u8; 3])| (0..3).any(|c| a[c].abs_diff(b[c]) > 12);
     let differ = cpu.iter().zip(&room).map(far).filter(|far| *far).count();
     assert!(differ < room.len() / 20, "{differ} of {} pixels differ", room.len());
-    // A turntable goes round in the room.
+    // A turntable is also drawn in the room.
     draw(&["--turn", "3"]);
 }
 
@@ -131,7 +131,7 @@ fn without_vulkan_a_line_says_so() {
     let folder = TestFolder::new("vulkan-without");
     folder.write("toy.rmap", &*TOY);
     let args = ["render", "toy.rmap", "-o", "p.png", "--renderer", "vulkan"];
-    // The older name too, for older loaders.
+    // Older loaders use the older name.
     let mut paros = folder.command(&args);
     paros.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent");
     let output = paros.output().unwrap();

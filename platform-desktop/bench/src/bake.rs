@@ -1,5 +1,5 @@
-//! `bench bake`: from triangles in memory to tight maps, of one interval a column and of two, against
-//! trimesh.
+//! `bench bake`: the time from triangles in memory to tight maps, with one interval a column and with two,
+//! against trimesh.
 
 use paros_core::Baker;
 use paros_core::convert::{MeshPlacement, UpAxis, Windings};
@@ -14,11 +14,11 @@ use super::peers::{MissingPeer, PeerTiming, PythonPeers};
 use super::row::{Measured, ReportRow};
 use super::subject::BenchSubject;
 
-/// A rival slower than this is run [`SLOW_RUNS`] times only, and the row says so.
+/// A rival slower than this is only run [`SLOW_RUNS`] times, and the row states that.
 const SLOW_MS: f64 = 1000.0;
 const SLOW_RUNS: usize = 3;
 
-/// What a row says where ours makes columns of two intervals.
+/// Suffix of a row in which our columns have two intervals.
 const OURS_OF_TWO: &str = ", ours of two intervals";
 
 pub(super) fn measure_rows<const N: usize>(
@@ -67,7 +67,7 @@ where
     })
 }
 
-/// Milliseconds from triangles in memory to the tight maps of a fixture.
+/// Returns the milliseconds from triangles in memory to the tight maps of a fixture.
 pub(super) fn bake_ms<const N: usize, const K: usize, W: Windings<N>>(
     mesh: &Mesh,
     up: UpAxis,
@@ -80,8 +80,8 @@ where
     time_ms(|| mesh.bake_into_maps(up, baker, &mut fixture.start, &mut fixture.bit_grid))
 }
 
-/// Times ours beside the rival's, or tells why the rival can't be run. `voxel_pitch` is a voxel's side
-/// in mesh units.
+/// Times our bake and the rival's in turns. Returns the reason if the rival can't be run. `voxel_pitch` is a
+/// voxel's side in mesh units.
 fn time_bake_with_peer(
     mesh: &Mesh,
     voxel_pitch: f64,
@@ -101,7 +101,7 @@ fn time_bake_with_peer(
     go().map_err(|missing: MissingPeer| missing.to_string())
 }
 
-/// The side of a voxel, in mesh units, when the mesh fills a grid of N.
+/// Returns the side of a voxel, in mesh units, for a mesh that fills a grid of N.
 fn voxel_pitch<const N: usize>(mesh: &Mesh, up: UpAxis) -> f64 {
     mesh.bounding_box()
         .and_then(|MeshBounds { min, max }| MeshPlacement::stand_bounds_on_floor(min, max, up, N))

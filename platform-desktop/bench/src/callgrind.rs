@@ -1,5 +1,5 @@
-//! Instruction counts by Callgrind (Valgrind). The program starts itself under Callgrind, which collects
-//! inside one named function only and dumps after each call; the dumps' totals are the counts.
+//! Instruction counts by Callgrind (Valgrind). The program starts itself under Callgrind, which collects only
+//! inside a named function and writes a dump after each of its calls. The dumps' totals are the counts.
 
 use paros_headless::Error;
 use std::fs;
@@ -27,11 +27,11 @@ impl Drop for ScratchFolder {
     }
 }
 
-/// Instructions of each call of a function, in order, while `paros-bench --replay` plays `replayed_path`; or
-/// why there are none.
+/// Counts the instructions of each call of a function, in order, while `paros-bench --replay` plays
+/// `replayed_path`. Returns the reason if nothing can be counted.
 ///
-/// The function is named whole: Callgrind finds no end to names with a `*` in front. It must not end
-/// in a call, which would be a jump, of which Callgrind sees no end either.
+/// `function_path` must be the full name: Callgrind doesn't notice the end of calls for patterns with a
+/// leading `*`. The function must not end in a call either, which would be compiled to a jump.
 ///
 /// The child writes the fraction done, a line each time; `on_progress` gets it.
 pub(super) fn count_instructions_per_call(
@@ -57,12 +57,12 @@ pub(super) fn count_instructions_per_call(
         .stderr(Stdio::piped())
         .spawn()
         .map_err(|e| format!("valgrind can't be started: {e}"))?;
-    // Its errors are a few lines, for which the pipe has room until its output is read.
+    // Valgrind's messages are a few lines, which fit in the pipe until they are read.
     run.stdout.take().into_iter().for_each(|output| forward_progress(output, on_progress));
     let run = run.wait_with_output().map_err(|e| e.to_string())?;
     if !run.status.success() {
         let errors = String::from_utf8_lossy(&run.stderr);
-        // Its own lines begin so; the program's reason is the last of the others.
+        // Valgrind's own lines begin with `==`. The program's error is the last of the other lines.
         let why = errors.lines().rfind(|line| !line.starts_with("=="));
         return Err(format!("valgrind failed: {}", why.unwrap_or_default()));
     }
@@ -73,7 +73,7 @@ pub(super) fn count_instructions_per_call(
         .filter_map(|line| {
             std::str::from_utf8(&line).ok()?.strip_prefix("summary: ")?.trim().parse().ok()
         })
-        // The last dump, at the end of the program, holds no call.
+        // The last dump, at the end of the program, contains no call.
         .filter(|&count| count > 0)
         .collect();
     if counts.is_empty() {
@@ -82,10 +82,10 @@ pub(super) fn count_instructions_per_call(
     Ok(counts)
 }
 
-/// Passes the child's progress lines on, until its output ends.
+/// Passes on the child's progress lines, until its output ends.
 fn forward_progress(output: impl Read, on_progress: OnProgress<'_>) {
     for line in BufReader::new(output).lines().map_while(Result::ok) {
-        // Progress is for the bar only: a line that is no number is skipped.
+        // Progress only feeds the bar: lines that are no number are skipped.
         if let Ok(part) = line.parse() {
             on_progress(part);
         }

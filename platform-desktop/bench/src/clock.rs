@@ -1,24 +1,24 @@
-//! Wall-clock timing: two sides in alternating runs, of which the minimum counts.
+//! Wall-clock timing: two sides run alternately, and the minimum of each counts.
 
 use std::hint::black_box;
 use std::time::Instant;
 
-/// A figure of ours, and the same of the rival's.
+/// A value of ours and the rival's corresponding value.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct OursTheirs<T> {
     pub(super) ours: T,
     pub(super) theirs: T,
 }
 
-/// The wall-clock time of `work` in milliseconds.
+/// Returns the wall-clock time of `work` in milliseconds.
 pub(super) fn time_ms<T>(work: impl FnOnce() -> T) -> f64 {
     let begun = Instant::now();
     black_box(work());
     begun.elapsed().as_secs_f64() * 1e3
 }
 
-/// The minimum over `runs` runs of each side, in milliseconds. Runs alternate: ours, theirs, ours,
-/// theirs. A run returns its own milliseconds, so that its set-up is not counted.
+/// Returns the minimum over `runs` runs of each side, in milliseconds. The runs alternate: ours, theirs,
+/// ours, theirs. A run returns its own milliseconds, so that its set-up is not counted.
 pub(super) fn min_in_turns_ms<E>(
     runs: usize,
     mut run_ours_ms: impl FnMut() -> Result<f64, E>,
@@ -32,7 +32,7 @@ pub(super) fn min_in_turns_ms<E>(
     Ok(best)
 }
 
-/// As [`min_in_turns_ms`] for runs of many ticks: the minimum of each tick, in milliseconds.
+/// Like [`min_in_turns_ms`], for runs of many ticks: returns the minimum of each tick, in milliseconds.
 pub(super) fn min_of_each_tick_ms(
     runs: usize,
     mut run_ours_ms: impl FnMut() -> Vec<f64>,

@@ -44,11 +44,11 @@ pub(super) struct Args {
     replay: Option<PathBuf>,
 }
 
-/// Runs of each side, and of each frame, of which there are many.
+/// Default number of runs of each side, and of each frame (there are many frames).
 const RUNS: u16 = 21;
 const FRAME_RUNS: u16 = 9;
 
-/// Steps of the bar for each piece.
+/// Steps of the progress bar for each piece.
 const BAR: u64 = 1000;
 
 #[derive(Clone, Copy, Debug)]
@@ -105,11 +105,11 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let report = plan.run(|done| bar.set_steps_done((BAR as f64 * done) as u64))?;
     drop(bar);
     for note in &report.notes {
-        // Nobody may be listening there.
+        // Standard error may be closed.
         let _ = writeln!(io::stderr(), "{note}");
     }
     let missing = report.skipped.iter().map(|why| require_or_skip::<(), _>(Err(why)));
-    // All are told before the first of them counts.
+    // Report all missing dependencies before the first of them becomes an error.
     for missing in missing.collect::<Vec<_>>() {
         missing.map_err(Error::failure)?;
     }

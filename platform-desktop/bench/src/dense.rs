@@ -1,12 +1,12 @@
-//! What `bench edit` is measured against: a grid of bytes, carved voxel by voxel, and the three
-//! range maps recomputed from it in one pass, sixteen or more voxels at a time.
+//! The rival of `bench edit`: a grid of bytes, carved voxel by voxel, and the three range maps recomputed
+//! from it in one pass, sixteen or more voxels at a time.
 
 use std::ops::RangeInclusive;
 
 use paros_core::RangeMaps;
 use paros_core::volume::{Axis, Range};
 
-/// N^3 voxels as bytes, 1 where occupied, in the order y, z, x; and the range maps made of them.
+/// N^3 voxels as bytes, 1 for occupied, in the order y, z, x; and the range maps computed from them.
 pub struct DenseGrid {
     grid_side: usize,
     voxels: Vec<u8>,
@@ -16,7 +16,7 @@ pub struct DenseGrid {
 }
 
 impl DenseGrid {
-    /// The voxels of these maps.
+    /// Creates the grid with the voxels of these maps.
     pub fn new<const N: usize>(maps: &RangeMaps<N>) -> Self {
         let mut voxels = vec![0; N * N * N];
         for (i, voxel) in voxels.iter_mut().enumerate() {
@@ -61,13 +61,13 @@ impl DenseGrid {
         self.recompute_maps();
     }
 
-    /// The range of a column of the recomputed maps.
+    /// Returns the range of a column of the recomputed maps.
     pub fn column_range(&self, axis: Axis, (line, place): (usize, usize)) -> Range {
         let i = line * self.grid_side + place;
         Range::new(self.lo[axis as usize][i].into(), self.hi[axis as usize][i].into())
     }
 
-    /// Whether an empty voxel, or the outside of the grid, is within so many six-neighbour steps.
+    /// Returns `true` if an empty voxel, or the outside of the grid, is within `steps` six-neighbour steps.
     fn is_near_empty(&self, [x, y, z]: [usize; 3], steps: usize) -> bool {
         let grid_side = self.grid_side;
         let edge = [x, y, z].iter().any(|&i| i < steps || i + steps >= grid_side);
@@ -115,7 +115,7 @@ fn widen_columns(lo: &mut [u8], hi: &mut [u8], voxels: &[u8], coordinate: u8) {
     }
 }
 
-/// The first and last occupied voxel of a row, eight at a time.
+/// Returns the first and last occupied voxel of a row. Reads eight at a time.
 #[inline]
 fn occupied_ends(row: &[u8]) -> Option<RangeInclusive<u8>> {
     let (eights, _) = row.as_chunks::<8>();

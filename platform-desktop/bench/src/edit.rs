@@ -15,13 +15,13 @@ use super::fixture::{Fixture, HasFixture, restore_start_volume};
 use super::row::ReportRow;
 use super::subject::BenchSubject;
 
-/// In voxels.
+/// Radius of the spheres, in voxels.
 pub(super) const RADIUS: i32 = 6;
 
-/// Layers of the surface that a carve may remove.
+/// Maximum number of surface layers that a carve removes.
 const DEPTH: usize = 2;
 
-/// Edits, each at another voxel of the surface.
+/// Number of edits, each at another voxel of the surface.
 const EDITS: usize = 64;
 
 pub(super) const CARVE: EditOperation = EditOperation::Carve { depth: DEPTH };
@@ -65,7 +65,7 @@ where
     ])
 }
 
-/// The same carve at both sizes. The ratio is the small grid's time over the large one's.
+/// Times the same carve at both grid sizes. The ratio is the small grid's time over the large one's.
 pub(super) fn measure_scaling(
     subject: &BenchSubject,
     runs: usize,
@@ -86,7 +86,7 @@ pub(super) fn measure_scaling(
     ])
 }
 
-/// Voxels of the surface above the ground layer, evenly spaced in the order of y, z, x.
+/// Returns voxels of the surface above the ground layer, evenly spaced in the order of y, z, x.
 pub(super) fn sample_surface_voxels<const N: usize>(bit_grid: &BitGrid<N>) -> Vec<[usize; 3]>
 where
     Grid<N>: Size,
@@ -108,7 +108,7 @@ where
     (0..count).map(|i| all[(2 * i + 1) * all.len() / (2 * count)]).collect()
 }
 
-/// Mean milliseconds of an edit: one at each voxel, all in one stroke.
+/// Returns the mean milliseconds of an edit: one at each voxel, all in one stroke.
 pub(super) fn mean_edit_in_one_stroke_ms<const N: usize, const K: usize>(
     fixture: &mut Fixture<N, K>,
     voxels: &[[usize; 3]],
@@ -127,8 +127,8 @@ where
     whole / voxels.len() as f64
 }
 
-/// As [`mean_edit_in_one_stroke_ms`], with a stroke for each edit. The third round counts: the
-/// undo history is full by then, and every new stroke evicts the oldest.
+/// Like [`mean_edit_in_one_stroke_ms`], with a stroke for each edit. The third round counts: the undo history
+/// is full by then, and every new stroke evicts the oldest.
 fn mean_edit_with_a_stroke_each_ms<const N: usize>(
     fixture: &mut Fixture<N>,
     voxels: &[[usize; 3]],
@@ -151,8 +151,7 @@ where
     whole / voxels.len() as f64
 }
 
-/// An edit as the world applies it: with undo, dirty rectangles, island search and digest kept up to
-/// date.
+/// Makes an edit as the world does: with undo, dirty rectangles, island search and digest kept up to date.
 pub(super) fn try_edit_sphere_at<const N: usize, const K: usize>(
     fixture: &mut Fixture<N, K>,
     voxel: [usize; 3],
@@ -165,7 +164,7 @@ pub(super) fn try_edit_sphere_at<const N: usize, const K: usize>(
     try_edit(fixture, &brush, operation);
 }
 
-/// The same with any brush. Returns whether the volume changed.
+/// Makes such an edit with any brush. Returns `true` if the volume changed.
 pub(super) fn try_edit<const N: usize, const K: usize>(
     fixture: &mut Fixture<N, K>,
     brush: &Brush,
@@ -191,7 +190,7 @@ where
     changed
 }
 
-/// Checks that some of the carves, each on the start volume, leave both sides with the same maps.
+/// Checks that some of the carves, each on the start volume, give both sides the same maps.
 fn check_agreement<const N: usize>(
     fixture: &mut Fixture<N>,
     voxels: &[[usize; 3]],

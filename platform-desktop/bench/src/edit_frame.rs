@@ -15,8 +15,8 @@ use super::framing::{Framing, VIEWS};
 use super::row::ReportRow;
 use super::subject::BenchSubject;
 
-/// The subject is loaded on the easels already. One edit for each view of the ring, at voxels spread
-/// over the surface.
+/// Measures one edit for each view of the ring, at voxels spread over the surface. The subject is already
+/// loaded into the renderers.
 pub(super) fn measure_rows<const N: usize>(
     subject: &BenchSubject,
     framing: Framing,
@@ -66,7 +66,7 @@ where
     Ok(rows)
 }
 
-/// Uploads what is left after the edit's own frame; the number of bytes.
+/// Uploads the rest of an edit after its own frame. Returns the number of bytes.
 fn upload_rest_and_count_bytes<const N: usize>(
     field: &mut DensityField<N>,
     timer: &mut FrameTimer,

@@ -1,8 +1,8 @@
-//! `bench feel`: how much of a slow groove a quick hand cuts, and how much material goes in a second.
+//! `bench feel`: the part of a slow groove that a quick hand cuts, and the material removed in a second.
 //!
-//! A hand comes down on a flat face with its trigger pulled, presses its bit 10 mm into it, and moves on at a
-//! constant speed. At the end of its way it releases the trigger at once. What its bit removes on the way is
-//! counted in parts of what it removes on the same way at 0.03 m/s; and what a nozzle lays of what it lays then.
+//! A hand approaches a flat face with its trigger pulled, presses its bit 10 mm into it, and moves on at a
+//! constant speed. At the end of its path it releases the trigger at once. The material that its bit removes,
+//! or a nozzle adds, is given as a fraction of the material on the same path at 0.03 m/s.
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
@@ -20,22 +20,22 @@ use super::row::ReportRow;
 
 /// Speeds of a hand at work, in m/s.
 const SPEEDS: [f32; 3] = [0.3, 0.6, 1.0];
-/// Of the slow groove.
+/// Speed of the slow groove, in m/s.
 const SLOW_SPEED: f32 = 0.03;
 
-/// How deep a bit is pressed into the face, in metres.
+/// Depth to which a bit is pressed into the face, in metres.
 const PRESSED: f32 = 0.010;
-/// How far above the face the hand starts, and how far down it goes in a tick, in metres.
+/// Height above the face at which the hand starts, and its descent in a tick, in metres.
 const APPROACH: f32 = 0.003;
 const DESCENT: f32 = 0.001;
-/// Ticks for the bit to reach its hand before the way begins, and after it has ended.
+/// Ticks for the bit to reach its hand, before the path begins and after it has ended.
 const SETTLING_TICKS: usize = 48;
 
-/// Radius of the circle that is drawn, in metres, and its duration in seconds.
+/// Radius of the measured circle, in metres, and its duration in seconds.
 const CIRCLE_RADIUS: f32 = 0.08;
 const CIRCLE_SECONDS: f32 = 0.8;
 
-/// The rows of a grid size.
+/// Returns the rows of a grid size.
 pub(super) fn measure_rows<const N: usize>() -> Vec<ReportRow>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
@@ -53,7 +53,7 @@ where
     let mut rows = Vec::new();
     for bit in ToolBit::ALL {
         let line = match bit.spec().action {
-            // It has one blow in eight ticks, of one tick.
+            // The pitching chisel makes one blow in eight ticks, of one tick.
             _ if bit == ToolBit::PitchingChisel => continue,
             BitAction::Carve => "groove",
             BitAction::Fill => "bead",
@@ -82,17 +82,17 @@ where
 {
     world: &'a mut World<N, INTERVALS>,
     stone: &'a RangeMaps<N, INTERVALS>,
-    /// Of the bits that it takes.
+    /// Size of the bits that the hand takes.
     size: BitSize,
 }
 
-/// What a hand removed or laid on its way.
+/// The voxels that a hand removed or added on its path.
 struct Cut<const N: usize>
 where
     Grid<N>: Size,
 {
     voxels: Voxels<N>,
-    /// Of the way itself.
+    /// Duration of the path itself.
     seconds: f32,
 }
 
@@ -104,7 +104,7 @@ where
         self.voxels.iter().map(|row| row.count_ones()).sum()
     }
 
-    /// How many of the voxels the other cut removes too.
+    /// Counts the voxels that the other cut changes too.
     fn count_shared(&self, other: &Self) -> u32 {
         self.voxels.iter().zip(&other.voxels).map(|(a, b)| (*a & *b).count_ones()).sum()
     }
@@ -114,7 +114,7 @@ impl<const N: usize> Sculptor<'_, N>
 where
     Grid<N>: Size,
 {
-    /// Straight over half of the face.
+    /// Measures straight lines over half of the face.
     fn measure_lines(&mut self, bit: ToolBit, size: BitSize, line: &str) -> Vec<ReportRow> {
         self.size = size;
         let name = match size {
@@ -158,7 +158,7 @@ where
         ]
     }
 
-    /// Lines side by side, a ball apart, with the ball pressed half its size.
+    /// Measures lines side by side, a ball's diameter apart, with the ball pressed in by half its size.
     fn measure_roughing(&mut self) -> ReportRow {
         const LINES: usize = 4;
         let (bit, radius, speed) = (ToolBit::RoughingBall, 0.040, 0.6);
@@ -178,9 +178,9 @@ where
         }
     }
 
-    /// What the bit removes of the start volume, or lays on it, while the hand moves `length` metres at `speed` m/s, after it
-    /// was pressed so many metres into the face at the way's begin. `place` is the hand's place about the
-    /// face's middle, by the metres that it has moved.
+    /// Cuts along a path of `length` metres at `speed` m/s, after pressing the bit `pressed` metres into the
+    /// face at its start. Returns the voxels of the start volume that the bit removes or adds. `place` maps
+    /// the distance moved to the hand's position relative to the face's middle, in metres.
     fn cut_way(
         &mut self,
         bit: ToolBit,
@@ -196,7 +196,7 @@ where
         let reach = reach_of(&grid_bit, rotation);
         let pose = |metres: f32, pressed: f32| {
             let above = Vec3::Y * (reach - pressed * voxels_per_metre);
-            // Not in a plane of symmetry of the voxels.
+            // Avoid the voxels' planes of symmetry.
             let face = Vec3::splat(N as f32 / 2.0) + Vec3::X * 0.3;
             Pose { position: face + place(metres) * voxels_per_metre + above, rotation }
         };
@@ -253,7 +253,7 @@ where
 /// The hand that works; the other is not tracked.
 const RIGHT: usize = 1;
 
-/// As in the table, and the smallest and the largest that the bit comes in.
+/// Returns the sizes to measure: the table's, the smallest and the largest of the bit.
 fn sizes_measured(bit: ToolBit) -> Vec<BitSize> {
     let SizeRange { smallest, largest } = bit.spec().sizes;
     let mut steps = vec![smallest, 0, largest];
@@ -261,8 +261,8 @@ fn sizes_measured(bit: ToolBit) -> Vec<BitSize> {
     steps.into_iter().filter_map(|steps| BitSize::of_bit(bit, steps)).collect()
 }
 
-/// How a hand turns a bit to a face whose normal is y, on its way along -z: a cylinder lies across its way, a
-/// grinder on its disc, a chisel is pushed ahead.
+/// Returns the rotation of a bit on a face whose normal is y, for a path along -z: a cylinder lies across the
+/// path, a grinder on its disc, a chisel is pushed ahead.
 fn grip_of(bit: ToolBit) -> Quat {
     match bit {
         ToolBit::Cylinder => Quat::from_rotation_y(FRAC_PI_2),
@@ -274,7 +274,7 @@ fn grip_of(bit: ToolBit) -> Quat {
     }
 }
 
-/// How far a bit reaches down from its centre, in voxels.
+/// Returns the distance from a bit's centre down to its lowest point, in voxels.
 fn reach_of(bit: &GridBit, grip: Quat) -> f32 {
     let subunits = match bit.shape {
         GridShape::Ball(radius) => radius as f32,

@@ -1,9 +1,9 @@
-//! `bench field`: what a frame spends on keeping the fast path's textures up to date, in
-//! instructions and in bytes for the device.
+//! `bench field`: the cost of keeping the fast path's textures up to date in a frame, in instructions and in
+//! bytes for the device.
 //!
-//! A frame takes in a tick's changes, computes as much as its budget allows and copies that to
-//! staging memory. Each kind of change is played to its end; the worst frame is reported. The same
-//! changes are played in columns of two intervals.
+//! A frame takes in a tick's changes, computes as much as its budget allows and copies that to staging
+//! memory. Each kind of change is played to its end; the worst frame is reported. The same changes are also
+//! played in columns of two intervals.
 
 use std::hint::black_box;
 use std::path::Path;
@@ -22,7 +22,7 @@ use super::islands::{Fraction, advance_pass, cut_gap};
 use super::row::{Measured, ReportRow};
 use super::subject::BenchSubject;
 
-/// What changes the volume.
+/// A kind of change to the volume.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum FieldChange {
     Stroke,
@@ -45,7 +45,7 @@ impl FieldChange {
     }
 }
 
-/// The worst frame of each change.
+/// Returns the worst frame of each change.
 pub(super) fn measure_rows<const N: usize>(subject: &BenchSubject) -> Result<Measured, Error>
 where
     Grid<N>: Size + HasFixture<N>,
@@ -81,10 +81,10 @@ where
     Ok(Measured { rows: rows.map(row).collect(), skipped: why })
 }
 
-/// Plays the cases on a volume's file: the part of the child that is counted.
+/// Plays the changes on a volume's file: the part of the child process that is counted.
 ///
 /// # Errors
-/// A file that is not as the measuring run left it.
+/// The file differs from what the measuring run wrote.
 pub(super) fn replay_changes(volume_path: &Path) -> Result<(), Error> {
     let subject = BenchSubject::from_name_or_path(volume_path)?;
     with_size!(subject.grid_sides()[0], N => replay_changes_at::<N>(&subject))
@@ -112,14 +112,14 @@ where
     Ok(frames)
 }
 
-/// A played frame: its change, and the bytes for the device.
+/// A played frame: its kind of change, and the bytes for the device.
 struct PlayedFrame {
     intervals: usize,
     change: FieldChange,
     bytes: usize,
 }
 
-/// The textures as they follow a volume.
+/// The fast path's textures, updated from a volume.
 struct FieldFollower<const N: usize, const K: usize> {
     field: Box<DensityField<N, K>>,
     staging: Vec<u8>,
@@ -190,7 +190,7 @@ where
 
 const COUNTED: &str = concat!(module_path!(), "::stage_frame_and_count_bytes");
 
-/// One frame's upkeep, the function that Callgrind counts by this name; the bytes staged.
+/// Updates the textures for one frame. Callgrind counts this function by its name. Returns the bytes staged.
 #[inline(never)]
 fn stage_frame_and_count_bytes<const N: usize, const K: usize>(
     field: &mut DensityField<N, K>,

@@ -1,5 +1,5 @@
-//! The view that the sculpture fills, as from where one works on it: times beside the paper's path and beside the least
-//! that could be, and the texels that a pixel fetches there and in the quarter view.
+//! The view that the sculpture fills, as seen while working on it: times beside the paper's path and beside a
+//! lower bound, and the texels that a pixel fetches in this view and in the quarter view.
 
 use paros_headless::Error;
 use paros_shaders::gpu::{Drawn, PaperVariant, RenderPath};
@@ -13,7 +13,7 @@ use super::subject::BenchSubject;
 
 const PAPER: RenderPath = RenderPath::Paper(PaperVariant::Whole);
 
-/// `framings` are those of the quarter view; their subject has just been loaded.
+/// Measures a subject that has just been loaded. `framings` are those of the quarter view.
 pub(super) fn measure_rows(
     subject: &BenchSubject,
     framings: &[Framing],

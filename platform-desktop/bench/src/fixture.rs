@@ -1,4 +1,4 @@
-//! Test fixture: a volume with the state that an edit in the world changes beside it.
+//! Test fixture: a volume with the state that the world's edits change beside it.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -8,16 +8,16 @@ use paros_core::volume::{BitGrid, DirtyRects, Grid, Size};
 use paros_core::{RangeMaps, Volume};
 use paros_shell::statics::Resident;
 
-/// The parts of a world that edits and islands change, each by itself.
+/// The parts of a world that edits and island passes change, as separate fields.
 pub(super) struct Fixture<const N: usize, const K: usize = 1>
 where
     Grid<N>: Size,
 {
-    /// The subject, as it is before every run.
+    /// The subject's maps, as they are before every run.
     pub(super) start: RangeMaps<N, K>,
     /// A second volume, for the rival's result.
     pub(super) other: RangeMaps<N, K>,
-    /// Always empty: nothing measured here has a mask.
+    /// Always empty: no measurement uses a mask.
     pub(super) mask: RangeMaps<N, K>,
     pub(super) bit_grid: BitGrid<N>,
     pub(super) volume: Volume<N, K>,
@@ -54,7 +54,7 @@ where
     /// Locks the fixture until the guard is dropped.
     fn lock_fixture() -> MutexGuard<'static, Fixture<N>>;
 
-    /// Locks the one of two intervals a column until the guard is dropped.
+    /// Locks the fixture with two intervals a column until the guard is dropped.
     fn lock_fixture_of_two() -> MutexGuard<'static, Fixture<N, 2>>;
 }
 

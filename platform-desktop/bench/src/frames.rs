@@ -18,12 +18,12 @@ use super::fixture::{Fixture, HasFixture};
 use super::framing::{Framing, VIEWS, fit_framing, middle_height_sides, ring_view};
 use super::subject::BenchSubject;
 
-/// Distance between the eyes, in metres; a side of the cube is 1 m.
+/// Distance between the eyes, in metres; the side of the cube is 1 m.
 const EYES_APART: f32 = 0.064;
 
-/// Longest side in pixels of the pictures in which filled pixels are counted.
+/// Longest side in pixels of the pictures used to count filled pixels.
 const LONGEST_COUNTED: u32 = 400;
-/// Eyes and samples of a frame.
+/// Number of eyes and of samples in a frame.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) struct FrameFormat {
     pub(super) eyes: u32,
@@ -37,7 +37,7 @@ impl FrameFormat {
         FrameFormat { eyes: 2, samples: 1 },
         FrameFormat { eyes: 2, samples: 4 },
     ];
-    /// A headset's frame.
+    /// The format of a headset's frame.
     pub(super) const HEADSET: FrameFormat = FrameFormat { eyes: 2, samples: 4 };
 
     pub(super) fn name(self) -> String {
@@ -47,7 +47,7 @@ impl FrameFormat {
     }
 }
 
-/// A camera placement and a render path: what is timed.
+/// The case to time: a camera placement and a render path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RenderSetup {
     pub(super) framing: Framing,
@@ -56,12 +56,12 @@ pub(super) struct RenderSetup {
 }
 
 impl RenderSetup {
-    /// The picture of a path.
+    /// Returns the setup of a path's ordinary picture.
     pub(super) const fn picture(framing: Framing, path: RenderPath) -> Self {
         RenderSetup { framing, path, drawn: Drawn::Picture }
     }
 
-    /// Nanoseconds of its sculpture's pass, with all that the path needs before.
+    /// Returns the nanoseconds of the sculpture's pass, with the passes that the path needs before it.
     fn sculpture_pass_ns(&self, times: &FrameTimes) -> u64 {
         let sculpture_ns = times.sculpture_ns.unwrap_or(times.pass_ns);
         match self.path {
@@ -76,16 +76,16 @@ pub(super) struct FrameTimer {
     gpu: Arc<Gpu>,
     canvas: [u32; 2],
     renderers: BTreeMap<(VolumeFormat, FrameFormat), HeadlessRenderer>,
-    /// Small renderers in which filled pixels are counted, by grid size.
+    /// Small renderers for counting filled pixels, by grid size.
     small_renderers: BTreeMap<usize, HeadlessRenderer>,
     cache: Vec<u8>,
 }
 
 impl FrameTimer {
-    /// Opens the best device, or the best of those whose names contain `name_part`.
+    /// Opens the best device, or the best one whose name contains `name_part`.
     ///
     /// # Errors
-    /// No such device, or it has no timestamps.
+    /// There is no such device, or it has no timestamps.
     pub(super) fn open_device(name_part: Option<&str>, canvas: [u32; 2]) -> Result<Self, Error> {
         let gpu = paros_headless::open_gpu(name_part)?;
         if gpu.features.timestamp_period_fs == 0 {
@@ -95,18 +95,18 @@ impl FrameTimer {
         Ok(FrameTimer { gpu, canvas, renderers, small_renderers, cache: vec![] })
     }
 
-    /// The device's name.
+    /// Returns the device's name.
     pub(super) fn device_name(&self) -> &str {
         &self.gpu.name
     }
 
-    /// Whether it draws on this machine's processors.
+    /// Returns `true` if the device renders on the CPU.
     pub(super) fn is_software(&self) -> bool {
         self.gpu.is_software()
     }
 
-    /// Loads a subject into the renderers of a size, and finds the framing that fills the target
-    /// fraction of the image.
+    /// Loads a subject into the renderers of a size, and finds the framing that fills the target fraction of
+    /// the image.
     pub(super) fn load_and_fit_framing<const N: usize>(
         &mut self,
         subject: &BenchSubject,
@@ -133,7 +133,7 @@ impl FrameTimer {
         fit_framing(renderer, small, &nearest)
     }
 
-    /// The framing of the same subject, the last one loaded, that fills another fraction of the image.
+    /// Finds the framing of the subject loaded last that fills the fraction `aim` of the image.
     pub(super) fn refit_framing(&mut self, framing: &Framing, aim: f32) -> Result<Framing, Error> {
         let grid_side = framing.volume.grid_side();
         let small = self.small_size();
@@ -142,13 +142,13 @@ impl FrameTimer {
         fit_framing(renderer, small, &framing.aiming_at(aim))
     }
 
-    /// Size of the pictures in which filled pixels are counted.
+    /// Returns the size of the pictures used to count filled pixels.
     fn small_size(&self) -> [u32; 2] {
         let shrunk = self.canvas[0].max(self.canvas[1]).div_ceil(LONGEST_COUNTED);
         self.canvas.map(|side| (side / shrunk).max(1))
     }
 
-    /// Loads the same voxels in columns of two intervals into renderers of their own.
+    /// Loads the same voxels in columns of two intervals into separate renderers.
     pub(super) fn load_two_intervals<const N: usize>(
         &mut self,
         formats: &[FrameFormat],
@@ -177,7 +177,7 @@ impl FrameTimer {
         Ok(())
     }
 
-    /// Milliseconds of each setup's pass: the mean over the ring of each view's best of `runs`.
+    /// Returns the milliseconds of each setup's pass: the mean over the ring of each view's best of `runs`.
     /// The setups alternate.
     pub(super) fn mean_of_best_ms_per_setup(
         &mut self,
@@ -185,7 +185,7 @@ impl FrameTimer {
         format: FrameFormat,
         runs: usize,
     ) -> Result<Vec<f64>, Error> {
-        // A driver may put off work to a pipeline's first frame.
+        // Drivers may defer work to a pipeline's first frame.
         for setup in setups {
             self.draw_view(setup, format, 0, &vec![])?;
         }
@@ -214,7 +214,7 @@ impl FrameTimer {
         self.renderer_for(setup.framing.volume, format)?.draw_frame(&request, uploads)
     }
 
-    /// What the fragments of all frames of the ring fetch.
+    /// Counts the texels that the fragments of all frames of the ring fetch.
     pub(super) fn count_fetches(
         &mut self,
         setup: &RenderSetup,
@@ -244,7 +244,7 @@ impl FrameTimer {
         (eyes, placement)
     }
 
-    /// The renderer of a volume and frame format.
+    /// Returns the renderer of a volume and frame format.
     ///
     /// # Errors
     /// No subject of that format was loaded.
@@ -280,7 +280,7 @@ fn no_renderer(grid_side: usize) -> Error {
     Error::Failure(format!("no volume of size {grid_side} hangs in the studio"))
 }
 
-/// Mean of the views' nanoseconds, in milliseconds.
+/// Returns the mean of the views' nanoseconds, in milliseconds.
 pub(super) fn mean_ms(views_ns: &[u64; VIEWS]) -> f64 {
     views_ns.iter().map(|&ns| ns as f64).sum::<f64>() / VIEWS as f64 * 1e-6
 }

@@ -1,4 +1,5 @@
-//! Where the eye is before a sculpture, so that it fills a part of the image, over a ring of views.
+//! Camera placement before a sculpture, over a ring of views, so that the sculpture fills a given fraction of
+//! the image.
 
 use std::f32::consts::TAU;
 
@@ -12,7 +13,7 @@ use paros_shaders::gpu::{
 use paros_shaders::upload::VolumeFormat;
 use paros_shell::with_size;
 
-/// Views of a ring.
+/// Number of views in a ring.
 pub(super) const VIEWS: usize = 8;
 /// Elevation of the eye above the horizon, in radians.
 const ELEVATION: f32 = 0.3;
@@ -21,15 +22,15 @@ const HALF_ANGLE: f32 = TAU / 8.0;
 /// Half of the narrowest vertical angle, in radians.
 const NARROWEST: f32 = TAU / 80.0;
 
-/// Target fraction of the image that a sculpture fills, averaged over the ring: as from where one looks at it.
+/// Target fraction of the image, averaged over the ring, for a sculpture that is looked at.
 const QUARTER: f32 = 0.25;
-/// The same from where one works on it.
+/// Target fraction for a sculpture that is worked on.
 pub(super) const FILLING: f32 = 0.85;
-/// Smallest eye distance in sides of the cube: just outside it. For a slender sculpture the angle of
-/// view is narrowed at this distance.
+/// Smallest eye distance, just outside the cube, and the largest, in sides of the cube. For a slender
+/// sculpture the angle of view is narrowed at the smallest distance.
 const NEAREST: f32 = 0.8;
 const FARTHEST: f32 = 8.0;
-/// Bisection steps.
+/// Number of bisection steps.
 const HALVINGS: usize = 12;
 /// Backdrop colour that no shaded surface has.
 const NOTHING: [f32; 3] = [0.0, 1.0, 0.0];
@@ -38,7 +39,7 @@ const NOTHING_SHOWN: [u8; 3] = [0, 255, 0];
 /// Camera placement for a volume of one format.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Framing {
-    /// What is looked at.
+    /// Format of the volume in view.
     pub(super) volume: VolumeFormat,
     /// Distance from the point looked at, in sides of the cube.
     distance: f32,
@@ -48,30 +49,30 @@ pub(super) struct Framing {
     half_angle: f32,
     /// Fraction of the image that the volume fills, 0 to 1.
     pub(super) filled: f32,
-    /// That aimed at.
+    /// Target of `filled`.
     aim: f32,
 }
 
 impl Framing {
-    /// The nearest, which aims at a quarter of the image.
+    /// Returns the nearest placement, which aims at a quarter of the image.
     pub(super) const fn nearest(volume: VolumeFormat, height: f32) -> Self {
         let (distance, half_angle) = (NEAREST, HALF_ANGLE);
         Framing { volume, distance, height, half_angle, filled: 0.0, aim: QUARTER }
     }
 
-    /// The nearest of the same volume, which aims at another fraction.
+    /// Returns the nearest placement before the same volume, with another target fraction.
     pub(super) const fn aiming_at(&self, aim: f32) -> Self {
         Framing { aim, ..Framing::nearest(self.volume, self.height) }
     }
 
-    /// The same camera before the same voxels in columns of two intervals.
+    /// Returns the same placement for the same voxels in columns of two intervals.
     pub(super) fn of_two_intervals(&self) -> Self {
         let volume = with_size!(self.volume.grid_side(), N => VolumeFormat::of::<N, 2>());
         Framing { volume, ..*self }
     }
 }
 
-/// A view of the ring. The eye is fixed; the stool turns.
+/// Returns a view of the ring. The eye is fixed; the stool turns.
 pub(super) fn ring_view(
     framing: &Framing,
     view: usize,
@@ -90,7 +91,7 @@ pub(super) fn ring_view(
     SculptureView { eye, placement }
 }
 
-/// Mean of the lowest and highest occupied height, in sides of the cube.
+/// Returns the mean of the lowest and highest occupied height, in sides of the cube.
 pub(super) fn middle_height_sides<const N: usize>(maps: &RangeMaps<N>) -> f32 {
     let heights = (0..N).flat_map(|line| maps.line(Axis::Y, line)).map(|column| column.hull());
     let (lo, hi) = heights
@@ -99,8 +100,8 @@ pub(super) fn middle_height_sides<const N: usize>(maps: &RangeMaps<N>) -> f32 {
     (lo + hi + 1) as f32 / (2 * N) as f32
 }
 
-/// Finds the distance, or the angle of view, at which the sculpture fills the fraction aimed at. Pixels
-/// are counted by the paper's path, which draws the exact voxels.
+/// Finds the distance, or the angle of view, at which the sculpture fills the target fraction. Pixels are
+/// counted by the paper's path, which draws the exact voxels.
 pub(super) fn fit_framing(
     small_renderer: &mut HeadlessRenderer,
     image_size: [u32; 2],
@@ -115,7 +116,7 @@ pub(super) fn fit_framing(
     }
 }
 
-/// Bisection between a value whose framing fills more than the target and one whose fills less.
+/// Bisects between a value whose framing fills more than the target and one whose framing fills less.
 fn bisect_framing(
     small_renderer: &mut HeadlessRenderer,
     image_size: [u32; 2],
@@ -132,7 +133,7 @@ fn bisect_framing(
     Ok(best)
 }
 
-/// The fraction of the image that is not backdrop, averaged over the ring.
+/// Returns the fraction of the image that is not backdrop, averaged over the ring.
 fn filled_fraction(
     small_renderer: &mut HeadlessRenderer,
     image_size: [u32; 2],

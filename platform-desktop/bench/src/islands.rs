@@ -1,4 +1,4 @@
-//! `bench islands`: a whole pass over the bit rows against the paper's queue of voxels.
+//! `bench islands`: a whole pass over the bit rows, against the paper's queue of voxels.
 
 use paros_core::RangeMaps;
 use paros_core::edit::IslandReport;
@@ -13,7 +13,7 @@ use super::paper::{FillState, PAPER_VISITS, VoxelFill};
 use super::row::ReportRow;
 use super::subject::BenchSubject;
 
-/// Layers cleared to separate an island from the ground.
+/// Number of layers cleared to separate an island from the ground.
 const GAP: usize = 2;
 
 pub(super) fn measure_rows<const N: usize>(
@@ -40,7 +40,7 @@ where
     Ok(rows)
 }
 
-/// What a pass finds.
+/// A case to measure: a pass with or without an island to remove.
 #[derive(Clone, Copy)]
 pub(super) struct PassCase {
     pub(super) has_island: bool,
@@ -52,7 +52,7 @@ pub(super) const PASS_CASES: [PassCase; 2] = [
     PassCase { has_island: true, name: "an island to remove" },
 ];
 
-/// Loads a subject as the start volume, its upper quarter cut off if it is to have an island.
+/// Loads a subject as the start volume, with the upper quarter cut off if it should have an island.
 pub(super) fn load_pass_case<const N: usize>(
     subject: &BenchSubject,
     fixture: &mut Fixture<N>,
@@ -69,14 +69,14 @@ where
     Ok(())
 }
 
-/// A fraction of a height.
+/// A fraction of the occupied height.
 #[derive(Clone, Copy)]
 pub(super) struct Fraction {
     pub(super) numerator: usize,
     pub(super) denominator: usize,
 }
 
-/// Clears layers at a fraction of the occupied height: all above is an island. Closure restores
+/// Clears layers at a fraction of the occupied height: everything above becomes an island. Closure restores
 /// nothing there, as a cleared layer has no columns along x and z.
 pub(super) fn cut_gap<const N: usize, const K: usize>(
     maps: &mut RangeMaps<N, K>,
@@ -94,7 +94,7 @@ pub(super) fn cut_gap<const N: usize, const K: usize>(
     bit_grid.set_from_maps(maps);
 }
 
-/// Checks that both sides leave the same tight maps, and fewer voxels if there was an island.
+/// Checks that both sides produce the same tight maps, with fewer voxels if there was an island.
 fn check_agreement<const N: usize>(
     fixture: &mut Fixture<N>,
     paper: &mut VoxelFill<N>,
@@ -117,7 +117,7 @@ where
     Ok(())
 }
 
-/// The best time of a whole pass by each side, in milliseconds.
+/// Returns the best time of a whole pass by each side, in milliseconds.
 fn min_whole_pass_ms<const N: usize>(
     fixture: &mut Fixture<N>,
     paper: &mut VoxelFill<N>,
@@ -134,7 +134,7 @@ where
     )
 }
 
-/// Milliseconds of our whole pass over the start volume.
+/// Returns the milliseconds of our whole pass over the start volume.
 pub(super) fn whole_pass_ms<const N: usize, const K: usize>(fixture: &mut Fixture<N, K>) -> f64
 where
     Grid<N>: Size,
@@ -143,7 +143,7 @@ where
     time_ms(|| advance_pass(fixture, u32::MAX))
 }
 
-/// Milliseconds of the paper's whole pass over the same.
+/// Returns the milliseconds of the paper's whole pass over the start volume.
 pub(super) fn whole_paper_pass_ms<const N: usize>(
     fixture: &mut Fixture<N>,
     paper: &mut VoxelFill<N>,
@@ -155,7 +155,7 @@ where
     time_ms(|| paper.remove_islands(&mut fixture.other))
 }
 
-/// The slowest tick of each side, in milliseconds.
+/// Returns the slowest tick of each side, in milliseconds.
 fn worst_tick_ms<const N: usize>(
     fixture: &mut Fixture<N>,
     paper: &mut VoxelFill<N>,
@@ -178,7 +178,7 @@ where
     OursTheirs { ours: worst(ticks.ours), theirs: worst(ticks.theirs) }
 }
 
-/// Milliseconds of each tick of our pass, in the order of the ticks.
+/// Returns the milliseconds of each tick of our pass, in the order of the ticks.
 pub(super) fn our_ticks_ms<const N: usize>(
     fixture: &mut Fixture<N>,
     row_visits_per_tick: u32,
@@ -194,8 +194,8 @@ where
     ticks
 }
 
-/// Milliseconds of each tick of the paper's pass, in the order of the ticks. The first tick builds
-/// the voxel grid, the last shrinks the ranges.
+/// Returns the milliseconds of each tick of the paper's pass, in the order of the ticks. The first tick
+/// builds the voxel grid, the last shrinks the ranges.
 pub(super) fn paper_ticks_ms<const N: usize>(
     paper: &mut VoxelFill<N>,
     maps: &mut RangeMaps<N>,
@@ -226,7 +226,7 @@ where
     fixture.islands.request_pass();
 }
 
-/// Advances the pass under way by at most so many row visits; its report once it is done.
+/// Advances the present pass by at most `max_row_visits`. Returns its report once it is done.
 pub(super) fn advance_pass<const N: usize, const K: usize>(
     fixture: &mut Fixture<N, K>,
     max_row_visits: u32,

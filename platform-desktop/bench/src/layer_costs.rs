@@ -1,5 +1,5 @@
-//! `bench layers`: what two intervals a column cost beside one, on the same voxels. Ours is always the
-//! side of two.
+//! `bench layers`: the cost of two intervals a column compared to one, on the same voxels. In the rows, two
+//! intervals are always "ours".
 
 use paros_core::World;
 use paros_core::limits::max_save_bytes;
@@ -28,7 +28,7 @@ const BENCH: &str = "layers";
 /// One eye and one sample, and a headset's frame.
 const FRAME_FORMATS: [FrameFormat; 2] = [FrameFormat::ALL[0], FrameFormat::HEADSET];
 
-/// Time of an edit, an island pass, an export and a bake.
+/// Measures the time of an edit, an island pass, an export and a bake.
 pub(super) fn measure_rows<const N: usize>(
     subject: &BenchSubject,
     runs: usize,
@@ -44,7 +44,7 @@ where
     Ok(rows)
 }
 
-/// Time of a frame by the paper's path, on the device's clock.
+/// Measures the time of a frame by the paper's path, on the device's clock.
 pub(super) fn measure_frames(
     subject: &BenchSubject,
     runs: usize,
@@ -73,7 +73,7 @@ pub(super) fn measure_frames(
     Ok(rows)
 }
 
-/// Bytes of the world, of a volume's file, and of a save at most.
+/// Returns rows for the bytes of the world, of a volume's file, and of the largest save.
 pub(super) fn size_rows() -> Vec<ReportRow> {
     let rows = |side| with_size!(side, N => [size_rows_at::<N, 1>(), size_rows_at::<N, 2>()]);
     GRID_SIDES.into_iter().flat_map(rows).flatten().collect()
@@ -92,17 +92,17 @@ where
     .map(|(what, bytes)| size_row("any", N, what, bytes))
 }
 
-/// `count` is 1 or 2.
+/// Names the number of intervals; `count` is 1 or 2.
 pub(super) fn name_intervals(count: usize) -> &'static str {
     if count == 1 { "one interval a column" } else { "two intervals a column" }
 }
 
-/// A row that has bytes alone.
+/// Returns a row that only has a number of bytes.
 pub(super) fn size_row(volume: &str, grid_side: usize, what: String, bytes: usize) -> ReportRow {
     ReportRow { bytes: Some(bytes as u64), ..ReportRow::new(BENCH, volume, grid_side, what) }
 }
 
-/// The carve and the fill of `bench edit`.
+/// Measures the carve and the fill of `bench edit`.
 fn measure_edits<const N: usize>(
     subject: &BenchSubject,
     runs: usize,
@@ -128,8 +128,8 @@ where
     Ok(rows)
 }
 
-/// The passes of `bench islands`, beside those with one interval and beside the paper's queue, which has
-/// one interval.
+/// Measures the passes of `bench islands` with two intervals, beside one interval and beside the paper's
+/// queue, which has one interval.
 fn measure_passes<const N: usize>(
     subject: &BenchSubject,
     runs: usize,
@@ -163,8 +163,8 @@ where
     Ok(rows)
 }
 
-/// Checks what passes with one interval and with two left of the same voxels. Closure in two intervals
-/// keeps no more than in one.
+/// Compares the results of passes with one interval and with two on the same voxels. Closure with two
+/// intervals must not keep more than with one.
 fn check_two_keeps_no_more<const N: usize>(
     one: &Fixture<N>,
     two: &Fixture<N, 2>,
@@ -182,7 +182,7 @@ where
     Ok(())
 }
 
-/// The export of `bench mesh`.
+/// Measures the export of `bench mesh`.
 fn measure_export<const N: usize>(
     subject: &BenchSubject,
     runs: usize,
@@ -212,7 +212,7 @@ where
     Ok(ReportRow::new(BENCH, subject.name(), N, against).with_times_ms(times_ms))
 }
 
-/// The bake of `bench bake`. Its gaps are the mesh's own.
+/// Measures the bake of `bench bake`. Its gaps are the mesh's own.
 fn measure_bake<const N: usize>(
     subject: &BenchSubject,
     runs: usize,

@@ -1,5 +1,5 @@
-//! `bench layers`: what closure refuses of the cuts of a column's one interval and of two. At 128 voxels a
-//! side. What two intervals cost stands in `layer_costs.rs`.
+//! `bench layers`: the share of cuts that closure refuses, with one interval a column and with two, at 128
+//! voxels a side. The cost of two intervals is measured in `layer_costs.rs`.
 
 use std::f32::consts::{SQRT_2, TAU};
 use std::path::Path;
@@ -20,19 +20,19 @@ use super::fixture::{Fixture, HasFixture, restore_start_volume};
 use super::layer_costs::{name_intervals, size_row};
 use super::row::{RefusalShare, ReportRow};
 
-/// Voxels a side.
+/// Voxels along an edge.
 const SIDE: usize = 128;
 
 /// The radius of the ball that is cut, in voxels.
 const BALL_RADIUS: f32 = 56.0;
 
-/// Balls that each kind of cut is made in, each turned another way.
+/// Number of balls for each kind of cut, each turned differently.
 const SEEDS: usize = 8;
 
-/// Cuts in a ball.
+/// Number of cuts in a ball.
 const CUTS: usize = 12;
 
-/// A kind of cut. In every ball, its brushes are carved one after the other, each until nothing goes.
+/// A kind of cut. In every ball its brushes are carved in order, each until nothing changes.
 struct CutKind {
     name: &'static str,
     brushes: fn(seed: usize) -> Vec<Brush>,
@@ -46,7 +46,7 @@ const CUT_KINDS: [CutKind; 5] = [
     CutKind { name: "slot 2 thick, 20 deep, at 45 degrees", brushes: |seed| slot(seed, 45.0) },
 ];
 
-/// What closure refuses of the cuts, a row a kind.
+/// Measures the share of the cuts that closure refuses, in a row for each kind.
 pub(super) fn measure_cuts() -> Vec<ReportRow> {
     let one = &mut *Grid::<SIDE>::lock_fixture();
     let two = &mut *Grid::<SIDE>::lock_fixture_of_two();
@@ -80,8 +80,8 @@ pub(super) fn measure_cuts() -> Vec<ReportRow> {
     CUT_KINDS.iter().map(row).collect()
 }
 
-/// What closure refuses of a recorded session's edits, when its input is played with one interval and with
-/// two. With two the hands meet another volume, so that the sessions drift apart.
+/// Measures the share of a recorded session's edits that closure refuses, with its input played with one
+/// interval and with two. With two the hands meet a different volume, so that the sessions diverge.
 pub(super) fn measure_refusals_of_session(path: &Path) -> Result<Vec<ReportRow>, Error> {
     let trace = Trace::read(path).map_err(Error::input)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
@@ -103,14 +103,14 @@ pub(super) fn measure_refusals_of_session(path: &Path) -> Result<Vec<ReportRow>,
     Ok(vec![played, save(1, one.save_bytes), save(2, two.save_bytes)])
 }
 
-/// What came of playing a session.
+/// The result of playing a session.
 struct PlayedSession {
     edits: TimedEdits,
-    /// Length of a save of the world at its end.
+    /// Length of a save of the world at the session's end.
     save_bytes: usize,
 }
 
-/// What edits did, and the milliseconds that it took.
+/// The effect of edits, and their time in milliseconds.
 #[derive(Clone, Copy, Default)]
 struct TimedEdits {
     totals: EditTotals,
@@ -123,7 +123,7 @@ impl TimedEdits {
     }
 }
 
-/// Plays the ticks of a trace, whatever state they lead to.
+/// Plays the ticks of a trace, without comparing digests.
 fn play<const K: usize>(runner: &mut TickRunner<'_, SIDE, K>, trace: &Trace) -> PlayedSession {
     let mut edits = TimedEdits::default();
     for record in trace.records() {
@@ -134,8 +134,8 @@ fn play<const K: usize>(runner: &mut TickRunner<'_, SIDE, K>, trace: &Trace) -> 
     PlayedSession { edits, save_bytes }
 }
 
-/// Carves brushes into the start volume, one after the other. What is left of a brush's voxels when its
-/// edits change nothing any more is refused, once.
+/// Carves brushes into the start volume in order. Voxels of a brush that remain once its edits change nothing
+/// count as refused, once.
 fn carve_each_until_unchanged<const K: usize>(
     fixture: &mut Fixture<SIDE, K>,
     brushes: &[Brush],
@@ -152,7 +152,7 @@ fn carve_each_until_unchanged<const K: usize>(
     sum
 }
 
-/// Occupied voxels within a brush.
+/// Counts the occupied voxels within a brush.
 fn count_occupied(volume: &BitGrid<SIDE>, brush: &Brush) -> u64 {
     let rows = (0..SIDE).flat_map(|y| (0..SIDE).map(move |z| (y, z)));
     rows.map(|(y, z)| (brush.row_bits::<SIDE>(y, z) & volume.row(y, z)).count_ones())
@@ -177,7 +177,7 @@ fn drills(seed: usize) -> Vec<Brush> {
     spread_directions(seed).map(drill).collect()
 }
 
-/// Down by nine voxels, then as far again along a slope of 45 degrees.
+/// Returns undercuts: down by nine voxels, then as far again along a slope of 45 degrees.
 fn undercuts(seed: usize) -> Vec<Brush> {
     let undercut = |out: Vec3| {
         let bend = out * (BALL_RADIUS - 9.0);
@@ -190,7 +190,7 @@ fn undercuts(seed: usize) -> Vec<Brush> {
     spread_directions(seed).flat_map(undercut).collect()
 }
 
-/// A slot in the plane across an axis of the grid, turned by an angle about another axis.
+/// Returns a slot in the plane across an axis of the grid, turned by an angle about another axis.
 fn slot(seed: usize, degrees: f32) -> Vec<Brush> {
     let axes = [Vec3::X, Vec3::Y, Vec3::Z];
     let (normal, out) = (axes[seed % 3], axes[(seed % 3 + 1 + seed / 3 % 2) % 3]);
@@ -201,7 +201,8 @@ fn slot(seed: usize, degrees: f32) -> Vec<Brush> {
     vec![Brush::oriented_box(to_subunits(half_extents), &Pose { position, rotation: turn })]
 }
 
-/// Directions spread over the sphere by a spiral of the golden angle, turned another way for each seed.
+/// Returns directions spread over the sphere by a spiral of the golden angle, turned differently for each
+/// seed.
 fn spread_directions(seed: usize) -> impl Iterator<Item = Vec3> {
     let golden_angle = TAU * (1.0 - 2.0 / (1.0 + 5.0f32.sqrt()));
     let axis = Vec3::new(1.0, 2.0 + seed as f32, 3.0).normalize();
@@ -214,7 +215,7 @@ fn spread_directions(seed: usize) -> impl Iterator<Item = Vec3> {
     })
 }
 
-/// Both ends are from the ball's middle, in voxels.
+/// Returns a capsule whose ends are relative to the ball's middle, in voxels.
 fn capsule_about_middle(from: Vec3, to: Vec3, radius: f32) -> Brush {
     let subunits = |place: Vec3| to_subunits(place + Vec3::splat(SIDE as f32 / 2.0));
     Brush::capsule(subunits(from), subunits(to), (radius * SUBUNITS_PER_VOXEL as f32) as i32)

@@ -1,7 +1,7 @@
 //! Benchmarks: this code and its rivals on the same volumes, in alternating runs of one process.
 //!
-//! [`Plan::run`] measures a [`Plan`] and returns a [`Report`] of rows. Of the command line it knows one
-//! option: `--replay`, with which it starts its own program again under Callgrind. It knows
+//! [`Plan::run`] measures a [`Plan`] and returns a [`Report`] of rows. The only command-line option that this
+//! library depends on is `--replay`: with it the program restarts itself under Callgrind. The library needs
 //! neither window nor headset.
 #![forbid(unsafe_code)]
 
@@ -44,33 +44,33 @@ use frames::FrameTimer;
 use peers::{MissingPeer, PythonPeers};
 use row::Measured;
 
-/// A benchmark, by what it measures.
+/// A benchmark of one part of the program.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Benchmark {
     /// The search for islands.
     Islands,
     /// Carving and filling.
     Edit,
-    /// One interval a column against two: what closure refuses, and what else it costs.
+    /// Two intervals a column against one: the share of cuts that closure refuses, and the costs.
     Layers,
     /// Export to STL.
     Mesh,
-    /// From triangles to a volume.
+    /// Conversion of triangles to a volume.
     Bake,
-    /// How much of a slow groove a quick hand cuts, and how much goes in a second.
+    /// The part of a slow groove that a quick hand cuts, and the material removed in a second.
     Feel,
-    /// Sizes in memory, and instructions of a tick of recorded sessions.
+    /// Sizes in memory, and instructions of a tick in recorded sessions.
     Step,
-    /// What a frame spends on keeping the fast path's textures up to date.
+    /// The cost of keeping the fast path's textures up to date in a frame.
     Field,
-    /// The sculpture's pass on a Vulkan device, by both paths.
+    /// The sculpture's pass on a Vulkan device, by both render paths.
     Render,
     /// The experiments of the paper's section 5.
     Paper,
 }
 
 impl Benchmark {
-    /// All of them, in the order in which `all` runs them.
+    /// All benchmarks, in the order in which `all` runs them.
     pub const ALL: [Benchmark; 10] = [
         Benchmark::Islands,
         Benchmark::Edit,
@@ -84,7 +84,7 @@ impl Benchmark {
         Benchmark::Paper,
     ];
 
-    /// Its name on the command line.
+    /// Returns the benchmark's name on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -101,43 +101,43 @@ impl Benchmark {
         }
     }
 
-    /// The benchmark with a name.
+    /// Returns the benchmark with a name.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|bench| bench.name() == name)
     }
 }
 
-/// What is to be measured, on what, and how often.
+/// A measuring plan: benchmarks, their inputs, and the number of runs.
 #[derive(Debug)]
 pub struct Plan {
     /// The benches, in order.
     pub benches: Vec<Benchmark>,
-    /// What they run on, all but [`Benchmark::Feel`] and [`Benchmark::Step`].
+    /// Inputs of all benchmarks except [`Benchmark::Feel`] and [`Benchmark::Step`].
     pub subjects: Vec<BenchSubject>,
-    /// Sessions that [`Benchmark::Step`] and [`Benchmark::Layers`] play; the demo at both sizes for the
-    /// former where there are none.
+    /// Sessions that [`Benchmark::Step`] and [`Benchmark::Layers`] play. If empty, the former plays the demo
+    /// at both sizes.
     pub traces: Vec<PathBuf>,
     /// Runs of each side; the best counts.
     pub runs: usize,
     /// Runs of each frame; the best counts.
     pub frame_runs: usize,
-    /// Pixels across and down a frame.
+    /// Width and height of a frame in pixels.
     pub canvas: [u32; 2],
-    /// A part of the name of the Vulkan device that is meant.
+    /// A part of the name of the Vulkan device to use; `None` for the best device.
     pub device: Option<String>,
     /// The Python interpreter that has the rivals' packages.
     pub python: PathBuf,
 }
 
-/// What was measured, and what wasn't.
+/// The results of a plan, and the reasons for missing results.
 #[derive(Debug, Default)]
 pub struct Report {
     /// The rows, in the order of the plan.
     pub rows: Vec<ReportRow>,
-    /// Why some figures are missing, each reason once.
+    /// Reasons for missing values, each once.
     pub skipped: Vec<String>,
-    /// What was done to the subjects before they were measured on.
+    /// Notes on changes made to the subjects before measuring.
     pub notes: Vec<String>,
 }
 
@@ -162,7 +162,7 @@ enum PlanPiece<'a> {
 /// A callback that gets the fraction of a piece that is done, 0 to 1.
 type OnProgress<'a> = &'a dyn Fn(f64);
 
-/// Why no frames are timed in a plan that goes on without.
+/// The reason why a plan that continues without a device times no frames.
 struct NoFrameTimer(String);
 
 /// External resources that the pieces of a plan share, or why they are not available.
@@ -172,17 +172,18 @@ struct BenchResources {
 }
 
 impl Plan {
-    /// The number of pieces, for a progress bar.
+    /// Returns the number of pieces, for a progress bar.
     #[must_use]
     pub fn piece_count(&self) -> usize {
         self.split_pieces().len()
     }
 
-    /// Measures. `on_pieces_done` gets the number of pieces done, with the fraction of the current one.
+    /// Runs the measurements. `on_pieces_done` gets the number of finished pieces, plus the fraction of the
+    /// present one.
     ///
     /// # Errors
-    /// A subject that holds nothing, two sides that come to different results, or no device to
-    /// draw where nothing else is to be measured.
+    /// A subject is empty, two sides have different results, or there is no device although only frames are
+    /// to be measured.
     pub fn run(&self, on_pieces_done: impl Fn(f64)) -> Result<Report, Error> {
         let notes = self.subjects.iter().map(BenchSubject::describe_closing_to_one);
         let notes = notes.filter_map(Result::transpose).collect::<Result<_, _>>()?;
@@ -212,7 +213,7 @@ impl Plan {
         }
     }
 
-    /// The device that draws frames, or why there is none.
+    /// Opens the device that draws frames, or returns the reason why there is none.
     fn open_frame_timer(&self) -> Result<Result<FrameTimer, NoFrameTimer>, Error> {
         if !self.includes_any(&[Benchmark::Layers, Benchmark::Render, Benchmark::Paper]) {
             return Ok(Err(NoFrameTimer(String::new())));
@@ -221,7 +222,7 @@ impl Plan {
         if self.benches == [Benchmark::Render] {
             return timer.map(Ok);
         }
-        // That would take hours and tell nothing.
+        // Frames in software would take hours, with meaningless results.
         let slow = |timer: &FrameTimer| timer.is_software() && self.device.is_none();
         Ok(match timer {
             Ok(timer) if slow(&timer) => {
@@ -320,7 +321,7 @@ impl Plan {
     }
 }
 
-/// Rows that need frames, or why there are none.
+/// Measures rows that need frames, or returns the reason why there are none.
 fn measure_if_drawn(
     timer: Result<&mut FrameTimer, &str>,
     measure: impl FnOnce(&mut FrameTimer) -> Result<Vec<ReportRow>, Error>,
@@ -331,11 +332,11 @@ fn measure_if_drawn(
     }
 }
 
-/// The child process under Callgrind: plays what a measuring run has written, a session's folder or a
-/// volume's file.
+/// Runs the child process under Callgrind: plays the files that a measuring run has written, a session's
+/// folder or a volume's file.
 ///
 /// # Errors
-/// It is not as the measuring run left it.
+/// The files differ from what the measuring run wrote.
 pub fn replay_for_callgrind(folder_or_volume: &Path) -> Result<(), Error> {
     if folder_or_volume.is_dir() {
         step::replay_ticks(folder_or_volume)
@@ -344,7 +345,7 @@ pub fn replay_for_callgrind(folder_or_volume: &Path) -> Result<(), Error> {
     }
 }
 
-/// The pieces of a benchmark that measures each size separately.
+/// Returns the pieces of a benchmark that measures each size separately.
 fn pieces_by_grid_side(bench: Benchmark, subject: &BenchSubject) -> Vec<PlanPiece<'_>> {
     let sides = subject.grid_sides();
     let mut pieces: Vec<_> =

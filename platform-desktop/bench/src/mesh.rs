@@ -1,4 +1,4 @@
-//! `bench mesh`: from bit rows to smoothed STL bytes, against VTK.
+//! `bench mesh`: the time from bit rows to smoothed STL bytes, against VTK.
 
 use paros_core::convert::ExportPhase;
 use paros_core::volume::{BitGrid, Grid, Size};
@@ -54,7 +54,7 @@ where
     Ok(Measured { rows, skipped })
 }
 
-/// Times ours beside the rival's answer to `request`, or tells why the rival can't be run.
+/// Times our export and the rival's answer to `request`. Returns the reason if the rival can't be run.
 fn time_export_with_peer<const N: usize>(
     bit_grid: &BitGrid<N>,
     runs: usize,
@@ -75,7 +75,7 @@ where
     go().map_err(|missing: MissingPeer| missing.to_string())
 }
 
-/// Milliseconds from start to the last byte in the buffer, which the file just fills.
+/// Returns the milliseconds from the start to the last byte in the buffer, which the file fills exactly.
 pub(super) fn export_ms<const N: usize, const K: usize>(
     bit_grid: &BitGrid<N>,
     mask: &RangeMaps<N, K>,

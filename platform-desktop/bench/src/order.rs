@@ -1,4 +1,4 @@
-//! Draw order of the whole scene: tools, sculpture and room as shipped, beside other orders.
+//! Draw order of the whole scene: the shipped order of tools, sculpture and room, beside other orders.
 
 use std::f32::consts::TAU;
 
@@ -26,8 +26,8 @@ const ORDERS: [(SculptureOrder, &str); 3] = [
     (SculptureOrder::Last, "the sculpture last"),
 ];
 
-/// The subject is loaded on the easels already. The eye leans over it with a hand in front, while the
-/// stool turns.
+/// Measures the draw orders. The subject is already loaded into the renderers. The eye leans over it with a
+/// hand in front, while the stool turns.
 pub(super) fn measure_rows<const N: usize>(
     subject: &BenchSubject,
     runs: usize,
@@ -67,7 +67,7 @@ where
                 for ((order, _), best) in ORDERS.iter().zip(&mut best) {
                     renderer.set_draw_order(*order);
                     let times = renderer.draw_frame(&request, &vec![])?;
-                    // The first run is for drivers that put work off.
+                    // The first run is a warm-up for drivers that defer work.
                     if run > 0 {
                         best[view] = best[view].min(times.tiles_ns + times.pass_ns);
                     }
@@ -85,7 +85,7 @@ where
     Ok(rows)
 }
 
-/// The scene with a hand in front of the sculpture, whose middle is given in the room.
+/// Assembles the scene with a hand in front of the sculpture, whose middle is given in the room.
 fn assemble_scene<const N: usize>(sculpture_middle_m: Vec3) -> SceneAssembler
 where
     Grid<N>: Size + Resident<N, 1>,

@@ -1,22 +1,22 @@
-//! Flood fill over single voxels, the paper's island removal: the rival, as fast as it can be written.
+//! Flood fill over single voxels, the paper's island removal: the rival, implemented as fast as possible.
 //!
-//! Section 3.4 of the paper: the range maps become a grid of voxels, a queue visits them from the
-//! ground layer up through their six neighbours, and the ranges shrink to what was visited. It may
-//! be cut after any number of voxels (the paper: 100,000 a frame). What the paper leaves open is
-//! decided for speed: one byte a voxel in a padded grid without border tests, a queue that holds
-//! each voxel once, and no look at the maps when nothing was missed.
+//! Section 3.4 of the paper: the range maps become a grid of voxels, a queue visits them from the ground
+//! layer up through their six neighbours, and the ranges shrink to the visited voxels. The visit can be split
+//! after any number of voxels (the paper: 100,000 a frame). Details that the paper leaves open are chosen for
+//! speed: one byte a voxel in a padded grid without border tests, a queue that holds each voxel once, and no
+//! look at the maps if every voxel was visited.
 
 use paros_core::RangeMaps;
 use paros_core::volume::{Axis, Column, Range};
 
-/// Voxels that the paper visits in a frame.
+/// Number of voxels that the paper visits in a frame.
 pub const PAPER_VISITS: usize = 100_000;
 
 const EMPTY: u8 = 0;
 const OCCUPIED: u8 = 1;
 const VISITED: u8 = 2;
 
-/// Whether voxels are left to be visited in a pass.
+/// The state of a pass: finished or not.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum FillState {
     /// The queue holds more voxels.
@@ -25,12 +25,12 @@ pub enum FillState {
     Done,
 }
 
-/// The grid and the queue, kept from pass to pass.
+/// The grid and the queue, which passes reuse.
 pub struct VoxelFill<const N: usize> {
     /// (N + 2)^3 voxels, x fastest, then z, then y, with an empty border.
     voxels: Vec<u8>,
     queue: Vec<u32>,
-    /// The next in the queue.
+    /// Index of the next voxel in the queue.
     head: usize,
     occupied: usize,
 }
@@ -39,7 +39,7 @@ impl<const N: usize> VoxelFill<N> {
     const ROW: usize = N + 2;
     const LAYER: usize = Self::ROW * Self::ROW;
 
-    /// Room for a grid of N^3.
+    /// Allocates memory for a grid of N^3.
     #[expect(clippy::new_without_default, reason = "it is made once, by size")]
     pub fn new() -> Self {
         VoxelFill {
@@ -50,8 +50,8 @@ impl<const N: usize> VoxelFill<N> {
         }
     }
 
-    /// A whole pass. Returns the number of voxels removed, before the ranges' intersection brings some
-    /// back.
+    /// Runs a whole pass. Returns the number of voxels removed, before the ranges' intersection restores
+    /// some.
     pub fn remove_islands(&mut self, maps: &mut RangeMaps<N>) -> usize {
         self.begin_pass(maps);
         while self.visit_voxels(usize::MAX) != FillState::Done {}

@@ -14,7 +14,7 @@ use super::clock::OursTheirs;
 /// The Python program that answers requests.
 const PROGRAM: &str = include_str!("peers.py");
 
-/// The child process. Its input is closed, and its end awaited, when dropped.
+/// The child process. Dropping it closes its input and waits for its end.
 pub(super) struct PythonPeers {
     child: Child,
     requests: Option<ChildStdin>,
@@ -24,22 +24,22 @@ pub(super) struct PythonPeers {
 /// A Python package's version.
 pub(super) type PackageVersion = String;
 
-/// Ours timed beside a rival.
+/// The times of our code beside a rival.
 #[derive(Debug)]
 pub(super) struct PeerTiming {
     pub(super) version: PackageVersion,
-    /// The best of the runs.
+    /// The best time of each side, in milliseconds.
     pub(super) times_ms: OursTheirs<f64>,
-    /// How often each side was run.
+    /// Number of runs of each side.
     pub(super) runs: usize,
 }
 
-/// Why a rival can't be run.
+/// The reason why a rival can't be run.
 #[derive(Debug)]
 pub(super) struct MissingPeer(String);
 
 impl MissingPeer {
-    /// No benchmark of the plan needs it.
+    /// Returns the reason that no benchmark of the plan needs the rival.
     pub(super) fn not_started() -> Self {
         MissingPeer("not started".into())
     }
@@ -116,7 +116,7 @@ impl PythonPeers {
         answer.parse().map_err(|_| MissingPeer(format!("Python answered {answer:?}")))
     }
 
-    /// Sends a request and reads one answer line. Returns what follows `expected_word` in it.
+    /// Sends a request and reads one answer line. Returns the text after `expected_word`.
     ///
     /// # Errors
     /// A package is missing, or the child has ended.
@@ -137,7 +137,7 @@ impl PythonPeers {
 
 impl Drop for PythonPeers {
     fn drop(&mut self) {
-        // The child ends at the end of its input.
+        // The child ends when its input is closed.
         self.requests = None;
         let _ = self.child.wait();
     }

@@ -1,12 +1,13 @@
 //! `bench render`: the sculpture's pass by the fast path and by the paper's, on the device's clock.
 //!
-//! Milliseconds of a frame's sculpture: the fast path's is what finds where rays start and what
-//! draws, the paper's what draws. A ring of eight views, the sculpture filling a quarter of the image
-//! on average; the mean over the views of each one's best run; all shots of a volume take turns. The same
-//! voxels in columns of two intervals are drawn beside: the programs and textures for two, and no other
-//! picture.
-//! Then the view that the sculpture fills, and whole frames: those with a stroke's uploads, the scene in other draw
-//! orders, and that of a visit with all that it shows at once.
+//! Values are the milliseconds of a frame's sculpture: for the fast path, the search for the rays' start
+//! points and the drawing; for the paper's, the drawing. They are the mean over a ring of eight views, in
+//! which the sculpture fills a quarter of the image on average, of each view's best run. All setups of a
+//! volume alternate. The same voxels are also drawn in columns of two intervals, with the programs and
+//! textures for two; the picture is the same.
+//!
+//! Then follow the view that the sculpture fills, and whole frames: with a stroke's uploads, the scene in
+//! other draw orders, and the scene of a visit with everything on screen at once.
 
 use paros_core::volume::Grid;
 use paros_headless::Error;
@@ -26,14 +27,14 @@ use super::visit_scene;
 
 pub(super) const BENCH: &str = "render";
 
-/// What is drawn of a volume, ours first.
+/// The render paths that draw a volume, ours first.
 const PATHS: [RenderPath; 3] = [
     RenderPath::Fast,
     RenderPath::Paper(PaperVariant::Whole),
     RenderPath::Paper(PaperVariant::FullMarch),
 ];
 
-/// Milliseconds of the three paths, of a column's one interval and of two.
+/// Milliseconds of the three paths, with one interval a column and with two.
 #[derive(Clone, Copy)]
 struct Costs {
     one: [f64; PATHS.len()],
@@ -73,7 +74,7 @@ pub(super) fn measure_rows(
     Ok(rows)
 }
 
-/// The geometric means of the ratios of render rows, one for each thing that was compared on several
+/// Returns the geometric means of the ratios of render rows, one for each comparison that was made on several
 /// volumes.
 pub(super) fn geometric_means(rows: &[ReportRow]) -> Vec<ReportRow> {
     let mut means: Vec<(ReportRow, f64, u32)> = vec![];

@@ -1,4 +1,4 @@
-//! Rows: what was measured, as JSON or as a table.
+//! Rows of measured values, as JSON or as a table.
 
 use paros_headless::FetchCounts;
 use paros_shell::edit_totals::EditTotals;
@@ -6,68 +6,68 @@ use serde::Serialize;
 
 use super::clock::OursTheirs;
 
-/// One measurement of ours beside one of another's.
+/// A measurement of ours beside a rival's.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct ReportRow {
-    /// Which bench.
+    /// Name of the benchmark.
     pub bench: &'static str,
-    /// What it was run on.
+    /// Name of the volume or other input.
     pub volume: String,
     /// Voxels along an edge.
     pub size: usize,
-    /// Milliseconds of ours. None for what is no time.
+    /// Our time in milliseconds; `None` for values that are no time.
     pub ours_ms: Option<f64>,
-    /// What it is measured against, or the name of a figure that stands alone.
+    /// Name of the rival, or of a value that stands alone.
     pub against: String,
-    /// Milliseconds of the other's. None where it didn't run, or where there is none.
+    /// The rival's time in milliseconds; `None` if it didn't run or there is no rival.
     pub against_ms: Option<f64>,
-    /// The other's time over ours: above 1 ours is faster.
+    /// The rival's time over ours: above 1 ours is faster.
     pub ratio: Option<f64>,
-    /// Instructions, where those were counted.
+    /// Number of instructions, if counted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub instructions: Option<u64>,
-    /// Bytes, where that is the figure.
+    /// Number of bytes, if measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bytes: Option<u64>,
-    /// The device that drew, where one did.
+    /// The device that drew, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub device: Option<String>,
-    /// The part of the image that the sculpture fills, where it was drawn.
+    /// Fraction of the image that the sculpture fills, if it was drawn.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub filled: Option<f32>,
-    /// What a pixel fetches, where that is the figure.
+    /// Texels that a pixel fetches, if counted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fetches: Option<PixelFetches>,
-    /// How much longer ours takes, in percent, where that is the figure.
+    /// Additional time of ours in percent, if measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub added_percent: Option<f64>,
-    /// Our time over that of the whole frame, or over 1/72 s, in `bench paper`.
+    /// Our time as a fraction of the whole frame's, or of 1/72 s, in `bench paper`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub share: Option<f64>,
-    /// The same as the paper has it.
+    /// The fraction that the paper published.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub published: Option<f64>,
-    /// What closure refuses, in `bench layers`.
+    /// Share of voxels that closure refuses, in `bench layers`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refusal: Option<RefusalShare>,
-    /// Voxels that a tool removes in a second, where that is the figure.
+    /// Voxels that a tool removes in a second, if measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub voxels_per_second: Option<f64>,
-    /// Why the row has no figures.
+    /// The reason why the row has no values.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skipped: Option<String>,
 }
 
-/// What the pixels that show a sculpture fetch, in a ring of views.
+/// Texels fetched by the pixels that show a sculpture, in a ring of views.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct PixelFetches {
-    /// Texels sampled and loaded, in the mean.
+    /// Mean number of texels sampled and loaded.
     pub mean: f64,
-    /// Of the fragment that fetched most.
+    /// Largest number of texels of a fragment.
     pub most: u32,
-    /// Turns of the march, in the mean.
+    /// Mean number of steps of the ray march.
     pub mean_turns: f64,
-    /// Of the fragment that took most.
+    /// Largest number of steps of a fragment.
     pub most_turns: u32,
 }
 
@@ -89,24 +89,24 @@ impl PixelFetches {
     }
 }
 
-/// What closure brings back, in percent of the voxels that were removed and brought back together.
+/// Share of voxels that closure restores, in percent of the removed and restored voxels together.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct RefusalShare {
-    /// With one interval a column.
+    /// The share with one interval a column.
     pub one_percent: f64,
-    /// Of so many voxels.
+    /// The number of voxels that `one_percent` refers to.
     pub one_voxels: u64,
-    /// With two.
+    /// The share with two intervals a column.
     pub two_percent: f64,
-    /// Of so many voxels.
+    /// The number of voxels that `two_percent` refers to.
     pub two_voxels: u64,
-    /// With two, of the volume in which it is most, where there are several.
+    /// The largest share of a volume with two intervals, if there are several volumes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub worst_two_percent: Option<f64>,
 }
 
 impl RefusalShare {
-    /// Of the edits with one interval and of those with two.
+    /// Returns the shares of the edits with one interval and with two.
     pub(super) fn new(one: &EditTotals, two: &EditTotals) -> Self {
         RefusalShare {
             one_percent: one.closure_percent(),
@@ -127,7 +127,7 @@ impl RefusalShare {
     }
 }
 
-/// Rows, and why some figures are missing if they are.
+/// Rows, and the reason if some values are missing.
 #[derive(Debug)]
 pub(super) struct Measured {
     pub(super) rows: Vec<ReportRow>,
@@ -135,7 +135,7 @@ pub(super) struct Measured {
 }
 
 impl ReportRow {
-    /// A row without measurements.
+    /// Returns a row without measurements.
     pub(super) fn new(
         bench: &'static str,
         volume: &str,
@@ -164,12 +164,12 @@ impl ReportRow {
         }
     }
 
-    /// Whether another row makes the same comparison, on any volume.
+    /// Returns `true` if another row makes the same comparison, on any volume.
     pub(super) fn is_same_comparison(&self, other: &ReportRow) -> bool {
         (self.bench, self.size, &self.against) == (other.bench, other.size, &other.against)
     }
 
-    /// With both sides' milliseconds and their ratio, theirs over ours.
+    /// Returns the row with both sides' milliseconds and their ratio, theirs over ours.
     pub(super) fn with_times_ms(self, OursTheirs { ours, theirs }: OursTheirs<f64>) -> Self {
         ReportRow {
             ours_ms: Some(ours),
@@ -179,13 +179,13 @@ impl ReportRow {
         }
     }
 
-    /// With our milliseconds alone.
+    /// Returns the row with our milliseconds only.
     pub(super) fn with_our_time_ms(self, ours_ms: f64) -> Self {
         ReportRow { ours_ms: Some(ours_ms), ..self }
     }
 }
 
-/// The rows as an aligned text table, after a line for each device that drew.
+/// Formats the rows as an aligned text table, after a line for each device that drew.
 #[must_use]
 pub fn format_table(rows: &[ReportRow]) -> String {
     const HEAD: [&str; COLUMNS] =
@@ -216,7 +216,7 @@ pub fn format_table(rows: &[ReportRow]) -> String {
 }
 
 const COLUMNS: usize = 8;
-/// The column of what the paper published.
+/// Index of the column with the paper's value.
 const PUBLISHED: usize = 6;
 
 fn row_cells(row: &ReportRow) -> [String; COLUMNS] {
@@ -254,14 +254,14 @@ fn row_cells(row: &ReportRow) -> [String; COLUMNS] {
     ]
 }
 
-/// Three significant digits, or all digits before the point.
+/// Formats a number with three significant digits, or with all digits before the point.
 fn format_significant(number: f64) -> String {
     let rounded = format!("{number:.2e}");
     let exponent: i32 = rounded.split_once('e').and_then(|(_, e)| e.parse().ok()).unwrap_or(0);
     format!("{number:.*}", usize::try_from(2 - exponent).unwrap_or(0))
 }
 
-/// Milliseconds as text, in microseconds below 0.1 ms.
+/// Formats milliseconds, in microseconds below 0.1 ms.
 fn format_ms(ms: f64) -> String {
     match ms {
         ms if ms < 0.1 => format!("{:.2} us", ms * 1e3),

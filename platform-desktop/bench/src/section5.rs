@@ -1,9 +1,9 @@
-//! `bench paper`: section 5 of the paper, experiment by experiment, beside what it published.
+//! `bench paper`: the experiments in section 5 of the paper, beside the published values.
 //!
-//! What draws is timed on the device, over a ring of views of a headset's frame; each figure is
-//! given as its ratio to the whole frame by the paper's path at the figure's least size. The paper gives
-//! milliseconds of an application's frame, and does not break down the rest. The clean-up runs on one
-//! thread and is given in frames of 1/72 s.
+//! Drawn experiments are timed on the device, over a ring of views of a headset's frame. Each value is the
+//! ratio to the whole frame by the paper's path at the subject's smallest size. The paper gives milliseconds
+//! of an application's frame, and does not break down the rest. The clean-up runs on one thread and is given
+//! in frames of 1/72 s.
 
 use std::cell::RefCell;
 
@@ -24,28 +24,29 @@ use super::subject::BenchSubject;
 
 const BENCH: &str = "paper";
 
-/// The display's frames in a second: one for each tick.
+/// Frames of the display in a second: one for each tick.
 const RATE_HZ: f64 = TICK_RATE as f64;
 const FRAME_MS: f64 = 1e3 / RATE_HZ;
 
-/// The whole frame on the paper's headset, in milliseconds.
+/// Time of the whole frame on the paper's headset, in milliseconds.
 const WHOLE_MS: f64 = 14.7;
-/// Its frame where it keeps up with the display, as the paper rounds it: no more is known.
+/// Time of a frame that keeps up with the display, as rounded in the paper, which gives no more detail.
 const KEPT_UP_MS: f64 = 13.8;
-/// Frames a second with a full march, and at 256.
+/// Frames a second with a full march, and with a grid of 256.
 const FULL_MARCH_FPS: f64 = 60.0;
 const AT_256_FPS: f64 = 50.0;
-/// Milliseconds of a frame with a clean-up in every one.
+/// Milliseconds of a frame if every frame has a clean-up.
 const EVERY_FRAME_MS: f64 = 76.0;
 
-/// An experiment that is drawn.
+/// An experiment that draws frames.
 #[derive(Clone, Copy)]
 struct DrawnExperiment {
     name: &'static str,
     path: RenderPath,
-    /// At the largest of a subject's sides, which must be larger than the least; else at the least.
+    /// `true` for the largest of a subject's sides, which must be larger than the smallest; `false` for the
+    /// smallest.
     at_largest_side: bool,
-    /// Time over that of the whole frame, as the paper has it.
+    /// Published time as a fraction of the whole frame's.
     published_share: Option<f64>,
 }
 
@@ -107,13 +108,13 @@ pub(super) fn measure_rows(
     Ok(Measured { rows, skipped })
 }
 
-/// An experiment with the side of the grid on which it is made.
+/// An experiment with the side of its grid.
 struct SizedExperiment {
     experiment: DrawnExperiment,
     grid_side: usize,
 }
 
-/// The experiments that a subject's sides allow.
+/// Returns the experiments that a subject's sides allow.
 fn available_experiments(subject: &BenchSubject) -> impl Iterator<Item = SizedExperiment> {
     let sides = subject.grid_sides();
     let (least, most) = (sides[0], sides[sides.len() - 1]);
@@ -177,7 +178,8 @@ where
     timer.load_and_fit_framing(subject, &[FrameFormat::HEADSET], &mut *Grid::<N>::lock_fixture())
 }
 
-/// The island pass on a volume without islands, the usual case, by the paper's queue and by our rows.
+/// Measures the island pass on a volume without islands, the usual case, by the paper's queue and by our
+/// rows.
 fn measure_clean_up<const N: usize>(
     subject: &BenchSubject,
     runs: usize,

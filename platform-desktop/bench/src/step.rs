@@ -1,7 +1,7 @@
-//! `bench step`: what the core takes in memory, and the instructions of a session's ticks.
+//! `bench step`: the core's size in memory, and the instructions of a session's ticks.
 //!
-//! A session is played to find its slowest ticks by the clock. These are counted one by one under
-//! Callgrind, and some of all kinds for the mean; to count every tick would take too long.
+//! A session is played to find its slowest ticks by the clock. These are counted one by one under Callgrind,
+//! with a sample of all ticks for the mean; counting every tick would take too long.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -34,19 +34,19 @@ use super::callgrind::{ScratchFolder, count_instructions_per_call};
 use super::clock::time_ms;
 use super::row::{Measured, ReportRow};
 
-/// How many of the slowest ticks are counted.
+/// Number of slowest ticks that are counted.
 const SLOWEST: usize = 300;
 
-/// One tick in so many is counted whatever it does: a prime, so that nothing periodic keeps step.
+/// Sampling interval of the other ticks: a prime, so that no periodic work coincides with it.
 const SAMPLED: usize = 41;
 
-/// Times that a session is played by the clock; the minimum of each tick removes outside delays.
+/// Number of times that a session is played by the clock. The minimum of each tick excludes outside delays.
 const RUNS: usize = 3;
 
 /// Fraction of the progress bar for the runs by the clock; the rest is counting.
 const TIMED: f64 = 0.1;
 
-/// `size_of` the core's large types, at each grid size.
+/// Returns rows with the `size_of` of the core's large types, at each grid size.
 pub(super) fn type_size_rows() -> Vec<ReportRow> {
     GRID_SIDES
         .into_iter()
@@ -61,7 +61,7 @@ pub(super) fn type_size_rows() -> Vec<ReportRow> {
         .collect()
 }
 
-/// Instructions of a tick of the demo.
+/// Counts the instructions of a tick of the demo.
 pub(super) fn measure_demo<const N: usize>(on_progress: OnProgress<'_>) -> Result<Measured, Error>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
@@ -76,7 +76,7 @@ where
     measure_session::<N, INTERVALS>("demo", &trace, &bytes, on_progress)
 }
 
-/// Instructions of a tick of a recorded session.
+/// Counts the instructions of a tick of a recorded session.
 pub(super) fn measure_recorded(
     path: &Path,
     on_progress: OnProgress<'_>,
@@ -110,7 +110,7 @@ where
     sizes.map(|(name, bytes)| type_size_row(N, &name, bytes)).into()
 }
 
-/// The types whose size depends on the intervals of a column.
+/// Returns rows for the types whose size depends on the intervals of a column.
 fn layered_size_rows_at<const N: usize, const K: usize>() -> Vec<ReportRow>
 where
     Grid<N>: Size,
@@ -189,7 +189,7 @@ where
     }
 }
 
-/// Plays a trace, and lowers `best_ms` to each tick's milliseconds where they are less.
+/// Plays a trace, and lowers `best_ms` to each tick's milliseconds if they are less.
 fn replay_and_lower_best_ms<const N: usize, const K: usize>(
     runner: &mut TickRunner<'_, N, K>,
     trace: &Trace,
@@ -202,7 +202,7 @@ fn replay_and_lower_best_ms<const N: usize, const K: usize>(
     }
 }
 
-/// The numbers of the [`SLOWEST`] ticks and of one in [`SAMPLED`], ascending.
+/// Returns the numbers of the [`SLOWEST`] ticks and of every tick in [`SAMPLED`], ascending.
 fn choose_ticks_to_count(times_ms: &[f64]) -> Vec<usize> {
     let mut ticks: Vec<usize> = (0..times_ms.len()).collect();
     ticks.sort_unstable_by(|&a, &b| times_ms[b].total_cmp(&times_ms[a]));
@@ -213,7 +213,7 @@ fn choose_ticks_to_count(times_ms: &[f64]) -> Vec<usize> {
     ticks
 }
 
-/// Progress lines that a replay writes, about.
+/// Approximate number of progress lines that a replay writes.
 const PARTS: usize = 500;
 
 const TRACE: &str = "session.trace";
@@ -223,10 +223,10 @@ fn volume_path(folder: &Path, volume: StartVolume) -> PathBuf {
     folder.join(volume.name()).with_extension("rmap")
 }
 
-/// Plays a trace again under Callgrind: the child's part.
+/// Replays a trace under Callgrind, in the child process.
 ///
 /// # Errors
-/// A file that is not as the measuring run left it.
+/// A file differs from what the measuring run wrote.
 pub(super) fn replay_ticks(session_folder: &Path) -> Result<(), Error> {
     let trace = Trace::read(&session_folder.join(TRACE)).map_err(Error::input)?;
     let list = fs::read_to_string(session_folder.join(CHOSEN)).map_err(Error::input)?;
@@ -276,7 +276,7 @@ where
 /// The counted function's name, as the prefix that all grid sizes share.
 const COUNTED_TICK: &str = concat!(module_path!(), "::counted_tick");
 
-/// One tick, the function that Callgrind counts by this name.
+/// Runs one tick. Callgrind counts this function by its name.
 #[inline(never)]
 fn counted_tick<const N: usize, const K: usize>(
     runner: &mut TickRunner<'_, N, K>,
@@ -288,15 +288,15 @@ fn counted_tick<const N: usize, const K: usize>(
     black_box(runner.world().tick());
 }
 
-/// A tick of a session, and the instructions that it took.
+/// A tick of a session, and its number of instructions.
 #[derive(Clone, Copy)]
 struct CountedTick {
-    /// The number of ticks before it.
+    /// The number of ticks before this one.
     index: usize,
     instructions: u64,
 }
 
-/// Rows of mean, 99th percentile and worst.
+/// Returns rows for the mean, the 99th percentile and the worst tick.
 fn tick_rows<const N: usize>(
     session_name: &str,
     session_ticks: usize,

@@ -30,7 +30,7 @@ enum Source {
 }
 
 impl BenchSubject {
-    /// The default inputs: the project's own figures.
+    /// Returns the default inputs: the project's own figures.
     #[must_use]
     pub fn default_figures() -> Vec<Self> {
         let figures = [Figure::Owl, Figure::Cat].map(|figure| BenchSubject {
@@ -40,10 +40,10 @@ impl BenchSubject {
         figures.into()
     }
 
-    /// The input that a command-line argument names: a figure, a volume (.rmap) or a mesh.
+    /// Returns the input that a command-line argument names: a figure, a volume (.rmap) or a mesh.
     ///
     /// # Errors
-    /// The file, and why it can't be measured on.
+    /// Names the file, and the reason why it can't be measured.
     pub fn from_name_or_path(name_or_path: &Path) -> Result<Self, Error> {
         let text = name_or_path.to_string_lossy();
         if let Some(figure) = Figure::from_name(&text) {
@@ -62,13 +62,13 @@ impl BenchSubject {
         Ok(BenchSubject { name, source: Source::Mesh(mesh, up) })
     }
 
-    /// What it is called in a row.
+    /// Returns the subject's name in rows.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The grid's sides that it can be had at.
+    /// Returns the grid sides at which the subject is available.
     #[must_use]
     pub fn grid_sides(&self) -> &[usize] {
         match &self.source {
@@ -77,11 +77,11 @@ impl BenchSubject {
         }
     }
 
-    /// A line that tells how many voxels are filled to leave one interval a column, of a volume that has
-    /// more: the rivals have one, and two are measured beside it on the same voxels.
+    /// Describes how many voxels are filled to leave one interval a column, for a volume with more: the
+    /// rivals have one interval, and two are compared on the same voxels.
     ///
     /// # Errors
-    /// The file doesn't hold a volume.
+    /// The file doesn't contain a volume.
     pub(super) fn describe_closing_to_one(&self) -> Result<Option<String>, Error> {
         let Source::Volume(path, header) = &self.source else { return Ok(None) };
         if header.intervals_per_column == 1 {
@@ -94,11 +94,11 @@ impl BenchSubject {
         Ok(Some(format!("{path}: {filled} voxels filled to leave 1 interval a column")))
     }
 
-    /// Writes the subject's tight maps, and their voxels to `bit_grid`. A volume of more intervals a column
+    /// Writes the subject's tight maps, and its voxels to `bit_grid`. A volume with more intervals a column
     /// is closed to one.
     ///
     /// # Errors
-    /// The file doesn't hold a volume, or an empty one.
+    /// The file contains no volume, or an empty one.
     pub(super) fn load_into<const N: usize>(
         &self,
         maps: &mut RangeMaps<N>,
@@ -126,11 +126,11 @@ impl BenchSubject {
         Ok(())
     }
 
-    /// The subject as triangles, with its up axis: the mesh itself, or the STL export of the volume.
-    /// `maps` and `bit_grid` are scratch space.
+    /// Converts the subject to triangles, with their up axis: the mesh itself, or the STL export of the
+    /// volume. `maps` and `bit_grid` are scratch space.
     ///
     /// # Errors
-    /// As [`BenchSubject::load_into`].
+    /// The same as for [`BenchSubject::load_into`].
     pub(super) fn to_mesh<const N: usize>(
         &self,
         maps: &mut RangeMaps<N>,

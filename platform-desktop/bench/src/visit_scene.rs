@@ -1,5 +1,5 @@
-//! The scene of a visit with all on screen, panels, previews, tools and hands, beside the sculpture's pass: it is to be
-//! under a third of that.
+//! The scene of a visit with everything on screen (panels, previews, tools and hands), beside the sculpture's
+//! pass. It must take less than a third of that pass.
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
@@ -28,17 +28,18 @@ use super::render::BENCH;
 use super::row::ReportRow;
 use super::subject::BenchSubject;
 
-/// How high a visitor's eyes are, in metres.
+/// Height of a visitor's eyes, in metres.
 const EYE_HEIGHT: f32 = 1.6;
 
-/// The cards of the choice, each with its preview's cell.
+/// The cards of the start choice, each with a preview.
 const CARDS: [(Message, Icon); 3] = [
     (Message::FigureOwl, Icon::Owl),
     (Message::ChoiceFree, Icon::Stone),
     (Message::ChoiceShape, Icon::Shape),
 ];
 
-/// The subject is loaded on the easels already. A visitor stands before it with a tool in each hand; the stool turns.
+/// Measures the scene. The subject is already loaded into the renderers. A visitor stands before it with a
+/// tool in each hand; the stool turns.
 pub(super) fn measure_rows<const N: usize>(
     subject: &BenchSubject,
     runs: usize,
@@ -70,11 +71,11 @@ where
                     scene: Some(scene.draw_list()),
                     panels: &[&panels],
                 };
-                // As in a choice, in which a preview changes with every frame.
+                // Like the start choice, in which a preview changes with every frame.
                 let cell = view % CARDS.len();
                 renderer.set_panel_picture(cell as u8, &preview_picture(cell));
                 let times = renderer.draw_frame(&request, &vec![])?;
-                // The first run is for drivers that put work off.
+                // The first run is a warm-up for drivers that defer work.
                 if run > 0 {
                     let times = split_times(&times);
                     *best = [0, 1].map(|part| best[part].min(times[part]));
@@ -92,14 +93,15 @@ where
     Ok(rows)
 }
 
-/// Nanoseconds of a frame's scene, with the sun's map and the pictures' upload, and of its sculpture.
+/// Returns the nanoseconds of a frame's scene, with the shadow map and the pictures' upload, and of its
+/// sculpture.
 fn split_times(times: &FrameTimes) -> [u64; 2] {
     let in_pass = times.sculpture_ns.unwrap_or(0);
     let sculpture = times.tiles_ns + in_pass;
     [times.total_ns.saturating_sub(sculpture), sculpture]
 }
 
-/// The studio with a tool in each hand, as the world has it.
+/// Assembles the studio with a tool in each hand, from a world's state.
 fn assemble_scene<const N: usize>() -> SceneAssembler
 where
     Grid<N>: Size + Resident<N, 1>,
@@ -124,7 +126,8 @@ where
     })
 }
 
-/// The choice with its previews before the visitor, clock, warning and buttons at the side, and a ray of each hand.
+/// Lays out the start choice with its previews before the visitor, a clock, a warning and buttons at the
+/// side, and a ray from each hand.
 fn lay_out_panels() -> Vec<Panel> {
     let language = Language::Greek;
     let mut choice = Panel::new([0.0; 2]);
@@ -155,7 +158,7 @@ fn lay_out_panels() -> Vec<Panel> {
     vec![choice, side, left, right]
 }
 
-/// A picture such as previews draw.
+/// Returns a picture like those of the previews.
 fn preview_picture(cell: usize) -> Image {
     let side = PANEL_CELL_TEXELS;
     let middle = Vec2::splat(0.5 * side as f32);

@@ -1,4 +1,4 @@
-//! Runs `paros-bench` as a script does: rows with all their keys, and bad input rejected.
+//! Runs `paros-bench` as a script does: complete rows, and errors for bad input.
 
 mod rows;
 mod vulkan;
@@ -6,8 +6,8 @@ mod vulkan;
 use std::env;
 use std::process::{Command, Stdio};
 
-/// A `paros-bench` process that does without what the machine lacks. `PAROS_BENCH` names another build of the program:
-/// a release build measures ten times as fast.
+/// Returns the command of `paros-bench`, set to skip missing dependencies. `PAROS_BENCH` names another build
+/// of the program: a release build measures ten times as fast.
 fn bench_command(args: &[&str]) -> Command {
     let program = env::var_os("PAROS_BENCH");
     let mut bench = Command::new(program.unwrap_or(env!("CARGO_BIN_EXE_paros-bench").into()));

@@ -1,4 +1,4 @@
-//! Rows of what needs no device.
+//! Rows of the benchmarks that need no device.
 
 use std::cell::RefCell;
 use std::fs;
@@ -71,13 +71,13 @@ fn a_missing_rival_leaves_its_half_empty_and_says_so() {
     assert!(required.stdout.is_empty());
 }
 
-/// One run of `paros-bench layers` for all tests.
+/// Returns the rows of a run of `paros-bench layers`, shared by all tests.
 fn layer_rows() -> &'static [Value] {
     static ROWS: OnceLock<Vec<Value>> = OnceLock::new();
     ROWS.get_or_init(|| rows(&["layers", "toy", "--runs", "1", "--json"]))
 }
 
-/// Each beside one interval's, at both sizes.
+/// Each cost is compared with one interval's, at both sizes.
 #[test]
 fn what_two_intervals_cost_is_told() {
     for side in [128, 256] {
@@ -111,7 +111,7 @@ fn what_two_intervals_cost_is_told() {
     }
 }
 
-/// The names of two rows: one interval's, then that of two.
+/// Returns the names of two rows: with one interval, then with two.
 fn of_both(what: &str) -> (String, String) {
     (format!("{what}, one interval a column"), format!("{what}, two intervals a column"))
 }
@@ -131,7 +131,7 @@ fn a_bake_of_two_intervals_has_a_row() {
     }
 }
 
-/// Beside its edits, what its world takes in a save.
+/// The rows give the session's edits, and the size of its world in a save.
 #[test]
 fn a_session_is_played_with_one_interval_and_with_two() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-layers");
@@ -154,7 +154,8 @@ fn a_session_is_played_with_one_interval_and_with_two() {
     assert!(0 < one && one < two && two < 2 * one, "{one} {two}");
 }
 
-/// A volume of two intervals is measured on as one interval holds it: that is said, and how far it is off.
+/// A volume of two intervals is measured in the closest form of one interval. The report states this, with
+/// the number of voxels filled.
 #[test]
 fn what_is_filled_of_a_volume_is_told() {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-hollow.rmap");
@@ -180,7 +181,7 @@ fn what_is_filled_of_a_volume_is_told() {
     assert!(!said.contains("filled"), "{said}");
 }
 
-/// The aims of two intervals: holes 0.5 %, undercuts 5 % and 10 % at worst, slots 1 %.
+/// The limits for two intervals: holes 0.5 %, undercuts 5 % and 10 % at worst, slots 1 %.
 #[test]
 fn two_intervals_keep_cuts_that_one_refuses() {
     let cuts: Vec<_> = layer_rows().iter().filter(|row| row.get("refusal").is_some()).collect();
@@ -199,8 +200,9 @@ fn two_intervals_keep_cuts_that_one_refuses() {
     }
 }
 
-/// The aims at the speed of hands: a groove at 0.6 m/s 95 % of the slow one, at 1 m/s 85 %, chisels at 0.3 m/s 60 %;
-/// a circle 95 %, and no more than 3 % beside it; 20,000 voxels a second of roughing out.
+/// The goals at the speed of hands, as fractions of the slow cut: a groove at 0.6 m/s 95 %, at 1 m/s 85 %,
+/// chisels at 0.3 m/s 60 %; a circle 95 %, with at most 3 % outside; and 20,000 voxels a second in roughing
+/// out.
 #[test]
 #[ignore = "100 s in a debug build: `.ci/run bench` measures in a release build"]
 fn bits_keep_up_with_hands() {
@@ -219,20 +221,21 @@ fn bits_keep_up_with_hands() {
         assert!(row["ratio"].as_f64().unwrap() >= least, "{row}");
         checked += 1;
     }
-    // Of rotary bits three sizes of three, two of three, and one saw; of two chisels three sizes; four circles.
+    // Rotary bits: three in three sizes, three in two, a saw, each at three speeds. Two chisels, three sizes.
+    // Four circles.
     assert_eq!(checked, 2 * (16 * 3 + 6 + 4));
     let beside = rows.iter().filter(|row| row["against"].as_str().unwrap().contains("outside"));
     assert!(beside.clone().count() == 8);
     beside.for_each(|row| assert!(row["ratio"].as_f64().unwrap() <= 0.03, "{row}"));
     let raster = rows.iter().filter(|row| row.get("voxels_per_second").is_some());
-    // Voxels at 256 are an eighth of those at 128.
+    // Voxels at 256 have an eighth of the volume of those at 128.
     raster.for_each(|row| {
         let least = if row["size"] == 256 { 160_000.0 } else { 20_000.0 };
         assert!(row["voxels_per_second"].as_f64().unwrap() > least, "{row}");
     });
 }
 
-/// Instructions of a debug build say nothing: that they are there is enough.
+/// Instruction counts of a debug build are meaningless: the test only checks that they exist.
 #[test]
 fn the_worst_frame_of_each_change_is_told() {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-field-toy.rmap");
@@ -283,7 +286,7 @@ fn the_help_names_every_figure() {
     assert!(help.contains("takes minutes"), "{help}");
 }
 
-/// The part that takes minutes says how far it is.
+/// The part that takes minutes reports its progress.
 #[test]
 fn a_counted_replay_tells_its_progress() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-progress");
@@ -309,7 +312,7 @@ fn a_counted_replay_tells_its_progress() {
     assert!(parts.is_sorted() && parts[0] == 0.0 && parts[399] > 0.99, "{parts:?}");
 }
 
-/// Within a piece, too: without a count, as here, from run to run.
+/// Progress is also reported within a piece; without counting, as here, after each run.
 #[test]
 fn progress_is_told_within_a_piece() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-pieces");
@@ -343,7 +346,7 @@ fn plan_without_subjects(bench: Benchmark) -> Plan {
     }
 }
 
-/// What a trace must be, before anything is counted.
+/// A trace is checked before anything is counted.
 #[test]
 fn a_trace_that_differs_is_refused_at_its_tick() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-step");

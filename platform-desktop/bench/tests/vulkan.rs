@@ -1,4 +1,4 @@
-//! Rows of what a Vulkan device draws, and what is reported without one.
+//! Rows of the benchmarks that need a Vulkan device, and the reports without one.
 
 use std::process::{Command, Output};
 
@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::bench_command;
 
-/// The name of the best device, if there is one.
+/// Returns the name of the best device, if there is one.
 fn device() -> Option<String> {
     require_or_skip(paros_headless::open_gpu(None)).unwrap().map(|gpu| gpu.name.clone())
 }
@@ -19,7 +19,7 @@ fn succeeds(args: &[&str]) -> Output {
     output
 }
 
-/// The command fails for what the machine lacks, with one line that says `word`.
+/// Checks that the command fails because of a missing dependency, with one line that contains `word`.
 fn fails(mut command: Command, word: &str) {
     let output = command.output().unwrap();
     let errors = String::from_utf8_lossy(&output.stderr);
@@ -144,7 +144,7 @@ fn a_device_that_is_not_there_is_named() {
 fn without_vulkan_a_line_says_so() {
     let without = |args: &[&str]| {
         let mut bench = bench_command(args);
-        // The older name too, for older loaders.
+        // Older loaders use the older name.
         bench.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent");
         bench
     };

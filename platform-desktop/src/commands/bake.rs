@@ -1,4 +1,4 @@
-//! `paros bake`: a mesh becomes a volume.
+//! `paros bake`: converts a mesh to a volume.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -61,7 +61,7 @@ where
     let up = match args.up {
         Some(MeshAxis::Y) => UpAxis::Y,
         Some(MeshAxis::Z) => UpAxis::Z,
-        // The mesh has been read, so its name has a kind.
+        // The mesh has been read, so its extension is known.
         None => {
             MeshFormat::from_extension(&args.mesh).map_or(UpAxis::Y, MeshFormat::default_up_axis)
         }

@@ -1,4 +1,4 @@
-//! `paros bench`: names the program that measures.
+//! `paros bench`: names the benchmark program.
 
 use std::ffi::OsString;
 

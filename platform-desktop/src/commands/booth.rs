@@ -1,4 +1,4 @@
-//! `paros booth`: the booth is a program of its own, beside this one.
+//! `paros booth`: runs the booth, which is a separate program beside this one.
 
 use std::env;
 use std::ffi::OsString;
@@ -8,7 +8,7 @@ use std::process::Command;
 
 use paros_headless::Error;
 
-/// The command that builds the booth, and a `paros` that can send to it.
+/// The command that builds the booth, and a `paros` with uploads to it.
 pub(crate) const BUILD_COMMAND: &str =
     "cargo build --release -p paros-booth -p paros-desktop --features paros-desktop/booth";
 
@@ -21,7 +21,7 @@ pub(super) struct Args {
     arguments: Vec<OsString>,
 }
 
-/// Becomes the booth, so that a signal to this process is one to it.
+/// Replaces this process by the booth, so that signals to this process reach the booth.
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     let booth = env::current_exe().map_err(Error::failure)?.with_file_name("paros-booth");
     let error = Command::new(&booth).args(&args.arguments).exec();

@@ -22,7 +22,7 @@ use paros_shell::{durable, rmap, with_intervals};
 
 use super::volume;
 
-/// The files that it writes.
+/// The files that the command writes.
 const FILES: [&str; 5] =
     ["session.trace", "sculpture.rmap", "sculpture.stl", "contact-sheet.png", "report.txt"];
 
@@ -55,13 +55,13 @@ enum ScriptChoice {
 pub(super) fn run(args: &Args) -> Result<String, Error> {
     let folder = &args.output;
     durable::make_folder(folder)?;
-    // Checked before the work, and written together after it.
+    // Check the targets before the work; they are written together after it.
     let tried =
         FILES.iter().map(|name| WriteTarget::resolve_and_check_writable(&folder.join(name)));
     let targets = tried.collect::<Result<Vec<_>, _>>()?;
     let (files, mut report) = with_intervals!(args.layers, K => match args.script {
         ScriptChoice::Owl => play_and_encode::<256, K>(DemoScript::Owl),
-        // Its slots are as wide as a bit, and show all they have in larger voxels.
+        // The lantern's slots are as wide as a bit, so that larger voxels show all of their detail.
         ScriptChoice::Lantern => play_and_encode::<128, K>(DemoScript::Lantern),
     })?;
     let targets_and_bytes = targets.into_iter().zip(files.iter().map(|bytes| &bytes[..]));
@@ -70,7 +70,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     Ok(report)
 }
 
-/// The contents of [`FILES`] and the report, which is the last of them.
+/// Returns the contents of [`FILES`] and the report, which is also the last of the files.
 fn play_and_encode<const N: usize, const K: usize>(
     script: DemoScript,
 ) -> Result<([Vec<u8>; FILES.len()], String), Error>
@@ -101,7 +101,7 @@ struct DemoResult {
     spent: Duration,
 }
 
-/// What the rasp did to what it worked.
+/// The effect of the rasp on the stone.
 struct RaspWork<const N: usize>
 where
     Grid<N>: Size,
@@ -114,7 +114,7 @@ impl<const N: usize> RaspWork<N>
 where
     Grid<N>: Size,
 {
-    /// Notes the stone as a chapter leaves it.
+    /// Notes the stone at the end of a chapter.
     fn note_chapter(&mut self, chapter: Chapter, stone: &BitGrid<N>) {
         match chapter {
             Chapter::Cord => self.before = Some(Box::new(stone.clone())),
@@ -127,7 +127,7 @@ where
     }
 }
 
-/// What islands and undo took, over all ticks.
+/// Totals of removed islands and of undone strokes, over all ticks.
 #[derive(Default)]
 struct IslandCounts {
     voxels: u64,
@@ -244,7 +244,7 @@ where
     );
     let spent = begun.elapsed() - drawing;
     let trace = runner.end_recording_to_bytes().unwrap_or_default();
-    // No ticks follow: the export is finished at once.
+    // No more ticks follow: run the export to its end now.
     let stl = stl_exporter.run_export_to_end().or(stl);
     let stl = stl.ok_or_else(|| Error::Failure("the demo was not finished".into()))?;
     let digest = runner.world().digest();

@@ -1,4 +1,4 @@
-//! Renderer choice of the commands: the CPU or a Vulkan device, by one of two render paths.
+//! Renderer choice of the commands: the CPU or a Vulkan device, with one of two render paths.
 
 use clap::ValueEnum;
 use paros_core::RangeMaps;
@@ -15,7 +15,7 @@ use paros_shaders::{
 };
 use paros_shell::statics::Resident;
 
-/// Samples of a pixel on a Vulkan device.
+/// Samples for each pixel on a Vulkan device.
 const SAMPLES: u32 = 4;
 
 /// How pictures are to be drawn.
@@ -41,7 +41,7 @@ enum PathChoice {
     Fast,
 }
 
-/// A renderer of pictures of one size.
+/// A renderer of pictures of a fixed size.
 pub(super) enum PictureRenderer<const N: usize, const K: usize> {
     Cpu(RenderOptions, Option<Box<LitRoom>>),
     Vulkan {
@@ -53,7 +53,7 @@ pub(super) enum PictureRenderer<const N: usize, const K: usize> {
     },
 }
 
-/// What is drawn around the sculpture.
+/// The surroundings of the sculpture in a picture.
 pub(super) enum DrawingBackground {
     /// A grey backdrop; on the CPU a bare stool.
     Backdrop,
@@ -61,7 +61,7 @@ pub(super) enum DrawingBackground {
     Room(Box<SceneAssembler>),
 }
 
-/// The room with all tools in their places.
+/// Returns the room with all tools in their places.
 pub(super) fn assemble_room<const N: usize, const K: usize>() -> Box<SceneAssembler>
 where
     Grid<N>: Size + Resident<N, K>,
@@ -71,8 +71,8 @@ where
     room
 }
 
-/// The bytes of a PNG file with a sculpture's picture in the studio, 720 pixels a side: by the best Vulkan device, and
-/// where that fails by the processors, which take ten times as long as a driver in software.
+/// Draws a sculpture in the studio, 720 pixels a side, and returns the bytes of a PNG file. Uses the best
+/// Vulkan device; if that fails the CPU, which is ten times as slow as a software driver.
 pub(super) fn draw_portrait_png<const N: usize>(
     maps: &RangeMaps<N, INTERVALS>,
 ) -> Result<Vec<u8>, String> {
@@ -84,14 +84,14 @@ pub(super) fn draw_portrait_png<const N: usize>(
 
 fn draw_portrait<const N: usize>(maps: &RangeMaps<N, INTERVALS>) -> Result<Image, Error> {
     let options = DrawingOptions { renderer: RendererChoice::Vulkan, path: PathChoice::Fast };
-    // The session holds the lock of its own world. All tools are in their places in this one too.
+    // The session holds the lock of its own world. This world also has all tools in their places.
     let room = DrawingBackground::Room(assemble_room::<128, 1>());
     options.make_renderer(PORTRAIT_SIZE, 1, room)?.draw_volume(maps, &portrait_camera(), &|_| {})
 }
 
 impl DrawingOptions {
-    /// Makes a renderer of pictures of `[width, height]` pixels. On the CPU, `rays_along_pixel_side`
-    /// rays go along each side of a pixel.
+    /// Creates a renderer of pictures of `[width, height]` pixels. On the CPU, each pixel gets
+    /// `rays_along_pixel_side` rays along each side.
     pub(super) fn make_renderer<const N: usize, const K: usize>(
         &self,
         [width, height]: [usize; 2],

@@ -1,4 +1,4 @@
-//! `paros enrol`: this machine becomes one of a booth's headsets.
+//! `paros enrol`: enrols this machine as one of a booth's headsets.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -38,7 +38,8 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     let name = DeviceName::new(&name)
         .ok_or_else(|| Error::Input("--name: expected a name without control characters".into()))?;
     let device = NewDevice::draw(read_machine_hint(), name).map_err(|error| to_error(&error))?;
-    // Tried before anything is asked: an enrolment that can't be kept is a headset too many at the booth.
+    // Check before the request: if the enrolment couldn't be stored, the booth would keep a headset that
+    // doesn't exist.
     if let Some(folder) = file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         durable::make_folder(folder)?;
     }
@@ -50,7 +51,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
 }
 
 fn refuse_second_enrolment(file: &Path, again: bool) -> Result<(), Error> {
-    // One that can't be read isn't overwritten unasked either.
+    // An enrolment that can't be read isn't overwritten without `--again` either.
     let found = if again { Ok(None) } else { Enrolment::read(file) };
     let Some(found) = found.map_err(|error| to_error(&error))? else { return Ok(()) };
     let (file, headset, address) = (file.display(), found.owner.headset, found.address);
@@ -76,7 +77,7 @@ fn read_host_name() -> String {
     name.trim().to_owned()
 }
 
-/// What this machine remembers itself by, without telling what its id is.
+/// Returns a hint by which this machine recognises itself, without revealing its id.
 fn read_machine_hint() -> Option<DeviceHint> {
     let id = fs::read_to_string("/etc/machine-id").ok().filter(|id| !id.trim().is_empty())?;
     Some(hint_of_device(id.trim()))

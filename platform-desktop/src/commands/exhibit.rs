@@ -1,4 +1,4 @@
-//! `paros exhibit`: a booth and a studio with visits on one machine, enrolled at each other.
+//! `paros exhibit`: runs a booth and a studio with visits on one machine, enrolled at each other.
 
 mod mail_sink;
 
@@ -43,27 +43,27 @@ pub(super) struct Args {
     window: Vec<OsString>,
 }
 
-/// How often it is looked whether window and booth are there.
+/// Poll interval for the window and the booth.
 const LOOK_EVERY: Duration = Duration::from_millis(100);
 
-/// The least time between two starts of a booth that ends.
+/// Least time between two restarts of the booth.
 const RESTART_EVERY: Duration = Duration::from_secs(5);
 
-/// The folders of an exhibition.
+/// Folders of an exhibition.
 struct ExhibitPlaces {
     booth: PathBuf,
-    /// What `XDG_DATA_HOME` is to the studio.
+    /// Value of `XDG_DATA_HOME` for the studio.
     data: PathBuf,
     sculptures: PathBuf,
     mails: PathBuf,
 }
 
-/// A booth's program that serves. It is told to end when it is dropped.
+/// A running booth process. Dropping it sends a termination signal and waits for the end.
 struct RunningBooth {
     process: Child,
-    /// Where this machine reaches it.
+    /// Address at which this machine reaches the booth.
     address: String,
-    /// Where it listens, by the port that it has.
+    /// Address on which the booth listens, with its actual port.
     listen: SocketAddr,
 }
 
@@ -99,7 +99,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     end_of_window(wait_for_window(window, booth, start, &end)?, &folder)
 }
 
-/// Set once this program is told to end: then all of it ends.
+/// Registers a flag that termination signals set. The command then ends all its processes.
 fn listen_for_end() -> Result<Arc<AtomicBool>, Error> {
     let end = Arc::new(AtomicBool::new(false));
     for signal in [SIGTERM, SIGINT, SIGHUP] {
@@ -108,8 +108,8 @@ fn listen_for_end() -> Result<Arc<AtomicBool>, Error> {
     Ok(end)
 }
 
-/// Waits for the window's end, or until `end` is set, and ends it. A booth that ends before it is said, and started again
-/// where it was.
+/// Waits until the window ends, or ends it once `end` is set. If the booth ends earlier, this is reported and
+/// the booth restarted at the same address.
 fn wait_for_window(
     mut window: Child,
     booth: RunningBooth,
@@ -122,7 +122,7 @@ fn wait_for_window(
     let mut is_told = false;
     loop {
         if end.load(Ordering::Relaxed) {
-            // The session was saved as it went, and goes on at the next start.
+            // The session is saved continuously, and resumes at the next start.
             tell_to_end(&mut window);
         }
         if let Some(status) = window.try_wait().map_err(Error::failure)? {
@@ -134,7 +134,7 @@ fn wait_for_window(
         }
         if booth.is_none() && next_start <= Instant::now() {
             next_start = Instant::now() + RESTART_EVERY;
-            // The window goes on without.
+            // The window continues without a booth.
             match start(listen) {
                 Ok(started) => booth = Some(started),
                 Err(why) if !is_told => {
@@ -157,7 +157,7 @@ fn end_of_window(window: ExitStatus, folder: &Path) -> Result<String, Error> {
     }
 }
 
-/// The booth's program, which is beside this one.
+/// Finds the booth's program, which is beside this one.
 fn find_booth() -> Result<PathBuf, Error> {
     let booth = env::current_exe().map_err(Error::failure)?.with_file_name("paros-booth");
     match booth.exists() {
@@ -170,7 +170,7 @@ fn find_booth() -> Result<PathBuf, Error> {
 }
 
 impl RunningBooth {
-    /// Starts it, and passes on what it prints: its address, its fingerprint, the first account's code.
+    /// Starts the booth, and prints its messages: its address, its fingerprint, the first account's code.
     fn start(
         program: &Path,
         listen: SocketAddr,
@@ -179,7 +179,7 @@ impl RunningBooth {
     ) -> Result<Self, Error> {
         let mut command = Command::new(program);
         command.arg("--listen").arg(listen.to_string()).arg("--folder").arg(&places.booth);
-        // By whatever name the page is asked, this machine's studio asks by this one.
+        // The booth's page may be requested under any name, but this machine's studio uses this name.
         command.args(["--name", "127.0.0.1"]);
         if let Some(sink) = sink {
             let server = sink.address().to_string();
@@ -229,12 +229,13 @@ fn tell_to_end(process: &mut Child) {
     let pid = i32::try_from(process.id()).ok().and_then(Pid::from_raw);
     let told = pid.map(|pid| kill_process(pid, Signal::TERM));
     if !matches!(told, Some(Ok(()))) {
-        // It loses nothing by that either.
+        // A killed booth loses no data either.
         let _ = process.kill();
     }
 }
 
-/// Enrols the studio, unless a run before did. The booth's port may be another since.
+/// Enrols the studio, unless an earlier run has done so. In that case only the address is updated, as the
+/// booth's port may have changed.
 fn enrol(program: &Path, places: &ExhibitPlaces, address: &str) -> Result<(), Error> {
     let file = enrolment_file(&places.data.join("paros"));
     if let Some(found) = Enrolment::read(&file).map_err(Error::input)? {

@@ -1,4 +1,4 @@
-//! `paros export`: a volume becomes a mesh to print.
+//! `paros export`: converts a volume to a mesh for printing.
 
 use std::path::PathBuf;
 

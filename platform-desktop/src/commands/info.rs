@@ -1,4 +1,4 @@
-//! `paros info`: what a file holds.
+//! `paros info`: describes the contents of a file.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -41,7 +41,7 @@ struct VolumeInfo {
     voxels: u64,
     /// Voxels in the layer y = 0.
     ground: u64,
-    /// First and last occupied voxel along x, y and z; none in an empty volume.
+    /// First and last occupied voxel along x, y and z; `None` for an empty volume.
     bounds: Option<[[usize; 3]; 2]>,
 }
 
@@ -51,7 +51,7 @@ struct MeshInfo {
     triangles: usize,
     /// Lowest and highest coordinates of the triangles, in the file's units and axes.
     bounds: Option<([f32; 3], [f32; 3])>,
-    /// Directed edges that more than one triangle uses: 0 where the winding is consistent.
+    /// Number of directed edges that more than one triangle uses; 0 for consistent winding.
     winding_faults: usize,
 }
 
@@ -98,13 +98,13 @@ where
     })
 }
 
-/// The least and greatest coordinates of a volume's occupied voxels.
+/// The smallest and largest coordinates of a volume's occupied voxels.
 struct VoxelBounds {
     first: [usize; 3],
     last: [usize; 3],
 }
 
-/// The bounds of the occupied voxels; none in an empty volume.
+/// Returns the bounds of the occupied voxels; `None` for an empty volume.
 fn voxel_bounds<const N: usize>(bit_grid: &BitGrid<N>) -> Option<VoxelBounds>
 where
     Grid<N>: Size,

@@ -66,7 +66,7 @@ impl Cli {
     /// Runs the command. Returns its output as whole lines.
     ///
     /// # Errors
-    /// What failed, and whether input or program is at fault. No file is written then.
+    /// Returns the reason, and if input or program is at fault. No file is written then.
     pub fn run(&self) -> Result<String, Error> {
         match &self.command {
             None => match &self.file {

@@ -1,5 +1,5 @@
-//! `paros enrol` and `paros exhibit` in a build without HTTPS, which the feature `booth` adds: TLS takes long to
-//! compile, and most studios send nothing.
+//! `paros enrol` and `paros exhibit` in a build without HTTPS. The feature `booth` adds HTTPS: TLS takes long
+//! to compile, and most studios upload nothing.
 
 use std::ffi::OsString;
 
@@ -16,7 +16,7 @@ pub(super) struct Args {
     _arguments: Vec<OsString>,
 }
 
-/// Returns the command that builds a `paros` with HTTPS.
+/// Returns an error with the command that builds a `paros` with HTTPS.
 pub(super) fn run(_: &Args) -> Result<String, Error> {
     Err(Error::Failure(format!("this build has no HTTPS; `{BUILD_COMMAND}` adds it")))
 }

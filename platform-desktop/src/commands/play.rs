@@ -1,4 +1,4 @@
-//! `paros play`: a recorded session is stepped again, and must lead to the same digests.
+//! `paros play`: replays a recorded session, which must lead to the same digests.
 
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
@@ -55,7 +55,7 @@ pub(super) struct Args {
 /// Width and height of a picture.
 const FRAME_SIZE: [usize; 2] = [640, 480];
 
-/// Ticks from one picture to the next.
+/// Ticks between two pictures.
 const FRAME_TICKS: usize = 36;
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
@@ -82,7 +82,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     ))
 }
 
-/// Reads a trace; a volume in its place is told from it.
+/// Reads a trace. A volume in its place is reported as such.
 pub(super) fn read_trace(path: &Path) -> Result<Trace, Error> {
     if volume::has_volume_header(path) {
         let what = path.display();
@@ -139,8 +139,8 @@ where
     Ok(report)
 }
 
-/// Reads the volume that sessions start from as the visitor's own, with as many intervals a column as the trace
-/// has; returns a line that tells what was filled for that.
+/// Reads the volume for sessions that start from the visitor's own, with as many intervals a column as the
+/// trace has. Returns a line that reports the voxels filled for that.
 pub(super) fn read_visitor_volume<const N: usize, const K: usize>(
     layers: &volume::LayersOption,
     path: &Path,
@@ -157,7 +157,7 @@ where
     layers.read_nonempty_volume(path, maps)
 }
 
-/// The files that are written at the end.
+/// The files to write at the end.
 struct OutputTargets {
     digests: Option<WriteTarget>,
     stl: Option<WriteTarget>,
@@ -194,7 +194,7 @@ struct ReplayResult {
     edits: EditTotals,
 }
 
-/// What edits did, as JSON has it. Percents are of all removed and refused together.
+/// Statistics of the edits, for JSON. Percentages are of all removed and refused voxels together.
 #[derive(Debug, Serialize)]
 struct EditStats {
     edits: u64,
@@ -275,8 +275,8 @@ where
     Ok(played)
 }
 
-/// The STL file of the last tick's sculpture. A session that was finished has its export in progress or
-/// made already; else one is begun.
+/// Returns the STL file of the last tick's sculpture. Uses the export of a finished session, complete or in
+/// progress; else starts an export.
 fn stl_of_last_tick<const N: usize, const K: usize>(
     stl_exporter: &mut StlExporter<'_, N, K>,
     finished_earlier: Option<FinishedStl>,
@@ -291,8 +291,8 @@ where
     stl_exporter.run_export_to_end().or(finished_earlier)
 }
 
-/// Draws a picture of a replay to `{number:06}.png`. The folder is made with the first picture, when
-/// the trace is known to match.
+/// Draws a picture of a replay to `{number:06}.png`. The folder is created with the first picture, once the
+/// trace is known to match.
 fn write_picture<const N: usize, const K: usize>(
     renderer: &mut PictureRenderer<N, K>,
     folder: &Path,

@@ -1,4 +1,4 @@
-//! `paros render`: a picture of a volume, or a turntable of it.
+//! `paros render`: draws a picture of a volume, or a turntable.
 
 use std::path::{Path, PathBuf};
 
@@ -15,11 +15,11 @@ use paros_shell::{with_intervals, with_size};
 use super::drawing::{DrawingBackground, DrawingOptions, PictureRenderer, assemble_room};
 use super::volume;
 
-/// The most frames of a turntable: one for each degree.
+/// Maximum number of frames of a turntable: one for each degree.
 const MOST_FRAMES: i64 = 360;
-/// The most pixels of all frames together: the file is made in memory.
+/// Maximum number of pixels in all frames: the file is built in memory.
 const MOST_PIXELS: usize = 1 << 29;
-/// How long a turntable takes to go round.
+/// Duration of a turntable's full turn.
 const ROUND_SECONDS: u16 = 6;
 
 /// Render a picture of a volume, or of a figure.
@@ -55,20 +55,20 @@ pub(super) struct Args {
     drawing: DrawingOptions,
 }
 
-/// What was written, for `--json`.
+/// Report of what was written, for `--json`.
 #[derive(serde::Serialize)]
 struct Written<'a> {
     picture: &'a Path,
     width: usize,
     height: usize,
     frames: u16,
-    /// Voxels that had no room in a column and were filled in, if any.
+    /// Report of the voxels that had no room in a column and were filled; may be empty.
     #[serde(skip_serializing_if = "str::is_empty")]
     note: &'a str,
 }
 
 impl Args {
-    /// The figure that is drawn, as `bench` names it; a file of that name is `./owl`.
+    /// Returns the figure to draw, by its name in `bench`. A file with such a name is given as `./owl`.
     fn figure(&self) -> Option<Figure> {
         Figure::from_name(self.volume.to_str()?)
     }
@@ -77,7 +77,7 @@ impl Args {
 /// Voxels along an edge of a figure.
 const FIGURE_SIDE: usize = 128;
 
-/// Rays along a side of each pixel.
+/// Rays along each side of a pixel.
 const SAMPLES: usize = 2;
 
 /// The direction of a view, in degrees.
@@ -124,7 +124,7 @@ where
         Some(figure) => figure.rasterize_into(&mut maps, &mut Grid::<N>::lock_bit_grid()),
         None => filled = args.layers.read_nonempty_volume(&args.volume, &mut maps)?,
     }
-    // Tried before the work: a place where no file can be is told at once.
+    // Check before the work, so that an invalid target is reported at once.
     let target = WriteTarget::resolve_and_check_writable(&args.output)?;
     let surroundings = match args.plain {
         true => DrawingBackground::Backdrop,
@@ -146,7 +146,7 @@ where
     })
 }
 
-/// The bytes of the picture, or of the turntable that starts with it.
+/// Returns the bytes of the picture, or of the turntable that starts with it.
 fn draw_png<const N: usize, const K: usize>(
     args: &Args,
     renderer: &mut PictureRenderer<N, K>,

@@ -1,4 +1,4 @@
-//! `paros settings`: the file of settings, checked, shown, and a template of it.
+//! `paros settings`: checks or shows the settings file, or prints a template.
 
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
@@ -50,7 +50,7 @@ pub(super) struct OwnFigures {
 #[derive(Serialize)]
 struct Check<'a> {
     file: String,
-    /// How many settings are set.
+    /// Number of settings in the file.
     settings: usize,
     faults: Vec<Fault<'a>>,
 }
@@ -66,9 +66,9 @@ struct Fault<'a> {
 #[derive(Serialize)]
 struct Shown<'a> {
     name: &'a str,
-    /// As the file has it, but of a PIN only that it is set; none where nothing is set.
+    /// The value as in the file; for a PIN only that it is set; `None` if the file doesn't set it.
     value: Option<serde_json::Value>,
-    /// The file and the place there, or `default`.
+    /// The file and the position in it, or `default`.
     from: String,
     shell: &'a str,
 }
@@ -81,12 +81,12 @@ pub(super) fn run(action: &Action) -> Result<String, Error> {
     }
 }
 
-/// The file of settings where none is named.
+/// Returns the default path of the settings file.
 pub(super) fn default_file() -> PathBuf {
     StudioPaths::for_user(None).settings
 }
 
-/// Why a file that was named can't be read.
+/// Returns the error for a file that doesn't exist.
 pub(super) fn missing_file(path: &Path) -> Error {
     Error::Input(format!("{}: cannot read: there is no such file", path.display()))
 }
@@ -151,7 +151,8 @@ fn show_as_json(loaded: &LoadedSettings) -> Result<String, Error> {
     Ok(serde_json::to_string_pretty(&shown).map_err(Error::failure)? + "\n")
 }
 
-/// What TOML has of our values is JSON too; that a PIN is set is neither.
+/// Converts a value to JSON. TOML and JSON have the same syntax for our values, except for the note that a
+/// PIN is set.
 fn to_json(setting: &Setting, value: &str) -> Option<serde_json::Value> {
     match setting.kind {
         SettingKind::Pin => Some(value.into()),
@@ -159,12 +160,12 @@ fn to_json(setting: &Setting, value: &str) -> Option<serde_json::Value> {
     }
 }
 
-/// The report, or the error that a layer's faults are, after the report was written all the same.
+/// Returns the report. If the layer has faults, writes the report and returns the faults as an error.
 fn end_with_faults(report: String, layer: &SettingsLayer) -> Result<String, Error> {
     if layer.faults.is_empty() {
         return Ok(report);
     }
-    // A reader that has seen enough and left is no error.
+    // A reader that closes the pipe early is no error.
     let _ = io::stdout().lock().write_all(report.as_bytes());
     let told: Vec<_> = layer.faults.iter().map(|fault| fault.describe(&layer.source)).collect();
     Err(Error::Input(told.join("\n")))

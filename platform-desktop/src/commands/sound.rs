@@ -1,4 +1,4 @@
-//! `paros sound`: what a recorded session sounds like, as a file.
+//! `paros sound`: renders the sound of a recorded session to a file.
 
 use std::io::{self, Cursor, Write as _};
 use std::path::PathBuf;
@@ -35,7 +35,7 @@ pub(super) struct Args {
     loudness: u32,
 }
 
-/// Two channels of 16 bits, whole seconds of which fill the 4 GiB that a WAV file can have.
+/// Bytes of a frame of two channels of 16 bits. A WAV file is limited to 4 GiB, in whole seconds.
 const FRAME_BYTES: u64 = 4;
 
 pub(super) fn run(args: &Args) -> Result<String, Error> {
@@ -66,7 +66,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     Ok(format!("{}: {seconds:.1} s\n", args.output.display()))
 }
 
-/// The bytes of the WAV file.
+/// Returns the bytes of the WAV file.
 fn render_trace<const N: usize, const K: usize>(
     args: &Args,
     trace: &Trace,

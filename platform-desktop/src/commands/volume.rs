@@ -17,7 +17,7 @@ use paros_shell::sizes::{
 };
 use paros_shell::stl_export::FinishedStl;
 
-/// Bytes by which the kind of a file is guessed.
+/// Number of bytes read to guess the kind of a file.
 const FIRST_BYTES: u64 = 512;
 
 /// Reads a volume file's header.
@@ -37,13 +37,13 @@ pub(super) fn read_header(path: &Path) -> Result<RmapHeader, Error> {
     })
 }
 
-/// Whether a file's name or its first bytes are those of a volume.
+/// Returns `true` if a file's name or first bytes are those of a volume.
 fn has_known_kind(path: &Path) -> bool {
     path.extension().is_some_and(|kind| kind.eq_ignore_ascii_case("rmap"))
         || read_first_bytes(path).starts_with(&rmap::MAGIC)
 }
 
-/// Says which kinds of file there are, and what one of no known kind seems to be.
+/// Returns a message that lists the supported kinds of file, and the likely kind of this one.
 fn unknown_kind(path: &Path) -> String {
     let seems = guess_kind(&read_first_bytes(path));
     format!(
@@ -52,16 +52,16 @@ fn unknown_kind(path: &Path) -> String {
     )
 }
 
-/// A file's first bytes, as far as they can be read.
+/// Reads a file's first bytes, as far as possible.
 fn read_first_bytes(path: &Path) -> Vec<u8> {
     let mut bytes = Vec::new();
     let file = File::open(path).map(|file| file.take(FIRST_BYTES));
-    // What was read before an error is enough to guess by.
+    // Bytes read before an error are enough for a guess.
     let _ = file.and_then(|mut file| file.read_to_end(&mut bytes));
     bytes
 }
 
-/// What a file seems to be by its first bytes.
+/// Guesses the kind of a file by its first bytes.
 fn guess_kind(bytes: &[u8]) -> &'static str {
     let known: [(&[u8], &str); 9] = [
         (b"\x89PNG", "a PNG picture"),
@@ -85,17 +85,17 @@ fn guess_kind(bytes: &[u8]) -> &'static str {
     }
 }
 
-/// The command-line parser of a grid side.
+/// Returns the command-line parser of a grid side.
 pub(super) fn grid_side_parser() -> impl TypedValueParser<Value = usize> {
     PossibleValuesParser::new(GRID_SIDE_NAMES).map(|name| grid_side_or_default(&name))
 }
 
-/// The command-line parser of the intervals of a column.
+/// Returns the command-line parser of the number of intervals in a column.
 pub(super) fn interval_count_parser() -> impl TypedValueParser<Value = usize> {
     PossibleValuesParser::new(INTERVAL_COUNT_NAMES).map(|name| interval_count_or_default(&name))
 }
 
-/// Whether a file has a volume's header.
+/// Returns `true` if a file has a volume's header.
 pub(super) fn has_volume_header(path: &Path) -> bool {
     rmap::read_header(path).is_ok()
 }
@@ -109,12 +109,12 @@ pub(super) struct LayersOption {
 }
 
 impl LayersOption {
-    /// The number of intervals, K.
+    /// Returns the number of intervals, K.
     pub(super) fn interval_count(&self) -> usize {
         self.layers.unwrap_or(INTERVALS)
     }
 
-    /// Refuses a number that was asked for where a file says another.
+    /// Returns an error if the requested number of intervals differs from the file's.
     pub(super) fn check_intervals_of(&self, path: &Path, intervals: usize) -> Result<(), Error> {
         match self.layers {
             Some(asked) if asked != intervals => Err(Error::Input(format!(
@@ -126,8 +126,8 @@ impl LayersOption {
         }
     }
 
-    /// Reads a volume; an empty one is an error. One of more than K intervals a column is an error too, if
-    /// K wasn't asked for; else returns a line that tells how many voxels were filled.
+    /// Reads a volume. An empty volume is an error, and so is one with more than K intervals a column, unless
+    /// K was requested: then returns a line with the number of voxels filled.
     pub(super) fn read_nonempty_volume<const N: usize, const K: usize>(
         &self,
         path: &Path,
@@ -172,7 +172,7 @@ fn refuse_empty<const N: usize, const K: usize>(
     Ok(())
 }
 
-/// The STL file, or the error that the file `source` leaves nothing to print.
+/// Returns the STL file, or an error if the file `source` leaves nothing to print.
 pub(super) fn require_nonempty_stl(
     stl: Option<FinishedStl>,
     source: &Path,
@@ -181,7 +181,7 @@ pub(super) fn require_nonempty_stl(
         .ok_or_else(|| Error::Input(format!("{}: nothing is left to print", source.display())))
 }
 
-/// Refuses a name whose extension is not `expected`. A name without an extension is accepted.
+/// Returns an error for a name whose extension is not `expected`. A name without an extension is accepted.
 pub(super) fn refuse_other_extension(output: &Path, expected: &str) -> Result<(), Error> {
     match output.extension() {
         Some(ending) if !ending.eq_ignore_ascii_case(expected) => {
@@ -192,7 +192,7 @@ pub(super) fn refuse_other_extension(output: &Path, expected: &str) -> Result<()
     }
 }
 
-/// Refuses to write over the file that is read.
+/// Returns an error if the output would overwrite the input.
 pub(super) fn check_output_is_not_input(input: &Path, output: &Path) -> Result<(), Error> {
     match (input.canonicalize(), output.canonicalize()) {
         (Ok(a), Ok(b)) if a == b => {

@@ -50,10 +50,10 @@ pub(super) struct Args {
 }
 
 impl Args {
-    /// To begin with a file, at a volume's own size, all else as by default.
+    /// Returns the arguments that open a file, in a volume's own size and with defaults for the rest.
     ///
     /// # Errors
-    /// What is no file and has no extension: likelier a command misspelt.
+    /// The file doesn't exist and has no extension: it is probably a misspelt command.
     pub(super) fn for_file(file: &Path) -> Result<Self, Error> {
         if file.extension().is_none() && !file.exists() {
             let word = file.display();
@@ -73,7 +73,7 @@ pub(super) fn run(args: &Args) -> Result<String, Error> {
     })
 }
 
-/// The window where there can be one, else the demo.
+/// Opens the window; runs the demo if no window can be opened.
 pub(super) fn run_window_or_demo() -> Result<String, Error> {
     match open_window(&Args::default()) {
         Ok(report) => Ok(report),
@@ -88,16 +88,16 @@ pub(super) fn run_window_or_demo() -> Result<String, Error> {
 
 fn open_window(args: &Args) -> Result<String, WindowError> {
     if let Some(record) = &args.record {
-        // Checked before the sculpting, not after it.
+        // Check before the sculpting, not after it.
         WriteTarget::resolve_and_check_writable(record)
             .map_err(|error| WindowError::Failed(error.into()))?;
     }
     let loaded = load_settings(args)?;
-    // A script is silent unless its own settings say otherwise.
+    // A script is silent unless the settings set the loudness.
     let is_heard = args.script.is_none() || loaded.is_set("sound_percent");
     let LoadedSettings { settings, faults, .. } = loaded;
     let size = args.size.or(settings.size);
-    // What is done by a script shall not depend on the machine.
+    // Scripts must not depend on the machine.
     let is_chosen = size.is_none() && args.script.is_none();
     let size_choice = is_chosen.then(|| SizeChoice::choose(args.folder.as_deref()));
     let size = size.or(size_choice.map(|choice| choice.grid_side));
@@ -110,7 +110,7 @@ fn open_window(args: &Args) -> Result<String, WindowError> {
         script: args.script.clone(),
         kiosk: (args.kiosk || settings.kiosk).then_some(settings.kiosk_handover_after),
         visits,
-        // A script's window is no headset of a booth's, unless its own settings say so.
+        // A script's window isn't a booth's headset, unless a settings file is named for it.
         booth: (args.script.is_none() || args.settings.is_some()).then_some(settings.booth),
         sound_percent: if is_heard { settings.sound_percent } else { 0 },
         settings_faults: faults,
@@ -121,10 +121,11 @@ fn open_window(args: &Args) -> Result<String, WindowError> {
     })
 }
 
-/// Reads the settings, and says on standard error what they are and what is wrong with them. A script's are no user's.
+/// Reads the settings, and logs them and their faults to standard error. Scripts don't read the user's
+/// settings.
 fn load_settings(args: &Args) -> Result<LoadedSettings, WindowError> {
     let default = || args.script.is_none().then(settings::default_file);
-    // As a setting, so that a file's others hold beside it.
+    // The flag is one settings layer, so that the other settings of a file apply too.
     let of_flags = args.visits.then(|| SettingsLayer::parse_toml("--visits", "visits = true", &[]));
     let Some(path) = args.settings.clone().or_else(default) else {
         return Ok(LoadedSettings::merge(&Vec::from_iter(of_flags)));
@@ -149,7 +150,8 @@ mod tests {
 
     use super::*;
 
-    /// Visits of a command line alone, and with a file's settings that doesn't ask for visits itself.
+    /// Tests visits requested on the command line alone, and together with a file that doesn't request
+    /// visits.
     #[test]
     fn visits_that_are_asked_for_have_the_settings_of_a_file() {
         let file = std::env::temp_dir().join(format!("paros-visits-{}.toml", std::process::id()));

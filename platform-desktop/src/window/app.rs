@@ -46,13 +46,13 @@ use kiosk::Kiosk;
 use touch::Fingers;
 use visits::WindowVisits;
 
-/// Interval of ticks while nothing is drawn.
+/// Poll interval of the event loop while the window is hidden.
 const UNSEEN: Duration = Duration::from_millis(14);
 
 /// Time without a redraw request after which the window counts as hidden.
 const HIDDEN: Duration = Duration::from_millis(150);
 
-/// Starts what plays ticks, by the system's own device.
+/// Starts sound output on the system's own device.
 fn start_speaker(options: &WindowOptions) -> Option<Speaker> {
     Speaker::spawn(SoundDevice::of_system(), options.sound_percent, |line| {
         // Standard error may be closed.
@@ -65,41 +65,41 @@ pub(super) struct App<'a, const N: usize>
 where
     Grid<N>: Size,
 {
-    // Before the window, which it draws into.
+    // Declared before the window so that it drops first: it draws into the window.
     view: Option<WindowRenderer<N>>,
     window: Option<Arc<Window>>,
     display: Option<DisplayConnection>,
     pub(super) studio: Studio<'a, N>,
-    /// Where the device is enrolled at a booth.
+    /// The link to the booth; `None` if the device isn't enrolled.
     pub(super) courier: Option<Arc<Courier>>,
     hands: MouseHands<N>,
     panels: Panels,
     egui_buffers: EguiBuffers,
     script: Option<Script>,
-    /// None where there is to be no sound.
+    /// Sound output; `None` if sound is off or unavailable.
     pub(super) speaker: Option<Speaker>,
     path: RenderPath,
     modifiers: ModifiersState,
     fingers: Fingers,
     idle: IdleWatch,
     kiosk: Kiosk,
-    /// Where sessions are visits of an exhibition.
+    /// The visits of an exhibition; `None` outside exhibitions.
     pub(super) visits: Option<WindowVisits>,
     scale: f32,
     pace: TickClock,
     slowness: SlownessWatch,
     begun: Instant,
     last: Instant,
-    /// When the last frame was done.
+    /// Time of the end of the last frame.
     drawn: Instant,
-    /// Whether the last frame had something to be drawn into.
+    /// `true` if the last frame had an image to draw into.
     seen: bool,
     frames: u64,
     losses: u32,
-    /// The visitor knows what closing the window would lose.
+    /// `true` once the visitor was warned that closing loses unsaved work.
     warned: bool,
     last_notice: String,
-    /// How the device is made.
+    /// Options for opening the Vulkan device.
     device: gpu::Options,
     messages: Vec<String>,
     done: Result<(), WindowError>,
@@ -109,7 +109,7 @@ impl<'a, const N: usize> App<'a, N>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    /// The application before its window is open.
+    /// Creates the application. Its window opens later.
     pub(super) fn new(
         (mut studio, courier): (Studio<'a, N>, Option<Arc<Courier>>),
         script: Option<Script>,
@@ -121,7 +121,7 @@ where
             studio.push_notice(Notice::Good(choice.to_string()));
         }
         if !is_for_visitors {
-            // Visitors can do nothing about them.
+            // Visitors can't correct faulty settings.
             let faults = options.settings_faults.iter().cloned();
             faults.for_each(|fault| studio.push_notice(Notice::Bad(fault)));
         }
@@ -130,13 +130,13 @@ where
                 let text = "not opened: where visits are held, their panels have the starts";
                 studio.push_notice(Notice::Bad(format!("{}: {text}", file.display())));
             }
-            // It lies in the resident maps: `open` has read it.
+            // `open` has read the file into the resident maps.
             Some(file) => studio.open_file(file, |_| Ok(())),
             None => {}
         }
         let device = gpu::Options {
             validation: options.validation,
-            // A script may have the driver fail.
+            // A script may inject driver failures.
             device_hook: script.is_some().then_some(paros_faults::wrap_device as _),
             ..gpu::Options::default()
         };
@@ -180,7 +180,7 @@ where
         }
     }
 
-    /// Saves the session after the last event. Returns the last print's path as a line.
+    /// Saves the session after the last event. Returns a line with the last print's path.
     pub(super) fn close_and_report(mut self) -> Result<String, WindowError> {
         self.drop_window();
         self.keep_last_use_before_end();
@@ -226,19 +226,19 @@ where
         }
         let window = self.window.take();
         if self.display.as_ref().is_some_and(DisplayConnection::is_known_lost) {
-            // Without a connection the window can't be destroyed.
+            // The window can't be destroyed without a connection.
             core::mem::forget(window);
         }
     }
 
-    /// Runs the ticks that are due, and takes in finished background work and notices.
+    /// Runs the ticks that are due, and handles finished background work and notices.
     fn run_due_ticks(&mut self, events: &ActiveEventLoop) -> Result<(), WindowError> {
         let now = Instant::now();
         let elapsed = now - core::mem::replace(&mut self.last, now);
         self.panels.add_frame_time(elapsed.as_secs_f32());
         self.hand_over_if_gone();
         let due = self.pace.take_due_ticks(elapsed);
-        // A script runs as fast as it can, and drops none.
+        // A script runs as fast as possible and drops no ticks.
         let ticks = if let Some(script) = &self.script {
             script.ticks_of_frame()
         } else {
@@ -251,7 +251,7 @@ where
             self.run_tick();
         }
         if self.studio.poll_background_work() {
-            // Asked only now, as what can't be opened is no start.
+            // Only once the file has been read: a file that can't be opened is no start.
             self.panels.ask_to_start(PanelAction::StartRead);
         }
         let notices: Vec<Notice> = self.studio.take_notices().collect();
@@ -294,7 +294,7 @@ where
         if let Some(visits) = &mut self.visits {
             visits.host.hand_over_previews(|cell, picture| view.set_panel_picture(cell, picture));
         }
-        // The help tells of keys where the visit's panels stand.
+        // The visit's panels are hidden while the help is shown, as both use the same place.
         let visits = self.visits.as_ref().filter(|_| !self.panels.is_help_shown());
         let params = FrameParams {
             eye: self.hands.orbit.eye(size),
@@ -322,7 +322,7 @@ where
         Ok(())
     }
 
-    /// Ends the event loop. The first reason is kept.
+    /// Ends the event loop. Only the first reason is kept.
     fn exit_loop(&mut self, events: &ActiveEventLoop, done: Result<(), WindowError>) {
         if self.done.is_ok() {
             self.done = done;
@@ -380,8 +380,8 @@ where
         if self.seen && !minimised {
             window.request_redraw();
         }
-        // A hidden window gets no redraw requests: a compositor asks for frames only where they are
-        // shown. The world ticks on by a timer.
+        // A hidden window gets no redraw requests: compositors request frames only from visible windows.
+        // Ticks run on a timer instead.
         events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + UNSEEN));
         if self.last.elapsed() < UNSEEN {
             return;

@@ -1,4 +1,4 @@
-//! The window's way to a booth.
+//! The window's link to a booth.
 
 use std::io::{self, Write as _};
 use std::sync::Arc;
@@ -18,8 +18,9 @@ use super::app::App;
 #[cfg(not(feature = "booth"))]
 use crate::commands::BUILD_COMMAND;
 
-/// Has a studio's sculptures brought to the booth at which the device is enrolled, if it is at one. Returns the courier that
-/// brings them. What stands in the way is told, and the studio goes on without.
+/// Starts uploading a studio's sculptures to the booth at which the device is enrolled. Returns the courier
+/// that uploads them; `None` if the device isn't enrolled. Failures are reported, and the studio runs without
+/// uploads.
 pub(super) fn bring_to_booth<const N: usize>(
     studio: &mut Studio<'_, N>,
     settings: &BoothSettings,
@@ -48,7 +49,7 @@ fn open_link(enrolment: &Enrolment) -> Result<CourierLink, String> {
     Ok(Box::new(paros_upload_https::open_link(&address, times)))
 }
 
-/// Returns the error that this build has no HTTPS.
+/// Returns an error: this build has no HTTPS.
 #[cfg(not(feature = "booth"))]
 fn open_link(enrolment: &Enrolment) -> Result<CourierLink, String> {
     let address = &enrolment.address;
@@ -64,7 +65,8 @@ impl<const N: usize> App<'_, N>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    /// Carries out what the booth asks, tells it how the window is, and tells what has become of sculptures.
+    /// Carries out the booth's requests, reports the window's state to it, and shows the upload status of
+    /// sculptures.
     pub(super) fn follow_booth(&mut self) {
         let Some(courier) = &self.courier else { return };
         let device = DeviceStatus::default();

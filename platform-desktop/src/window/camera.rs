@@ -6,34 +6,36 @@ use paros_shaders::Ray;
 use paros_shaders::gpu::{Eye, Fov};
 use paros_visit::WindowView;
 
-/// The eye's position, in spherical coordinates around the middle of the sculpture's box.
+/// The eye's position in spherical coordinates around the middle of the sculpture's box.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct OrbitCamera {
-    /// Radians; 0 looks at the front, growing to the visitor's right.
+    /// Azimuth in radians; 0 looks at the front, growing to the visitor's right.
     pub(super) azimuth: f32,
-    /// Radians above the horizon.
+    /// Elevation above the horizon, in radians.
     pub(super) elevation: f32,
-    /// Metres from the middle.
+    /// Distance from the middle, in metres.
     pub(super) distance: f32,
-    /// Part of the picture's height at its bottom that a tool bar covers: what is looked at lies above it.
+    /// Fraction of the picture's height that the tool bar covers at its bottom. The view's centre lies above
+    /// it.
     covered: f32,
-    /// How far right of the picture's middle what is looked at lies, in halves of its width: a panel stands on the left.
+    /// Offset of the view's centre to the right, in halves of the picture's width. Makes room for a panel on
+    /// the left.
     aside: f32,
 }
 
-/// Where what is looked at lies beside a panel, as [`OrbitCamera::move_aside`] has it, and how far it goes there in a tick:
-/// all the way in a third of a second.
+/// Offset beside a panel (see [`OrbitCamera::move_aside`]), and the largest change of the offset in a tick:
+/// the whole way takes a third of a second.
 const BESIDE_PANEL: f32 = 0.5;
 const ASIDE_SPEED: f32 = 0.02;
 
-/// Half the vertical angle of view above what is covered, in radians.
+/// Half the vertical angle of view above the covered part, in radians.
 const HALF_ANGLE: f32 = 0.36;
 
-/// Part of the picture's height at its bottom that shows nothing but the stool's leg, from where one looks at first: a
-/// tool bar may cover it.
+/// Fraction of the picture's height at its bottom that shows only the stool's leg in the initial view: a tool
+/// bar may cover it.
 const UNNEEDED: f32 = 0.15;
 
-/// The largest part of a picture's height that is given up to a tool bar.
+/// The largest covered fraction of a picture's height that the view makes room for.
 const MAX_COVERED: f32 = 0.5;
 
 impl Default for OrbitCamera {
@@ -42,17 +44,17 @@ impl Default for OrbitCamera {
     }
 }
 
-/// A point of the room in the picture.
+/// A point of the room, projected into the picture.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct ProjectedPoint {
-    /// Counted from the upper left; it may be outside the picture.
+    /// Pixel, counted from the upper left; may be outside the picture.
     pub(super) pixel: [f32; 2],
-    /// At the point's depth.
+    /// Scale at the point's depth.
     pub(super) pixels_per_metre: f32,
 }
 
 impl OrbitCamera {
-    /// Orbits by a drag to the right and down, in a picture of some height.
+    /// Orbits by a drag to the right and down, in pixels, in a picture `height_pixels` high.
     pub(super) fn rotate_by_drag(&mut self, drag_pixels: [f32; 2], height_pixels: u32) {
         let [x, y] = drag_pixels;
         let radians = 2.6 / height_pixels.max(1) as f32;
@@ -60,40 +62,40 @@ impl OrbitCamera {
         self.elevation = (self.elevation + y * radians).clamp(-0.35, 1.5);
     }
 
-    /// Moves nearer by wheel notches, or farther where they are negative.
+    /// Zooms in by wheel notches, or out if they are negative.
     pub(super) fn zoom_in(&mut self, notches: f32) {
         self.distance = (self.distance * (-0.12 * notches).exp()).clamp(0.28, 2.6);
     }
 
-    /// Looks from where a visitor looks at first.
+    /// Resets the camera to the initial view. The offsets for panels are kept.
     pub(super) fn reset_pose(&mut self) {
         let OrbitCamera { covered, aside, .. } = *self;
         *self = OrbitCamera { covered, aside, ..OrbitCamera::default() };
     }
 
-    /// Keeps what is looked at above a tool bar that covers this part of the picture's height.
+    /// Keeps the view's centre above a tool bar that covers `part` of the picture's height.
     pub(super) fn set_covered_part(&mut self, part: f32) {
         self.covered = ((part - UNNEEDED) / (1.0 - UNNEEDED)).clamp(0.0, MAX_COVERED);
     }
 
-    /// Advances what is looked at by a tick: to the right where a panel is to have the left of the picture, else back to
+    /// Moves the view's centre by a tick: to the right if a panel needs the left of the picture, else back to
     /// the middle.
     pub(super) fn move_aside(&mut self, for_panel: bool) {
         let aim = if for_panel { BESIDE_PANEL } else { 0.0 };
         self.aside += (aim - self.aside).clamp(-ASIDE_SPEED, ASIDE_SPEED);
     }
 
-    /// The column of pixels in which what is looked at lies, in a picture so many pixels wide.
+    /// Returns the pixel column of the view's centre, in a picture `across` pixels wide.
     fn middle_column(&self, across: f32) -> f32 {
         0.5 * across * (1.0 + self.aside)
     }
 
-    /// Tangent of the angle of view that a picture of `height` pixels has for each of them.
+    /// Returns the tangent of the angle of view for each pixel of a picture of `height` pixels.
     fn tangent_per_pixel(&self, height: f32) -> f32 {
         2.0 * HALF_ANGLE.tan() / ((1.0 - self.covered) * height)
     }
 
-    /// The eye's position in the room, in metres, and its rotation; it looks along its -z.
+    /// Returns the eye's position in the room, in metres, and its rotation. The eye looks along its -z.
     #[must_use]
     pub(super) fn pose(&self) -> RoomPose {
         let middle = STOOL_TOP + Vec3::Y * (0.46 * BOX_SIDE);
@@ -101,7 +103,7 @@ impl OrbitCamera {
         (middle + rotation * Vec3::Z * self.distance, rotation)
     }
 
-    /// The eye for a picture of `picture_size` pixels.
+    /// Returns the eye for a picture of `picture_size` pixels.
     #[must_use]
     pub(super) fn eye(&self, picture_size: [u32; 2]) -> Eye {
         let (position, rotation) = self.pose();
@@ -115,7 +117,8 @@ impl OrbitCamera {
         Eye { position, rotation, fov }
     }
 
-    /// What a picture of `picture_size` pixels sees above what is covered, for panels before the eye.
+    /// Returns the view above the covered part of a picture of `picture_size` pixels, for panels before the
+    /// eye.
     #[must_use]
     pub(super) fn panel_view(&self, picture_size: [u32; 2]) -> WindowView {
         let (position, rotation) = self.pose();
@@ -126,7 +129,7 @@ impl OrbitCamera {
         WindowView { position, rotation, left, right, up, down: -up }
     }
 
-    /// The ray in the room through a pixel, counted from the upper left: origin in metres and unit
+    /// Returns the ray in the room through a pixel counted from the upper left: origin in metres and unit
     /// direction.
     #[must_use]
     pub(super) fn room_ray_through_pixel(&self, [x, y]: [f32; 2], picture_size: [u32; 2]) -> Ray {
@@ -138,7 +141,7 @@ impl OrbitCamera {
         Ray { origin: position, direction: (rotation * direction).normalize() }
     }
 
-    /// Projects a point of the room, in metres. `None` behind the eye.
+    /// Projects a point of the room, in metres. Returns `None` behind the eye.
     #[must_use]
     pub(super) fn project_point(
         &self,
@@ -214,7 +217,7 @@ mod tests {
         assert!(row(&orbit) > 0.6 * 420.0);
         orbit.set_covered_part(0.4);
         assert!(row(&orbit) < 0.6 * 420.0, "{}", row(&orbit));
-        // The picture's edges are where the eye's angles say.
+        // The rays through the picture's edges match the eye's angles of view.
         let fov = orbit.eye(size).fov;
         let Ray { direction, .. } = orbit.room_ray_through_pixel([640.0, 420.0], size);
         let seen = orbit.pose().1.conjugate() * direction;

@@ -1,5 +1,5 @@
-//! Loss of the display connection. By default Xlib exits the process on an I/O error (XIOErrorHandler);
-//! here it goes on, so that the session is saved first.
+//! Loss of the display connection. By default Xlib exits the process on an I/O error (XIOErrorHandler). Here
+//! the process continues, so that the session can be saved first.
 
 use std::ffi::{c_int, c_void};
 use std::ptr;
@@ -9,7 +9,7 @@ use libloading::Library;
 use winit::raw_window_handle::{HasDisplayHandle, RawDisplayHandle};
 use winit::window::Window;
 
-/// Whether the connection is lost. Set by Xlib's handler, which gets no user data.
+/// `true` once the connection is lost. Set by Xlib's handler, which gets no user data.
 static GONE: AtomicBool = AtomicBool::new(false);
 
 /// A function of Xlib or libwayland that polls a connection; negative on a Wayland error.
@@ -18,7 +18,7 @@ type ExitHandler = unsafe extern "C" fn(*mut c_void, *mut c_void);
 type SetErrorHandler = unsafe extern "C" fn(CheckConnection) -> Option<CheckConnection>;
 type SetExitHandler = unsafe extern "C" fn(*mut c_void, ExitHandler, *mut c_void);
 
-/// Whether files can be dropped on a window. `winit` has no such event on Wayland.
+/// Returns `true` if files can be dropped on a window. `winit` has no such event on Wayland.
 #[must_use]
 pub(super) fn supports_file_drops(window: &Window) -> bool {
     let display = window.display_handle().map(|display| display.as_raw());
@@ -35,8 +35,8 @@ pub(super) struct DisplayConnection {
 }
 
 impl DisplayConnection {
-    /// Sets the error handler of a window's connection. `None` where there is none to set: Xlib before
-    /// 1.7, or another window system.
+    /// Sets the error handler of a window's connection. Returns `None` if the system has no such handler:
+    /// Xlib before 1.7, or another window system.
     #[must_use]
     pub(super) fn watch_window(window: &Window) -> Option<Self> {
         match window.display_handle().ok()?.as_raw() {
@@ -50,13 +50,13 @@ impl DisplayConnection {
         }
     }
 
-    /// Whether an error was seen already; does not poll.
+    /// Returns `true` if the connection is already known to be lost. Does not poll.
     #[must_use]
     pub(super) fn is_known_lost(&self) -> bool {
         GONE.load(Ordering::Relaxed)
     }
 
-    /// Polls the connection. Returns whether it is lost.
+    /// Polls the connection. Returns `true` if it is lost.
     #[must_use]
     pub(super) fn poll_is_lost(&self) -> bool {
         // SAFETY: `winit` keeps the connection while the window is there, and this is its thread.

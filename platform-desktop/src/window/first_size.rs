@@ -1,31 +1,31 @@
-//! How large a window is at first.
+//! Initial size of the window.
 
 use winit::dpi::LogicalSize;
 use winit::event_loop::ActiveEventLoop;
 use winit::monitor::MonitorHandle;
 
-/// Where there is room, in points.
+/// Preferred size, in points.
 const SIZE: LogicalSize<f64> = LogicalSize::new(1180.0, 800.0);
 
-/// What a desktop has beside a window, in points: its rim; its title, and a bar of the desktop's own.
+/// Space that a desktop needs beside a window, in points: its border, its title bar and a task bar.
 const AROUND: LogicalSize<f64> = LogicalSize::new(16.0, 80.0);
 
-/// The smallest window that panels are laid out for.
+/// The smallest window size that panels are laid out for, in points.
 const LEAST: LogicalSize<f64> = LogicalSize::new(640.0, 420.0);
 
-/// The size of a window at first: one that fits every monitor, as it isn't known on which it will be. What a script does
-/// depends on no machine.
+/// Returns the initial size: a size that fits every monitor, as the window may open on any. A script's window
+/// has a fixed size on every machine.
 pub(super) fn first_size(events: &ActiveEventLoop, is_scripted: bool) -> LogicalSize<f64> {
     let size_of = |monitor: MonitorHandle| monitor.size().to_logical(monitor.scale_factor());
     let monitors = events.available_monitors().filter(|_| !is_scripted).map(size_of);
     monitors.fold(SIZE, fit_monitor)
 }
 
-/// A size no larger than a monitor's has room for.
+/// Limits a size to the room on a monitor.
 fn fit_monitor(size: LogicalSize<f64>, monitor: LogicalSize<f64>) -> LogicalSize<f64> {
     let fit = |size: f64, monitor: f64, around: f64, least: f64| {
         let room = (monitor - around).max(least.min(monitor));
-        // One of no size is none.
+        // A size of 0 means that the monitor's size is unknown.
         if monitor > 0.0 { size.min(room) } else { size }
     };
     LogicalSize::new(

@@ -1,9 +1,9 @@
-//! Mouse and keys as a pair of hands: input events, the eye and the volume under the cursor become the
+//! Mouse and keys as a pair of hands: combines input events, the eye and the volume under the cursor into the
 //! core's [`TickInput`] of each tick.
 //!
-//! The right hand holds the tool; its bit follows the surface under the cursor. While the left button
-//! is down the bit is lowered by the wheel's depth below the surface *at the start of the stroke*. So
-//! a stroke is a groove of one depth, and the next stroke goes deeper.
+//! The right hand holds the tool; its bit follows the surface under the cursor. While the left button is down
+//! the bit is lowered by the wheel's depth below the surface *at the start of the stroke*. So a stroke is a
+//! groove of one depth, and the next stroke goes deeper.
 
 pub(super) mod bench_pick;
 mod bit_guide;
@@ -36,58 +36,61 @@ pub(super) const RIGHT: usize = 1;
 /// Rest positions of the hands in the room, in metres.
 const REST: [Vec3; 2] = [Vec3::new(-0.25, 1.0, -0.1), Vec3::new(0.25, 1.0, -0.1)];
 
-/// Turn of the stool by A and D in a tick, in 65,536ths of a turn: a quarter turn a second.
+/// Rotation of the stool by A and D in a tick, in 65,536ths of a turn: a quarter turn a second.
 const KEY_TURN: i32 = 65_536 / 4 / TICK_RATE as i32;
 
-/// Depth of a wheel notch, in millimetres.
+/// Depth change of a wheel notch, in millimetres.
 const NOTCH_MM: f32 = 1.0;
 
-/// Speed at which a running tool follows the cursor, in micrometres a tick: 1 m/s, at which the core's bits keep
-/// up with hands.
+/// Speed at which a running tool follows the cursor, in micrometres a tick: 1 m/s, the speed up to which the
+/// core's bits follow the hands.
 const TRAIL_SPEED_UM: f32 = 1e6 / TICK_RATE as f32;
 
-/// How far the trigger is pulled with Shift, of 255.
+/// Trigger value with Shift, of 255.
 const LIGHT_TRIGGER: u8 = 150;
 
-/// The length of a steadied hand's string, in millimetres: what an excited hand trembles at an ordinary speed is a fifth
-/// with it.
+/// Length of the string that steadies a hand, in millimetres. It reduces an excited hand's tremor to a fifth
+/// at ordinary speed.
 const STRING_MM: u8 = 20;
 
-/// Points of the cursor's trail that are kept.
+/// Capacity of the cursor's trail, in points.
 const TRAIL: usize = 1024;
 
-/// The hands' state: the eye, the cursor, and what the next tick's input is to carry.
+/// State of the hands: the eye, the cursor, and pending input for the next tick.
 #[derive(Debug)]
 pub(super) struct MouseHands<const N: usize>
 where
     Grid<N>: Size,
 {
-    /// The eye.
+    /// The camera.
     pub(super) orbit: OrbitCamera,
-    /// Pixels of the picture.
+    /// Size of the picture in pixels.
     pub(super) size: [u32; 2],
     cursor: Option<[f32; 2]>,
-    /// The left button is down, over the sculpture or beside it, or the tool still follows the cursor's trail.
+    /// `true` while the left button is down, on or beside the sculpture, and until the tool has followed the
+    /// cursor's trail to its end.
     running: bool,
-    /// The button is up, and the tool runs on to the end of the trail.
+    /// `true` if the button is up and the tool still runs to the end of the trail.
     is_released: bool,
-    /// A new stroke began before the last one's end: the trigger goes up for a tick between them.
+    /// `true` if a new stroke began before the end of the last one: the trigger is released for a tick
+    /// between them.
     lifts_trigger: bool,
-    /// The trigger is pulled half way, by which a rasp works lightly.
+    /// `true` if the trigger is pulled half way, so that a rasp works lightly.
     pulls_lightly: bool,
     orbiting: bool,
-    /// Another button than the right one looks around, as it has nothing else to do on a finished sculpture.
+    /// `true` while a button other than the right one orbits: on a finished sculpture no button has another
+    /// function.
     orbiting_unasked: bool,
     dragging_stool: bool,
     turning: [bool; 2],
-    /// Turn of the stool that no tick has taken yet, in 65,536ths of a turn.
+    /// Pending rotation of the stool, in 65,536ths of a turn.
     turn: f32,
     command_bits: u8,
     start: SessionMode,
     pointers: VecDeque<PointerCommand>,
     depths: BitDepths,
     bit_guide: BitGuide<N>,
-    /// Cursor positions that the running tool has still to pass, in pixels.
+    /// Cursor positions that the running tool has not passed yet, in pixels.
     trail: VecDeque<[f32; 2]>,
 }
 
@@ -95,7 +98,7 @@ impl<const N: usize> MouseHands<N>
 where
     Grid<N>: Size,
 {
-    /// Hands at rest.
+    /// Creates hands at rest.
     #[must_use]
     #[allow(clippy::new_without_default)] // it takes memory for a volume
     pub(super) fn new() -> Self {
@@ -121,12 +124,13 @@ where
         }
     }
 
-    /// Where a pull of the trigger takes the bit, in metres of the room; `None` while it runs.
+    /// Returns the displacement by which the trigger would move the bit, in metres of the room; `None` while
+    /// the tool runs.
     pub(super) fn next_bite(&self) -> Option<Vec3> {
         self.bit_guide.next_bite().filter(|_| !self.running)
     }
 
-    /// The ray in the room through the cursor.
+    /// Returns the ray in the room through the cursor.
     pub(super) fn cursor_ray(&self) -> Option<Ray> {
         self.cursor.map(|cursor| self.orbit.room_ray_through_pixel(cursor, self.size))
     }
@@ -137,7 +141,7 @@ where
         match event {
             InputEvent::Moved(to) => self.move_cursor(to),
             InputEvent::Gone => self.cursor = None,
-            // What is finished is looked at: no tool works, and the stool stands still.
+            // A finished sculpture can only be viewed: no tool works, and the stool doesn't turn.
             InputEvent::Pressed(HandButton::Left | HandButton::Middle) if is_finished => {
                 self.orbiting_unasked = true;
             }
@@ -171,13 +175,13 @@ where
         self.take_item(BenchItem::Tool(Tool::Rotary));
     }
 
-    /// Looks from where a visitor looks at first, with tools as deep as they are then.
+    /// Resets the camera to the initial view, and the depths of all bits to their defaults.
     pub(super) fn reset_eye_and_depths(&mut self) {
         self.orbit.reset_pose();
         self.depths = BitDepths::UNCHOSEN;
     }
 
-    /// Forgets what no tick has taken yet, and a stroke under way.
+    /// Drops pending input and the present stroke.
     pub(super) fn drop_input(&mut self) {
         self.start = SessionMode::None;
         self.pointers.clear();
@@ -185,23 +189,23 @@ where
         self.is_released = false;
     }
 
-    /// Gives commands, as bits of [`commands`], at the next tick.
+    /// Queues commands, as bits of [`commands`], for the next tick.
     pub(super) fn queue_commands(&mut self, command_bits: u8) {
         self.command_bits |= command_bits;
     }
 
-    /// Takes something off the bench, in one of the next ticks.
+    /// Queues taking an item off the bench.
     pub(super) fn take_item(&mut self, item: BenchItem) {
         let item = item.number() as u8;
         self.pointers.push_back(PointerCommand::Take { hand: RIGHT as u8, item });
     }
 
-    /// Makes the held bit larger by so many steps, in one of the next ticks.
+    /// Queues enlarging the held bit by `by` steps.
     pub(super) fn resize_bit(&mut self, by: i8) {
         self.pointers.push_back(PointerCommand::Resize { hand: RIGHT as u8, by });
     }
 
-    /// How deep the held bit goes, in millimetres; 0 without one.
+    /// Returns the depth of the held bit, in millimetres; 0 without a bit.
     #[must_use]
     pub(super) fn depth_mm(&self, world: &World<N, INTERVALS>) -> f32 {
         let held = world.held_tool(RIGHT).zip(world.held_bit_spec(RIGHT));
@@ -227,7 +231,8 @@ where
         } else {
             self.bit_guide.forget_next_bite();
         }
-        // A tool that was put back meanwhile finishes nothing once it is taken again; a stuck one is about to be.
+        // A stroke doesn't continue if its tool was put back and taken again. A stuck tool is about to be
+        // taken again.
         let has_tool = world.held_tool(RIGHT).is_some() || !self.pointers.is_empty();
         if self.is_released && (self.trail.len() < 2 || self.cursor.is_none() || !has_tool) {
             (self.running, self.is_released) = (false, false);
@@ -236,8 +241,8 @@ where
         input
     }
 
-    /// The right hand's grip in the room, with its bit on the surface under the cursor. A stuck tool is
-    /// put down and taken again.
+    /// Returns the right hand's grip pose in the room, with its bit on the surface under the cursor. A stuck
+    /// tool is put down and taken again.
     fn next_grip_pose(&mut self, world: &World<N, INTERVALS>) -> Option<RoomPose> {
         let (tool, bit) = (world.held_tool(RIGHT)?.0, world.held_bit_spec(RIGHT)?);
         let cursor = self.cursor?;
@@ -255,8 +260,8 @@ where
         Some((tip + rotation * Vec3::Z * (tool.length_um() as f32 * 1e-6), rotation))
     }
 
-    /// Advances a running tool along the cursor's trail; returns its pixel. It goes no faster than the bit
-    /// can follow, so that a stroke is one groove at any speed of the mouse.
+    /// Advances a running tool along the cursor's trail. Returns its pixel. Its speed is limited to the bit's
+    /// speed, so that a stroke is one groove at any speed of the mouse.
     fn advance_along_trail(&mut self, cursor_pixel: [f32; 2]) -> [f32; 2] {
         let eye = self.orbit.pose().0;
         let far = eye + (self.orbit.pose().1 * Vec3::NEG_Z) * self.bit_guide.last_hit_distance_m();
@@ -284,7 +289,8 @@ where
         cursor_pixel
     }
 
-    /// The tick's pointer command, of which there is one a tick; turns of the stool wait for the queue.
+    /// Returns the tick's pointer command. A tick has only one; turns of the stool wait until the queue is
+    /// empty.
     fn take_pointer_command(&mut self) -> PointerCommand {
         if let Some(pointer) = self.pointers.pop_front() {
             return pointer;
@@ -317,7 +323,7 @@ where
         let Some(cursor) = self.cursor else { return };
         match self.pointed_item(world) {
             Some(item) => self.take_item_with_its_tool(item, world),
-            // An empty hand strokes nothing, and what it takes later is not to do so after it.
+            // An empty hand starts no stroke: a tool that is taken later must not continue it.
             None if world.held_tool(RIGHT).is_none() => {}
             None => {
                 self.lifts_trigger = self.is_released;
@@ -329,7 +335,7 @@ where
         }
     }
 
-    /// Ends a stroke where the cursor is now, which the tool may have yet to reach.
+    /// Ends a stroke at the cursor's present position, which the tool may not have reached yet.
     fn release_left(&mut self) {
         self.orbiting_unasked = false;
         self.is_released = self.running;

@@ -11,32 +11,32 @@ use super::hands::HandAction;
 pub(super) enum KeyCommand {
     /// An action of the hands.
     Hands(HandAction),
-    /// Ends the session, when asked twice.
+    /// Finishes the session. The first press asks, the second confirms.
     Finish,
     /// Shows or hides the help.
     Help,
     /// Shows or hides the frame times.
     Graph,
-    /// Goes from one path to the other.
+    /// Switches the render path.
     Path,
     /// Writes a trace of the session.
     Record,
-    /// Closes what is open, or shows the start.
+    /// Closes the topmost panel, or shows the start panel.
     Back,
-    /// Asks the staff for its PIN.
+    /// Shows or hides the staff's PIN panel.
     Staff,
 }
 
-/// How the help names keys.
+/// The text that names keys in the help.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum HelpKeys {
-    /// By what stands on them.
+    /// The label on the keys, the same in all languages.
     Named(&'static str),
-    /// In words.
+    /// A description that is translated.
     Told(Message),
 }
 
-/// The help's table for visitors: keys, and what they do.
+/// The help's table for visitors: keys and their functions.
 pub(super) const HELP: [(HelpKeys, Message); 15] = [
     (HelpKeys::Told(Message::KeysLeft), Message::HelpRun),
     (HelpKeys::Told(Message::KeysShiftLeft), Message::HelpLightly),
@@ -55,15 +55,15 @@ pub(super) const HELP: [(HelpKeys, Message); 15] = [
     (HelpKeys::Named("F1, H"), Message::HelpHelp),
 ];
 
-/// The same for developers.
+/// The help's table for developers.
 pub(super) const DEVELOPER_HELP: [(&str, &str); 3] = [
     ("R", "write a trace of the session, for paros play"),
     ("F2", "frame times"),
     ("F3", "the paper's path, or the fast one"),
 ];
 
-/// The command of a key event; digits, brackets, comma and period by position, the rest by meaning, letters of another
-/// script by position, too.
+/// Returns the command of a key event. Digits, brackets, comma and period are matched by position, the other
+/// keys by character; letters of another script by position too.
 #[must_use]
 pub(super) fn command_of_pressed_key(
     event: &KeyEvent,
@@ -92,14 +92,15 @@ pub(super) fn command_of_pressed_key(
     }
 }
 
-/// What a key's character names. A Greek keyboard has no A, but an alpha in its place.
+/// Returns the letter that a key stands for. Letters of other scripts are matched by position: a Greek
+/// keyboard has an alpha in place of the A.
 fn letter_meant(text: &str, code: Option<KeyCode>) -> String {
     let in_place = if text.is_ascii() { None } else { code.and_then(latin_letter) };
     in_place.map_or_else(|| text.to_lowercase(), str::to_owned)
 }
 
-/// The command of a key by name: a letter, a digit, a bracket, a comma, a period, "enter", "space", "escape" or "f1" to
-/// "f4".
+/// Returns the command of a key by name: a letter, a digit, a bracket, a comma, a period, "enter", "space",
+/// "escape" or "f1" to "f4".
 #[must_use]
 pub(super) fn command_named(name: &str, shift: bool) -> Option<KeyCommand> {
     let digit = name.parse::<u8>().ok().filter(|digit| (1..=9).contains(digit));
@@ -131,7 +132,7 @@ pub(super) fn command_named(name: &str, shift: bool) -> Option<KeyCommand> {
     Some(KeyCommand::Hands(hands))
 }
 
-/// The name of a key that is bound by its position, as Shift changes its character.
+/// Returns the name of a key that is bound by its position, as Shift changes its character.
 const fn code_name(code: KeyCode) -> Option<&'static str> {
     Some(match code {
         KeyCode::Digit1 => "1",
@@ -150,7 +151,7 @@ const fn code_name(code: KeyCode) -> Option<&'static str> {
     })
 }
 
-/// The letter that a Latin keyboard has there, of those that are bound.
+/// Returns the letter at this position on a Latin keyboard, if the letter is bound.
 const fn latin_letter(code: KeyCode) -> Option<&'static str> {
     Some(match code {
         KeyCode::KeyA => "a",
@@ -184,7 +185,7 @@ mod tests {
         ];
         let meant = |k: usize| letter_meant(greek[k], Some(codes[k]));
         assert_eq!([0, 1, 2, 3, 4, 5].map(meant), ["z", "z", "a", "d", "w", "s"]);
-        // A French keyboard's Z lies where a W is: what stands on it counts.
+        // On a French keyboard the Z lies in the position of W: the character counts.
         assert_eq!(letter_meant("Z", Some(KeyCode::KeyW)), "z");
         assert_eq!(letter_meant("ø", Some(KeyCode::Semicolon)), "ø");
     }

@@ -16,13 +16,13 @@ const X11: [&[&str]; 6] = [
 /// Libraries of Wayland windows.
 const WAYLAND: [&[&str]; 1] = [&["libwayland-client.so.0", "libwayland-client.so"]];
 
-/// Libraries of both.
+/// Libraries that both systems need.
 const BOTH: [&[&str]; 1] = [&["libxkbcommon.so.0", "libxkbcommon.so"]];
 
 /// Checks that a display is named in the environment and that its libraries can be loaded.
 ///
 /// # Errors
-/// What is missing.
+/// Names the missing display or library.
 pub(super) fn check_display_and_libraries() -> Result<(), String> {
     if matches!(env::consts::OS, "macos" | "windows") {
         return Ok(());
@@ -35,7 +35,7 @@ pub(super) fn check_display_and_libraries() -> Result<(), String> {
     )
 }
 
-/// As `winit` chooses: Wayland if it is named, else X11.
+/// Checks the display that `winit` chooses: Wayland if one is named, else X11.
 fn check_named_display_and_libraries(
     names_wayland: bool,
     names_x11: bool,

@@ -44,45 +44,45 @@ use os_error::strip_source_location;
 use script::Script;
 pub use size_choice::SizeChoice;
 
-/// How a window is opened.
+/// Options of a window.
 #[derive(Clone, Default, Debug)]
 pub struct WindowOptions {
-    /// A mesh or a volume to begin with.
+    /// A mesh or a volume to start from.
     pub file: Option<PathBuf>,
-    /// How the studio's size was chosen, where nobody said it.
+    /// The automatic choice of the studio's size; `None` if the user set the size.
     pub size_choice: Option<SizeChoice>,
-    /// Where sculptures go, instead of the user's own folder.
+    /// Folder for finished sculptures, instead of the user's own.
     pub folder: Option<PathBuf>,
-    /// Where the trace of the last session goes.
+    /// File for the trace of the last session.
     pub record: Option<PathBuf>,
-    /// A script of input, in place of mouse and keys.
+    /// Script of input, in place of mouse and keys.
     pub script: Option<PathBuf>,
-    /// Where visitors use it one after the other, on a full screen, without files and developer's tools: how long it must be
-    /// left alone for its visitor to have gone.
+    /// Idle time after which a visitor counts as gone. `Some` for a kiosk: visitors in turn, full screen, no
+    /// files and no developer tools.
     pub kiosk: Option<Duration>,
-    /// Where sessions are visits of an exhibition: what it sets of them.
+    /// Settings of an exhibition's visits; `None` without visits.
     pub visits: Option<VisitOptions>,
-    /// How sculptures go to a booth, where this machine is enrolled at one; `None` where none goes.
+    /// Settings for uploads to a booth at which this machine is enrolled; `None` for no uploads.
     pub booth: Option<BoothSettings>,
-    /// How loud it is, in hundredths; 0 for no sound.
+    /// Loudness in percent; 0 for no sound.
     pub sound_percent: u32,
-    /// What is wrong with the settings, a line for each fault.
+    /// Faults of the settings, a line each.
     pub settings_faults: Vec<String>,
-    /// Whether Vulkan's validation layer is enabled; its messages are errors.
+    /// `true` to enable Vulkan's validation layer. Its messages are errors.
     pub validation: bool,
 }
 
-/// Why a window could not open, or closed by itself.
+/// The reason why a window could not open, or closed by itself.
 #[derive(Debug)]
 pub enum WindowError {
-    /// No display, or no suitable Vulkan device: what is missing.
+    /// No display, or no suitable Vulkan device. The text names what is missing.
     Unavailable(String),
     /// Bad input, or a later failure.
     Failed(Error),
 }
 
-/// Opens the window and runs its event loop. Blocks until the window is closed. Returns the last
-/// print's path as a line, or nothing without a print. `draw_picture` draws finished sculptures, in a thread.
+/// Opens the window and runs its event loop. Blocks until the window is closed. Returns a line with the last
+/// print's path, or nothing without a print. `draw_picture` draws finished sculptures, on a thread.
 ///
 /// # Errors
 /// See [`WindowError`]. The session has been saved in any case.
@@ -94,7 +94,7 @@ where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
     if let Some(file) = &options.file {
-        // Read before the window opens: a bad file is an error even without a display.
+        // Read the file before the window opens: a bad file is an error even without a display.
         opening::read_into_resident_maps::<N>(file)
             .map_err(|why| WindowError::Failed(Error::Input(why)))?;
     }
@@ -122,7 +122,7 @@ where
         return Err(WindowError::Failed(Error::failure(strip_source_location(&error))));
     }
     if let Err(WindowError::Unavailable(_)) = closed {
-        // The demo may follow, on an empty world.
+        // The demo may follow, and needs an empty world.
         resident.world.clear();
     }
     closed

@@ -9,7 +9,7 @@ use paros_shell::mesh::{self, EXTENSIONS, MeshFormat};
 use paros_shell::rmap;
 use paros_shell::statics::{Resident, ResidentBitGrid};
 
-/// Whether a file's extension is that of a mesh or a volume.
+/// Returns `true` if a file has the extension of a mesh or a volume.
 #[must_use]
 pub(super) fn has_known_extension(path: &Path) -> bool {
     has_volume_extension(path) || MeshFormat::from_extension(path).is_some()
@@ -22,7 +22,7 @@ fn has_volume_extension(path: &Path) -> bool {
 /// Reads a file into the resident maps: an `.rmap` of N voxels a side, or a mesh.
 ///
 /// # Errors
-/// A text: the file, and why it can't be carved.
+/// A text that names the file and the reason.
 pub(super) fn read_into_resident_maps<const N: usize>(path: &Path) -> Result<(), String>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
@@ -60,7 +60,7 @@ mod tests {
 
     use super::*;
 
-    /// The file of a block with a slot from above, in columns of K intervals.
+    /// Encodes a block with a slot from above, in columns of K intervals.
     fn encode_slotted_block<const K: usize>() -> Vec<u8> {
         let (mut bits, mut maps) =
             (Grid::<128>::lock_bit_grid(), Box::new(RangeMaps::<128, K>::new()));

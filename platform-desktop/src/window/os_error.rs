@@ -1,12 +1,11 @@
-//! `winit`'s operating-system errors without their source location: that is a path of the machine that
-//! built the program.
+//! Removes the source location from `winit`'s operating-system errors: it is a path on the build machine.
 
 use core::fmt::Display;
 
 /// `winit`'s text before a source location; `FILE:LINE: ` and the error follow.
 const PLACE: &str = "os error at ";
 
-/// The text of `winit`'s error, without the source location.
+/// Returns the text of `winit`'s error, without the source location.
 #[must_use]
 pub(super) fn strip_source_location(error: &dyn Display) -> String {
     let text = error.to_string();

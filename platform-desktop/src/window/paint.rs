@@ -17,15 +17,16 @@ pub(super) struct EguiBuffers {
     indices: Vec<u32>,
     runs: Vec<ClippedRun>,
     texels: Vec<[u8; 4]>,
-    /// Size of `egui`'s atlas in texels; it fills the upper left of ours.
+    /// Size of `egui`'s atlas in texels. It is stored in the upper left of our atlas.
     size: [usize; 2],
-    /// The one other texture and its size in texels; it fills the lower left, where the atlas never grows to.
+    /// The other texture and its size in texels. It is stored in the lower left, which `egui`'s atlas never
+    /// reaches.
     picture: Option<(TextureId, [usize; 2])>,
-    /// Atlas rows that changed and are not uploaded yet.
+    /// Atlas rows that changed since their last upload.
     changed: core::ops::Range<usize>,
 }
 
-/// How much a frame holds.
+/// Lengths of a frame's buffers.
 #[cfg(test)]
 pub(super) struct BufferLengths {
     pub(super) vertices: usize,
@@ -34,7 +35,7 @@ pub(super) struct BufferLengths {
 }
 
 impl EguiBuffers {
-    /// Empty buffers and a transparent atlas.
+    /// Creates empty buffers and a transparent atlas.
     #[must_use]
     #[allow(clippy::new_without_default)] // megabytes: to be made on purpose
     pub(super) fn new() -> Self {
@@ -49,7 +50,7 @@ impl EguiBuffers {
         }
     }
 
-    /// Applies changes of the font atlas, and takes in the one other texture; further ones are ignored.
+    /// Applies changes of the font atlas, and stores one other texture. Further textures are ignored.
     pub(super) fn apply_atlas_changes(&mut self, delta: &TexturesDelta) {
         for (id, delta) in &delta.set {
             if *id == TextureId::default() {
@@ -60,7 +61,7 @@ impl EguiBuffers {
         }
     }
 
-    /// Converts a frame's primitives.
+    /// Converts a frame's primitives to the overlay's triangles.
     pub(super) fn set_triangles_of_frame(
         &mut self,
         primitives: &[ClippedPrimitive],
@@ -90,7 +91,7 @@ impl EguiBuffers {
         }
     }
 
-    /// Uploads the triangles and the next changed rows of the atlas into a frame that has begun.
+    /// Uploads the triangles and the next changed rows of the atlas, in a frame that has begun.
     pub(super) fn upload_into_begun_frame(&mut self, overlay: &mut Overlay, extent: [u32; 2]) {
         let rows = self.changed.start..self.changed.end.min(self.changed.start + ROWS);
         let texels = &self.texels[rows.start * SIDE..rows.end * SIDE];
@@ -107,7 +108,7 @@ impl EguiBuffers {
         self.changed = 0..SIDE;
     }
 
-    /// The lengths of the frame's buffers.
+    /// Returns the lengths of the frame's buffers.
     #[cfg(test)]
     pub(super) fn buffer_lengths(&self) -> BufferLengths {
         let (vertices, indices) = (self.vertices.len(), self.indices.len());
@@ -121,7 +122,7 @@ impl EguiBuffers {
         if delta.pos.is_none() {
             self.size = [width, height];
         }
-        // `egui` knows the atlas's size; this guards the index only.
+        // `egui` keeps within the atlas's size; the limits only guard the index.
         let bottom = SIDE - self.picture.map_or(0, |(_, size)| size[1]);
         let (width, height) =
             (width.min(SIDE - left.min(SIDE)), height.min(bottom - top.min(bottom)));
@@ -137,7 +138,7 @@ impl EguiBuffers {
         }
     }
 
-    /// Writes the upper left of an image at a place, and notes its rows as changed.
+    /// Writes the upper left part of an image into the atlas, and marks its rows as changed.
     fn write_texels(
         &mut self,
         image: &ColorImage,

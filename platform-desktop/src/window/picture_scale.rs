@@ -1,47 +1,47 @@
-//! Resolution of a window's picture: it is lowered where frames take too long, as without a GPU. The panels keep the
-//! window's resolution.
+//! Resolution scale of a window's picture. It is lowered if frames take too long, for example without a GPU.
+//! The panels keep the window's resolution.
 
 use super::screen::FRAMES_IN_FLIGHT;
 
-/// The least and the greatest scale of a picture's sides, in hundredths.
+/// Smallest and largest scale of a picture's sides, in percent.
 const LEAST_PERCENT: u32 = 35;
 const WHOLE_PERCENT: u32 = 100;
 
-/// A longer frame has the scale lowered.
+/// Frame time above which the scale is lowered, in nanoseconds.
 const SLOW_NS: f64 = 50e6;
 
-/// The aim for a frame's time after a change of the scale. It is below half of `SLOW_NS`, so that the scale does not
-/// oscillate under a steady load: a part of a frame's time does not depend on the scale.
+/// Target frame time after a change of the scale, in nanoseconds. Below half of `SLOW_NS`, so that the scale
+/// doesn't oscillate under a steady load: a part of a frame's time doesn't depend on the scale.
 const AIM_NS: f64 = 22e6;
 
-/// Frames that a change of the scale waits for, down and up.
+/// Frames between two changes of the scale, before lowering and before raising it.
 const FRAMES_BEFORE_LOWERING: u32 = 2;
 const FRAMES_BEFORE_RAISING: u32 = 8;
 
-/// The scale is raised by so many hundredths at least.
+/// Smallest increase of the scale, in percent. Smaller increases are skipped.
 const LEAST_RAISE: u32 = 5;
 
 /// Chooses the scale, frame by frame.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct PictureScale {
     percent: u32,
-    /// Frames that were submitted in the scale before, and whose times are still to come.
+    /// Frames in flight that were submitted at the previous scale. Their times are ignored.
     in_flight: usize,
-    /// The shortest of the frames since the last change: one that uploads textures takes longer.
+    /// The shortest frame time since the last change: frames that upload textures take longer.
     least_ns: f64,
     /// Frames since the last change.
     frames: u32,
 }
 
 impl PictureScale {
-    /// Begins with the whole picture, or with the least one on a device that computes in software.
+    /// Starts at full scale, or at the smallest scale on a software device.
     pub(super) const fn new(is_software: bool) -> Self {
         let percent = if is_software { LEAST_PERCENT } else { WHOLE_PERCENT };
         PictureScale { percent, in_flight: FRAMES_IN_FLIGHT, least_ns: f64::MAX, frames: 0 }
     }
 
-    /// Takes what the device took for a frame, in nanoseconds, and returns the scale of the next one. A device without
-    /// timestamps gives 0, which changes nothing.
+    /// Takes a frame's GPU time in nanoseconds, and returns the scale of the next frame in percent. A time of
+    /// 0, from a device without timestamps, changes nothing.
     pub(super) fn after_frame(&mut self, gpu_time_ns: u64) -> u32 {
         if gpu_time_ns == 0 || self.in_flight > 0 {
             self.in_flight = self.in_flight.saturating_sub(1);
@@ -49,7 +49,7 @@ impl PictureScale {
         }
         self.least_ns = self.least_ns.min(gpu_time_ns as f64);
         self.frames += 1;
-        // At most in proportion to the pixels.
+        // The time is at most in proportion to the number of pixels.
         let aim = f64::from(self.percent) * (AIM_NS / self.least_ns).sqrt();
         let aim = (aim as u32).clamp(LEAST_PERCENT, WHOLE_PERCENT);
         let (frames, chosen) = match self.least_ns > SLOW_NS {
@@ -70,8 +70,8 @@ impl PictureScale {
 mod tests {
     use super::{LEAST_PERCENT, PictureScale, WHOLE_PERCENT};
 
-    /// Runs frames that take a fixed part and one by their pixels, in milliseconds; returns the scales, and the frames
-    /// after which they came.
+    /// Simulates frames whose time in milliseconds has a fixed part and a part in proportion to the pixels.
+    /// Returns each scale, with the frame after which it was set.
     fn run(mut scale: PictureScale, [fixed, whole]: [f64; 2]) -> Vec<(u32, u32)> {
         let (mut seen, mut in_flight) = (vec![(0, scale.percent)], [scale.percent; 2]);
         for frame in 1..400 {

@@ -8,14 +8,14 @@ use paros_shaders::march::{RaySpan, clip_to_cube};
 /// The point at which a ray enters an occupied voxel.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct CursorHit {
-    /// Distance from the ray's origin.
+    /// Distance from the ray's origin, in voxels.
     pub(super) distance_voxels: f32,
     /// The voxel.
     pub(super) voxel: [usize; 3],
 }
 
-/// Voxel traversal (Amanatides and Woo, 1987): the first occupied voxel along a ray. Its origin is in
-/// voxels, its direction a unit vector.
+/// Finds the first occupied voxel along a ray by voxel traversal (Amanatides and Woo, 1987). The ray's origin
+/// is in voxels, its direction a unit vector.
 #[must_use]
 pub(super) fn cast_ray<const N: usize, const K: usize>(
     maps: &RangeMaps<N, K>,
@@ -49,8 +49,8 @@ pub(super) fn cast_ray<const N: usize, const K: usize>(
     None
 }
 
-/// Surface normal by occupancy: the unit vector away from the occupied voxels within a ball around a
-/// point. `None` where they cancel out or there are none.
+/// Estimates the surface normal by occupancy: the unit vector away from the occupied voxels within a ball
+/// around a point. Returns `None` if they cancel out or there are none.
 #[must_use]
 pub(super) fn estimate_normal<const N: usize, const K: usize>(
     maps: &RangeMaps<N, K>,
@@ -65,7 +65,7 @@ pub(super) fn estimate_normal<const N: usize, const K: usize>(
                 let offset = glam::IVec3::new(x, y, z);
                 let near = offset.length_squared() <= reach * reach;
                 let voxel = (middle + offset).to_array();
-                // The ground goes on below the grid.
+                // The ground continues below the grid.
                 let inside = voxel.iter().all(|v| (0..N as i32).contains(v));
                 if near && (inside && maps.contains(voxel.map(|v| v as usize))) {
                     out -= offset.as_vec3();
@@ -83,7 +83,7 @@ mod tests {
     use paros_core::RangeMaps;
     use paros_core::volume::{BitGrid, BitSet};
 
-    /// A ball of radius 5 about the middle of a grid of 16, and another voxel in a corner.
+    /// Returns a ball of radius 5 about the middle of a grid of 16, and another voxel in a corner.
     fn ball_and_corner() -> Box<RangeMaps<16>> {
         let inside = |v: [usize; 3]| {
             let far: f32 = v.iter().map(|&c| (c as f32 - 7.5).powi(2)).sum();
@@ -122,7 +122,7 @@ mod tests {
                 cast_ray(&maps, &Ray { origin: from, direction }).map(|hit| hit.distance_voxels);
             match (stepped, walked) {
                 (Some(a), Some(b)) => assert!((a - b).abs() < 0.011, "{a} and {b}"),
-                // Small steps pass the least corners by.
+                // The stepwise search can miss the smallest corners.
                 (None, Some(b)) => {
                     let after = from + direction * (b + 0.01);
                     let voxel = after.floor().to_array().map(|v| v as usize);

@@ -1,4 +1,4 @@
-//! The window's surface and its swapchain, made anew when the window's size changes.
+//! The window's surface and its swapchain, which is rebuilt when the window's size changes.
 
 use std::ffi::CStr;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use winit::window::Window;
 /// Frames in flight, each with a semaphore.
 pub(super) const FRAMES_IN_FLIGHT: usize = 2;
 
-/// Timeout of acquiring an image, in nanoseconds; the frame is skipped then.
+/// Timeout of acquiring an image, in nanoseconds. The frame is skipped after it.
 const ACQUIRE_TIMEOUT_NS: u64 = 1_000_000_000;
 
 /// A window's surface, its swapchain and the device that presents.
@@ -31,28 +31,28 @@ pub(super) struct WindowSwapchain {
 /// A swapchain of one size.
 struct Swapchain {
     raw: vk::SwapchainKHR,
-    /// What the renderer draws into.
+    /// The target that the renderer draws into.
     render_target: RenderTarget,
     views: Vec<vk::ImageView>,
     render_finished: Vec<vk::Semaphore>,
-    /// The window has changed since: to be made anew.
+    /// `true` if the window has changed since, so that the swapchain must be rebuilt.
     stale: bool,
 }
 
 /// An acquired image of the swapchain.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AcquiredImage {
-    /// Its index.
+    /// Index of the image.
     pub(super) image: usize,
     /// The semaphores to wait for and to signal.
     pub(super) sync: FrameSemaphores,
 }
 
 impl WindowSwapchain {
-    /// Makes the window's surface, and opens the best device that can present to it.
+    /// Creates the window's surface, and opens the best device that can present to it.
     ///
     /// # Errors
-    /// No Vulkan, no device that fits, or a call that failed.
+    /// No Vulkan, no suitable device, or a failed call.
     pub(super) fn new(window: &Window, options: &Options) -> Result<Self, Error> {
         let lost = |_| Error::NoLoader("the window has no handle".into());
         let display = window.display_handle().map_err(lost)?.as_raw();
@@ -114,13 +114,13 @@ impl WindowSwapchain {
         })
     }
 
-    /// The device.
+    /// Returns the device.
     #[must_use]
     pub(super) const fn gpu(&self) -> &Arc<Gpu> {
         &self.gpu
     }
 
-    /// The format of the renderer's target, with `samples` a pixel.
+    /// Returns the format of the renderer's target, with `samples` samples a pixel.
     #[must_use]
     pub(super) fn format(&self, samples: u32) -> TargetFormat {
         TargetFormat {
@@ -135,20 +135,20 @@ impl WindowSwapchain {
         }
     }
 
-    /// Marks the swapchain to be made anew before the next frame.
+    /// Marks the swapchain to be rebuilt before the next frame.
     pub(super) fn mark_stale(&mut self) {
         if let Some(swapchain) = &mut self.swapchain {
             swapchain.stale = true;
         }
     }
 
-    /// What is drawn into, once [`WindowSwapchain::acquire_image`] gave an image of it.
+    /// Returns the render target, once [`WindowSwapchain::acquire_image`] has acquired an image.
     #[must_use]
     pub(super) fn render_target(&self) -> Option<&RenderTarget> {
         self.swapchain.as_ref().map(|swapchain| &swapchain.render_target)
     }
 
-    /// Sets the scale of the picture's sides, in hundredths, from the next frame on.
+    /// Sets the resolution scale of the picture's sides, in percent, from the next frame on.
     pub(super) fn set_drawn_percent(&mut self, percent: u32) {
         if let Some(swapchain) = &mut self.swapchain {
             let target = &mut swapchain.render_target;
@@ -156,7 +156,7 @@ impl WindowSwapchain {
         }
     }
 
-    /// Acquires the next image, in a frame that has begun. `None` while the window has no area, or if
+    /// Acquires the next image, in a frame that has begun. Returns `None` while the window has no area, or if
     /// the swapchain has just become out of date.
     ///
     /// # Errors
@@ -200,7 +200,7 @@ impl WindowSwapchain {
         }
     }
 
-    /// Presents an image that was drawn.
+    /// Presents a drawn image.
     ///
     /// # Errors
     /// A lost device or window.
@@ -212,7 +212,7 @@ impl WindowSwapchain {
             .wait_semaphores(&waits)
             .swapchains(&swapchains)
             .image_indices(&images);
-        // SAFETY: the image was acquired, and the semaphore is told by its drawing.
+        // SAFETY: the image was acquired, and its drawing signals the semaphore.
         match unsafe { self.swapchains.queue_present(self.gpu.queue, &info) } {
             Ok(suboptimal) => {
                 swapchain.stale |= suboptimal;
@@ -226,7 +226,7 @@ impl WindowSwapchain {
         }
     }
 
-    /// Makes a swapchain of the window's size. Returns whether the window has an area.
+    /// Rebuilds the swapchain in the window's size. Returns `false` if the window has no area.
     fn try_rebuild_swapchain(
         &mut self,
         renderer: &Renderer,
@@ -276,8 +276,8 @@ impl WindowSwapchain {
         Ok(true)
     }
 
-    /// Makes the image views, semaphores and render target of a raw swapchain. On an error all are
-    /// destroyed, the swapchain too.
+    /// Creates the image views, semaphores and render target of a raw swapchain. On an error all of them are
+    /// destroyed, and the swapchain too.
     fn create_swapchain_parts(
         &self,
         raw: vk::SwapchainKHR,
@@ -356,7 +356,7 @@ impl WindowSwapchain {
 
 impl Drop for WindowSwapchain {
     fn drop(&mut self) {
-        // A lost device has nothing under way.
+        // A lost device has no work in flight.
         let _ = self.gpu.wait_idle();
         if let Some(swapchain) = self.swapchain.take() {
             self.destroy_swapchain(swapchain);
@@ -371,7 +371,7 @@ impl Drop for WindowSwapchain {
     }
 }
 
-/// Makes `count` semaphores; on an error none are left.
+/// Creates `count` semaphores. On an error none are left.
 fn create_semaphores(gpu: &Gpu, count: usize) -> Result<Vec<vk::Semaphore>, Error> {
     let info = vk::SemaphoreCreateInfo::default();
     let mut all = Vec::new();
@@ -389,7 +389,7 @@ fn create_semaphores(gpu: &Gpu, count: usize) -> Result<Vec<vk::Semaphore>, Erro
     Ok(all)
 }
 
-/// The supported composite alpha mode that is closest to opaque.
+/// Returns the supported composite alpha mode that is closest to opaque.
 fn opaque_composite_alpha(ways: vk::CompositeAlphaFlagsKHR) -> vk::CompositeAlphaFlagsKHR {
     let all = [
         vk::CompositeAlphaFlagsKHR::OPAQUE,

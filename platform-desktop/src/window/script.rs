@@ -1,5 +1,5 @@
-//! Scripted input in place of mouse and keys, for tests and demonstrations: a step a line, run between
-//! ticks, so that the same script leads to the same sculpture.
+//! Scripted input in place of mouse and keys, for tests and demonstrations: one step on each line, run
+//! between ticks, so that the same script always leads to the same sculpture.
 
 use std::io::{self, BufRead, Write};
 use std::path::{Path, PathBuf};
@@ -16,46 +16,46 @@ use super::keys::{self, KeyCommand};
 /// A line of a script.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum ScriptStep {
-    /// `move X Y`: the cursor goes to a point of the window, in parts of a hundred of its width and
-    /// height. `press left|middle|right`, `release ...`, `wheel N`, `zoom N` likewise.
+    /// `move X Y`: moves the cursor to a point of the window, in percent of its width and height. Also `press
+    /// left|middle|right`, `release ...`, `wheel N` and `zoom N`.
     Device(InputEvent),
-    /// `down NAME`, `up NAME`: a key; `shift+` before the name.
+    /// `down NAME`, `up NAME`: presses or releases a key; the name may begin with `shift+`.
     Key(KeyCommand, bool),
-    /// `key NAME`: a key that goes down and up.
+    /// `key NAME`: presses and releases a key.
     Tap(KeyCommand),
-    /// `wait TICKS`.
+    /// `wait TICKS`: waits for a number of ticks.
     Wait(u32),
-    /// `frames N`: waits until so many were drawn.
+    /// `frames N`: waits until N frames were drawn.
     Frames(u32),
-    /// `start free|owl|cat|amphora|dolphin|creative`.
+    /// `start free|owl|cat|amphora|dolphin|creative`: starts a session.
     Start(String),
-    /// `open FILE`, or drops it on the window.
+    /// `open FILE`: opens a file, as if it was dropped on the window.
     Open(PathBuf),
     /// `settle`: waits until nothing is being read, printed or written.
     Settle,
-    /// `size W H`: another size of the window, in pixels.
+    /// `size W H`: resizes the window, in pixels.
     Size([u32; 2]),
-    /// `minimise`.
+    /// `minimise`, `restore`: minimises or restores the window.
     Minimise(bool),
-    /// `lose`: the device is lost with the next frame.
+    /// `lose`: the device is lost in the next frame.
     Lose,
-    /// `starve N`: so many requests for the device's memory fail from now on.
+    /// `starve N`: the next N requests for device memory fail.
     Starve(u32),
-    /// `say`: prints what there is to know, for a test to read.
+    /// `say`: prints the state, for a test to read.
     Say,
-    /// `quit`.
+    /// `quit`: closes the window.
     Quit,
 }
 
-/// A script that is read on a thread of its own, and the step that is being waited for.
+/// A script, read on its own thread, and its pending step.
 #[derive(Debug)]
 pub(super) struct Script {
     name: String,
     lines: Receiver<io::Result<String>>,
     line: usize,
-    /// The step that is being waited for, and its line.
+    /// The condition that the script waits for, and the line of its step.
     waiting: Option<(WaitFor, String)>,
-    /// The step that is being carried out.
+    /// The step that is being run.
     doing: Option<String>,
 }
 
@@ -67,7 +67,7 @@ enum WaitFor {
 }
 
 impl Script {
-    /// A script from a file, or from standard input where that is `-`.
+    /// Opens a script from a file, or from standard input if the path is `-`.
     ///
     /// # Errors
     /// A file that can't be opened.
@@ -91,7 +91,8 @@ impl Script {
         Ok(Script { name, lines, line: 0, waiting: None, doing: None })
     }
 
-    /// The next step before a tick; none while it waits. The end of the script is `quit`.
+    /// Returns the next step before a tick; `None` while the script waits. The end of the script acts as
+    /// `quit`.
     ///
     /// # Errors
     /// A line that is no step, with its number.
@@ -128,7 +129,8 @@ impl Script {
         Ok(Some(step))
     }
 
-    /// How many ticks the next frame runs: a wait for ticks is drawn twice a second of the sculpture's time.
+    /// Returns the number of ticks in the next frame. While the script waits for ticks, two frames are drawn
+    /// for each second of the sculpture's time.
     pub(super) fn ticks_of_frame(&self) -> u32 {
         let at_least = TickClock::MAX_TICKS_PER_FRAME;
         match self.waiting {
@@ -137,7 +139,7 @@ impl Script {
         }
     }
 
-    /// Prints that the step of [`Script::next_step`] is done.
+    /// Prints that the last step of [`Script::next_step`] is done, unless it waits.
     pub(super) fn print_done_of_immediate_step(&mut self) {
         if let Some(step) = self.doing.take() {
             print_done(&step);
@@ -152,7 +154,7 @@ impl Script {
         });
     }
 
-    /// Counts a frame for `frames`; `is_settled` if no file is being read, printed or written.
+    /// Counts a frame for `frames`. `is_settled` ends `settle`: no file is being read, printed or written.
     pub(super) fn count_frame(&mut self, is_settled: bool) {
         self.update_wait(|wait| match wait {
             WaitFor::Frames(left) => WaitFor::Frames(left.saturating_sub(1)),
@@ -171,7 +173,7 @@ impl Script {
     }
 }
 
-/// Prints that a step is done, for the writer of the script.
+/// Prints that a step is done, for the author of the script.
 fn print_done(step: &str) {
     let mut out = io::stdout().lock();
     // Standard output may be closed.

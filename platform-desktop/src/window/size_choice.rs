@@ -1,5 +1,5 @@
-//! The size of a studio that nobody has said: that of the session under way, else the fine one where the machine draws
-//! it at its rate.
+//! Automatic choice of the studio's size: the size of the session under way, else the fine size if the
+//! machine draws it at the full rate, else the usual one.
 
 use std::fmt;
 use std::path::Path;
@@ -25,19 +25,19 @@ use super::libraries;
 
 /// Voxels along an edge of the usual studio.
 const USUAL: usize = GRID_SIDES[0];
-/// The same of the fine one.
+/// Voxels along an edge of the fine studio.
 const FINE: usize = GRID_SIDES[1];
 
-/// For how long pictures are drawn.
+/// Duration of the measurement.
 const MEASURED_FOR: Duration = Duration::from_millis(500);
 
-/// Within which a picture is to be drawn: two thirds of a 72nd of a second. The rest is for a tick and the panels.
+/// Time limit of a picture: two thirds of 1/72 s. The rest is for a tick and the panels.
 const DRAWN_WITHIN: Duration = Duration::from_micros(9_250);
 
-/// The picture that is measured: a window of usual size.
+/// Format of the measured picture: a window of usual size.
 const PICTURE: PictureFormat = PictureFormat { size: [1280, 800], eyes: 1, samples: 4 };
 
-/// A size, and why it was chosen.
+/// A size of the studio, and the reason of the choice.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SizeChoice {
     /// Voxels along an edge.
@@ -49,24 +49,24 @@ pub struct SizeChoice {
 enum SizeReason {
     /// A session of this size is under way.
     UnderWay,
-    /// A picture of the fine size took so long.
+    /// A picture in the fine size took this time.
     Drawn(Duration),
     /// There is no GPU to measure.
     NoGpu,
 }
 
 impl SizeChoice {
-    /// Chooses the size of a studio whose sculptures go to a folder, or the user's own. Where no session is under way,
-    /// it draws for half a second.
+    /// Chooses the size of a studio that saves to `folder`, or to the user's own. Unless a session is under
+    /// way, the function draws for half a second to measure the machine.
     #[must_use]
     pub fn choose(folder: Option<&Path>) -> Self {
         let paths = StudioPaths::for_user(folder);
-        // Without a display there is no window, and nothing to measure for.
+        // Without a display there is no window, so that no measurement is needed.
         let has_display = libraries::check_display_and_libraries().is_ok();
         let picture = || if has_display { measure_picture::<FINE>() } else { Ok(None) };
         let measured = || match picture() {
             Ok(Some(taken)) => SizeChoice::of_picture(taken),
-            // The window says later what is wrong with a device.
+            // The window later reports faults of the device.
             Ok(None) | Err(_) => SizeChoice { grid_side: USUAL, reason: SizeReason::NoGpu },
         };
         let under_way = find_session_under_way(&paths);
@@ -98,7 +98,7 @@ impl fmt::Display for SizeChoice {
     }
 }
 
-/// The size of the session that is under way; of two, that of the one that was saved last.
+/// Returns the size of the session under way. If there are two, the one saved last counts.
 fn find_session_under_way(paths: &StudioPaths) -> Option<usize> {
     let saves = GRID_SIDES.into_iter().filter_map(|side| {
         let path = paths.session_file(side);
@@ -110,8 +110,8 @@ fn find_session_under_way(paths: &StudioPaths) -> Option<usize> {
     saves.max().map(|(_, side)| side)
 }
 
-/// The median time of a picture of the lump in the room; `None` on a device that computes in software, which is
-/// never fast enough.
+/// Measures the median time of a picture of the lump in the room. Returns `None` on a software device, which
+/// is never fast enough.
 fn measure_picture<const N: usize>() -> Result<Option<Duration>, Error>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
@@ -136,7 +136,7 @@ where
     let scene = Some(room.draw_list());
     let request =
         FrameRequest { eyes: &[eye], placement, style, backdrop: SKY, scene, panels: &[] };
-    // The first picture makes what later ones have.
+    // The first picture creates resources that later pictures reuse.
     renderer.draw_frame(&request, &vec![])?;
     let (begun, mut taken) = (Instant::now(), Vec::new());
     while begun.elapsed() < MEASURED_FOR {
@@ -163,7 +163,7 @@ mod tests {
 
     use super::{FINE, SizeChoice, find_session_under_way, measure_picture};
 
-    /// The save of a session that is under way, or finished.
+    /// Encodes the save of a session that is under way, or finished.
     fn save_session<const N: usize>(is_finished: bool) -> Vec<u8>
     where
         Grid<N>: Size + Resident<N, INTERVALS>,

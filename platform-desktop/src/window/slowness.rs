@@ -1,26 +1,26 @@
-//! Whether the machine keeps up: frames that take longer than the ticks a frame may run drop ticks, and the
-//! studio's time goes slower than the visitor's.
+//! Detects machines that are too slow: frames that take longer than the ticks a frame may run drop ticks, and
+//! the studio's time passes slower than the visitor's.
 
 use std::time::Duration;
 
 use paros_shell::tick_runner::ClockTicks;
 
-/// Time that is looked at as one.
+/// Length of a measured stretch.
 const STRETCH: Duration = Duration::from_secs(3);
 
-/// A frame that takes longer was no frame: the machine slept, or the window was moved.
+/// Longer frames are ignored: the machine slept, or the window was moved.
 const PAUSE: Duration = Duration::from_secs(2);
 
-/// A machine that doesn't keep up.
+/// Measured slowness of a machine.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Slowness {
-    /// Frames drawn in a second.
+    /// Frames drawn a second.
     frames_per_second: u32,
-    /// The studio's time, by the visitor's.
+    /// Speed of the studio's time, in percent of real time.
     speed_percent: u32,
 }
 
-/// Watches frames, a stretch at a time.
+/// Measures frames in stretches of [`STRETCH`].
 #[derive(Clone, Copy, Default, Debug)]
 pub(super) struct SlownessWatch {
     seen: Duration,
@@ -28,15 +28,15 @@ pub(super) struct SlownessWatch {
     due: u32,
     dropped: u32,
     verdict: Option<Slowness>,
-    /// Stretches in a row in which it didn't keep up.
+    /// Number of consecutive slow stretches.
     slow_stretches: u32,
 }
 
-/// Stretches after which slowness isn't told any more: whoever can do something about it has read it.
+/// Slow stretches after which slowness is no longer reported: a visitor who can act on it has read it.
 const TOLD_STRETCHES: u32 = 4;
 
 impl SlownessWatch {
-    /// Notes a frame, with the ticks of the time since the last one.
+    /// Notes a frame, with the due and dropped ticks since the last one.
     pub(super) fn note_frame(&mut self, elapsed: Duration, ticks: ClockTicks) {
         if elapsed > PAUSE {
             let SlownessWatch { verdict, slow_stretches, .. } = *self;
@@ -48,7 +48,7 @@ impl SlownessWatch {
         self.due += ticks.due;
         self.dropped += ticks.dropped;
         if self.seen >= STRETCH {
-            // A hitch or two is none: a tenth of the ticks is.
+            // A few hitches are acceptable: slow is a tenth of the ticks dropped.
             let all = self.due + self.dropped;
             let verdict = (self.dropped * 10 > all).then(|| Slowness {
                 frames_per_second: (f64::from(self.frames) / self.seen.as_secs_f64()).round()
@@ -60,14 +60,14 @@ impl SlownessWatch {
         }
     }
 
-    /// What the last whole stretch was like, where that is still to be told.
+    /// Returns the slowness of the last whole stretch, while it is still to be reported.
     pub(super) fn verdict(&self) -> Option<Slowness> {
         self.verdict.filter(|_| self.slow_stretches <= TOLD_STRETCHES)
     }
 }
 
 impl Slowness {
-    /// A line that tells it, and what helps of what isn't done already.
+    /// Returns a line that describes the slowness, and the remedies that aren't in use yet.
     pub(super) fn describe_with_help(self, is_fast_path: bool, grid_side: usize) -> String {
         let mut helps = Vec::new();
         if !is_fast_path {

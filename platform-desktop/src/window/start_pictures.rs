@@ -1,4 +1,4 @@
-//! Pictures of what sessions start from, for the start panel.
+//! Pictures of the starts, for the start panel.
 
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
@@ -9,13 +9,14 @@ use paros_shell::start_volume_store::StartVolumeStore;
 /// Width and height of a picture in pixels.
 pub(super) const PICTURE_SIZE: [usize; 2] = [120, 96];
 
-/// The figures that have a picture, from left to right: what is carved, what is shaped, and what hides.
+/// Returns the figures that have a picture, from left to right: the lump to carve, the toy to shape, and the
+/// hidden figures.
 pub(super) fn pictured_figures() -> impl Iterator<Item = Figure> {
     [Figure::Lump, Figure::Toy].into_iter().chain(Figure::HIDDEN)
 }
 
 /// Renders the pictures of [`pictured_figures`] side by side, by the paper's path: it needs no density field,
-/// which takes longer than all pictures.
+/// whose computation takes longer than all pictures.
 #[must_use]
 pub(super) fn render_start_pictures<const N: usize>(
     volumes: &StartVolumeStore<N, INTERVALS>,

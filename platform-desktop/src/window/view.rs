@@ -18,15 +18,15 @@ use super::paint::EguiBuffers;
 use super::picture_scale::PictureScale;
 use super::screen::WindowSwapchain;
 
-/// Samples of a pixel.
+/// Samples for each pixel.
 const SAMPLES: u32 = 4;
 
-/// A window's renderer and what it draws.
+/// A window's renderer and its swapchain.
 pub(super) struct WindowRenderer<const N: usize>
 where
     Grid<N>: Size,
 {
-    // Dropped before the swapchain.
+    // Declared before the swapchain so that it drops first.
     show: WorldRenderer<N, INTERVALS>,
     screen: WindowSwapchain,
     scale: PictureScale,
@@ -41,7 +41,7 @@ pub(super) struct FrameParams<'a> {
     pub(super) between: f32,
     /// The render path.
     pub(super) path: RenderPath,
-    /// Where a pull of the trigger takes the right hand's bit, in metres from where it is.
+    /// Displacement by which the trigger would move the right hand's bit, in metres.
     pub(super) next_bite: Option<Vec3>,
     /// Panels in the room.
     pub(super) panels: &'a [Panel],
@@ -51,10 +51,10 @@ impl<const N: usize> WindowRenderer<N>
 where
     Grid<N>: Size,
 {
-    /// Makes the device, the swapchain and the renderer of a world.
+    /// Creates the device, the swapchain and the renderer of a world.
     ///
     /// # Errors
-    /// No Vulkan, no device that fits, or a call that failed.
+    /// No Vulkan, no suitable device, or a failed call.
     pub(super) fn new(
         window: &Window,
         world: &World<N, INTERVALS>,
@@ -62,14 +62,14 @@ where
         options: &Options,
     ) -> Result<Self, Error> {
         let screen = WindowSwapchain::new(window, options)?;
-        // Without the pipeline cache the start takes longer.
+        // Without the pipeline cache the start takes longer, but succeeds.
         let cache = durable::read_regular_file(&paths.pipeline_cache_file()).unwrap_or_default();
         let show = WorldRenderer::new(screen.gpu(), screen.format(SAMPLES), world, &cache)?;
         let scale = PictureScale::new(screen.gpu().is_software());
         Ok(WindowRenderer { show, screen, scale })
     }
 
-    /// Submits the pipeline cache to be written, for a faster next start.
+    /// Submits the pipeline cache for writing, so that the next start is faster.
     pub(super) fn submit_pipeline_cache(&self, paths: &StudioPaths, file_writer: &mut FileWriter) {
         if let Ok(bytes) = self.show.renderer.pipeline_cache_data() {
             file_writer.submit_file_or_wait(
@@ -90,36 +90,36 @@ where
         self.show.note_load(world);
     }
 
-    /// Puts a picture into a cell of the panels'. Returns whether it fits.
+    /// Sets the picture of a panel cell. Returns `true` if it fits.
     pub(super) fn set_panel_picture(&mut self, cell: u8, picture: &Image) -> bool {
         self.show.renderer.set_panel_picture(cell, picture)
     }
 
-    /// Notes that the window has another size.
+    /// Notes that the window's size has changed.
     pub(super) fn mark_resized(&mut self) {
         self.screen.mark_stale();
     }
 
-    /// The device's name.
+    /// Returns the device's name.
     #[must_use]
     pub(super) fn device_name(&self) -> &str {
         &self.screen.gpu().name
     }
 
-    /// GPU times of the latest finished frame, in nanoseconds.
+    /// Returns the GPU times of the latest finished frame, in nanoseconds.
     #[must_use]
     pub(super) const fn gpu_times(&self) -> FrameTimes {
         self.show.renderer.gpu_frame_times()
     }
 
-    /// The validation layer's messages.
+    /// Returns the validation layer's messages.
     #[must_use]
     pub(super) fn validation_messages(&self) -> Vec<String> {
         self.screen.gpu().instance.validation_messages()
     }
 
-    /// Draws and presents a frame in a window of `window_size` pixels. Returns whether there was an
-    /// image to draw into.
+    /// Draws and presents a frame in a window of `window_size` pixels. Returns `true` if there was an image
+    /// to draw into.
     ///
     /// # Errors
     /// A lost device or window.
@@ -143,16 +143,16 @@ where
         let Some(render_target) = self.screen.render_target() else { return Ok(false) };
         egui_buffers.upload_into_begun_frame(&mut renderer.overlay, render_target.extent);
         let time = (world.tick() as f64 + f64::from(params.between)) / f64::from(TICK_RATE);
-        // Hands are not drawn: the mouse has none.
+        // Hands are not drawn, as the mouse has none.
         let fresh = LatestInput {
             grips: [None; 2],
             show_hands: false,
             tick_fraction: params.between,
             time_seconds: time,
             next_bites: [None, params.next_bite],
-            // The panels draw it.
+            // The panels draw the mirror.
             show_mirror: false,
-            // The cursor takes what it points at, wherever its hand is.
+            // The cursor takes the item that it points at, independent of the hand's position.
             light_targets: false,
         };
         let seen = Viewpoint {

@@ -1,4 +1,4 @@
-//! The `paros` command in a folder of a test's own.
+//! The `paros` command in a separate folder for each test.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,29 +11,30 @@ use paros_core::volume::BitGrid;
 use paros_shell::figures::Figure;
 use paros_shell::rmap;
 
-/// The smallest mesh that is a solid, as OBJ.
+/// The smallest solid mesh, as OBJ.
 pub(crate) const TETRAHEDRON: &str =
     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 
 /// The volume file of the toy at 128.
 pub(crate) static TOY: LazyLock<Vec<u8>> = LazyLock::new(|| rmap::encode(&rasterize_toy()));
 
-/// The toy at 128, in buffers of its own: a test that holds the shared ones of `statics` would hold up the others.
+/// Returns the toy at 128, in its own buffers: a test that locks the shared ones of `statics` would block the
+/// others.
 pub(crate) fn rasterize_toy() -> Box<RangeMaps<128, INTERVALS>> {
     let mut maps = Box::new(RangeMaps::new());
     Figure::Toy.rasterize_into(&mut maps, &mut Box::new(BitGrid::new()));
     maps
 }
 
-/// Copies an executable file and makes it executable. A process of its own writes the copy: while this process has a file
-/// open for writing, a child that another test starts inherits the descriptor, and running the file fails ("text file
-/// busy").
+/// Copies an executable file and makes it executable. A separate process writes the copy: while this process
+/// has a file open for writing, a child that another test starts inherits the descriptor, and running the
+/// file fails ("text file busy").
 pub(crate) fn install_program(from: &Path, to: &Path) {
     let installed = Command::new("install").arg(from).arg(to).status();
     assert!(installed.is_ok_and(|status| status.success()), "cannot install {}", to.display());
 }
 
-/// A folder of a test's own.
+/// A separate folder for a test.
 pub(crate) struct TestFolder(pub(crate) PathBuf);
 
 impl TestFolder {
@@ -71,7 +72,7 @@ impl TestFolder {
         paros
     }
 
-    /// Runs a command that must succeed and report nothing. Returns its output.
+    /// Runs a command that must succeed without messages on standard error. Returns its output.
     pub(crate) fn succeeds(&self, args: &[&str]) -> String {
         let output = self.paros(args);
         let errors = String::from_utf8_lossy(&output.stderr);
@@ -80,7 +81,7 @@ impl TestFolder {
         String::from_utf8(output.stdout).unwrap()
     }
 
-    /// Runs a command that must be refused with `word` in its message, and leave no file behind.
+    /// Runs a command that must fail with `word` in its message, and leave no file behind.
     #[track_caller]
     pub(crate) fn refuses(&self, args: &[&str], word: &str) {
         let before = self.names();

@@ -42,7 +42,7 @@ fn a_visitor_s_sculpture_is_kept_here_and_at_the_booth() -> Result<(), MissingDe
     let badge = facts.badge.expect("a badge");
     assert!(words.contains(&format!("badge {}\n", badge.get())), "{words}");
     assert!(!badge.is_provisional(), "the booth has leased it");
-    // The booth's answer comes with the next look.
+    // The booth's answer is shown at the next poll.
     thread::sleep(Duration::from_secs(1));
     visit.do_step("wait 4");
     visit.screenshot(&display, "11-kept-at-booth");
@@ -51,7 +51,7 @@ fn a_visitor_s_sculpture_is_kept_here_and_at_the_booth() -> Result<(), MissingDe
     Ok(())
 }
 
-/// Waits for the file of a sculpture at the booth: head and packed volume.
+/// Waits for the file of a sculpture at the booth, with header and packed volume.
 fn wait_for_sculpture(folder: &Path) -> Vec<u8> {
     let begun = Instant::now();
     loop {

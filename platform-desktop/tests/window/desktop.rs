@@ -1,4 +1,4 @@
-//! What a desktop does to a window: files dropped on it, minimised and back, its scale changed.
+//! Events of a desktop: files dropped on the window, minimise and restore, a changed scale.
 
 use std::error::Error;
 use std::fs;
@@ -20,7 +20,7 @@ use super::rig::{
 };
 use super::xdnd::{self, drop_files};
 
-/// A window manager, ended when dropped.
+/// A window manager, stopped when dropped.
 pub(crate) struct WindowManager(Child);
 
 impl WindowManager {
@@ -33,7 +33,7 @@ impl WindowManager {
             .stderr(Stdio::null())
             .spawn()
             .map_err(|error| format!("no openbox: {error}"))?;
-        // It takes the screen over before it minds windows.
+        // The manager takes over the screen before it handles windows.
         thread::sleep(Duration::from_millis(500));
         Ok(WindowManager(manager))
     }
@@ -41,7 +41,7 @@ impl WindowManager {
 
 impl Drop for WindowManager {
     fn drop(&mut self) {
-        // It may have ended with its display.
+        // The manager may have ended with its display.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
@@ -61,7 +61,7 @@ fn dropped_files_become_the_stone_or_are_refused() -> Result<(), MissingDependen
         let taken = thread::scope(|scope| {
             let dropping =
                 scope.spawn(|| drop_files(&display.name, &paths).map_err(|e| e.to_string()));
-            // The window hears of it while it draws.
+            // The window only receives the drop while it draws.
             while !dropping.is_finished() {
                 visit.do_step("frames 1");
             }
@@ -99,7 +99,7 @@ fn dropped_files_become_the_stone_or_are_refused() -> Result<(), MissingDependen
     assert!(baked.status.success(), "{baked:?}");
     visit.do_all(&["start free", "wait 4"]);
     assert_ne!(visit.voxel_count(), shape);
-    // The first of several is read, the others are named.
+    // Of several files the first is read, and the others are named.
     drop(&mut visit, &["b.rmap", "a shape.obj"]);
     assert_eq!((visit.voxel_count(), &*visit.ask_state("mode")), (shape, "Own"));
     assert!(visit.ask_state("note").contains("a shape.obj: not opened"));
@@ -114,21 +114,21 @@ fn minimised_it_draws_nothing_and_goes_on_after() -> Result<(), MissingDependenc
     let Some(()) = require_or_skip(check_program("xdotool", "--version"))? else { return Ok(()) };
     let Some(_manager) = require_or_skip(WindowManager::new(&display))? else { return Ok(()) };
     let mut visit = ScriptedWindow::new(&display);
-    // Out of the window, so that it does not come into it anew.
+    // The cursor is placed outside, so that it doesn't enter the window again.
     display.xdotool("mousemove 990 690");
     visit.do_all(&["start owl", "wait 4", "size 900 600", "frames 4"]);
     let whole = visit.voxel_count();
     visit.do_all(&STROKE);
-    // Until the chips, which live for up to 2.4 seconds, are gone.
+    // Wait until the chips, which live for up to 2.4 seconds, are gone.
     visit.do_all(&["move 3 97", "wait 240"]);
     let voxels = visit.voxel_count();
     assert!(voxels < whole);
-    // Until the picture has the scale that this device draws in time.
+    // Wait until the resolution scale fits the device's speed.
     visit.do_step("frames 12");
     let shown = visit.screenshot(&display, "1-shown");
     for _ in 0..3 {
         display.xdotool("search --onlyvisible --name Paros windowminimize --sync");
-        // Frames that were under way may still be drawn.
+        // Frames in flight may still be drawn.
         visit.do_all(&["wait 4"; 3]);
         let frames = visit.ask_state("frames");
         visit.do_step("wait 60");
@@ -140,7 +140,7 @@ fn minimised_it_draws_nothing_and_goes_on_after() -> Result<(), MissingDependenc
     let back = visit.screenshot(&display, "2-back");
     let far = count_differing(&shown, &back, [0, 1000], [0, 700]);
     assert!(far < 20, "{far} pixels are others");
-    // A window that loses its size draws nothing either, and asks for nothing.
+    // A window without area draws nothing either, and requests no frames.
     visit.do_step("size 0 0");
     let frames = visit.ask_state("frames");
     visit.do_all(&["wait 12", "move 50 50", "press left", "wait 12", "release left"]);
@@ -171,7 +171,7 @@ fn on_a_fine_screen_all_is_larger_and_under_the_same_cursor() -> Result<(), Miss
     );
     let (twice, fine_voxels) = carve_at_scale(&mut visit, &display, 2);
     assert_eq!(visit.close(), (Some(0), String::new()));
-    // The same rays, but for rounding.
+    // The same rays, except for rounding.
     assert!(fine_voxels.abs_diff(voxels) < 100, "{fine_voxels}, {voxels}");
     let block = |x: usize, y: usize, k: usize| {
         let all = [(0, 0), (1, 0), (0, 1), (1, 1)];
@@ -195,7 +195,7 @@ fn on_a_fine_screen_all_is_larger_and_under_the_same_cursor() -> Result<(), Miss
     Ok(())
 }
 
-/// Starts by a click, and carves; the picture, and the voxels left.
+/// Starts a session by a click, and carves. Returns the picture and the number of voxels left.
 fn carve_at_scale(
     visit: &mut ScriptedWindow,
     display: &XvfbDisplay,
@@ -203,7 +203,7 @@ fn carve_at_scale(
 ) -> (paros_shaders::Image, u64) {
     visit.do_step("frames 4");
     assert_eq!(visit.ask_state("size"), format!("{}x{}", 1180 * scale, 800 * scale));
-    // The first button of the start panel.
+    // Clicks the first button of the start panel.
     display.xdotool(&format!("mousemove {} {}", 440 * scale, 250 * scale));
     visit.do_step("frames 3");
     display.xdotool("click 1");
@@ -211,7 +211,7 @@ fn carve_at_scale(
     assert_eq!(visit.ask_state("mode"), "FreeForm");
     visit.do_all(&STROKE);
     visit.do_step("move 3 97");
-    // The tool has no part in the picture, nor has dust.
+    // Neither the tool nor dust is in the picture.
     visit.do_step("wait 100");
     visit.do_step("frames 6");
     let picture = display.save_screenshot("carved");
@@ -241,7 +241,7 @@ fn a_scale_that_changes_is_followed() -> Result<(), MissingDependency> {
     Ok(())
 }
 
-/// The settings of a desktop, as its daemon tells them to programs (XSETTINGS).
+/// A desktop's settings, as its daemon publishes them (XSETTINGS).
 struct XSettings {
     connection: RustConnection,
     window: u32,

@@ -1,4 +1,4 @@
-//! What a disk may do to a sculpture: full, read by two windows, damaged, not there.
+//! Disk faults: a full disk, two windows on one folder, damaged files, a missing folder.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use super::visit::check_print;
 
 const FINISH: [&str; 5] = ["key enter", "wait 4", "key enter", "wait 4", "settle"];
 
-/// A small disk, gone when dropped.
+/// A small disk, unmounted when dropped.
 struct TmpfsDisk(PathBuf);
 
 impl TmpfsDisk {
@@ -29,12 +29,12 @@ impl TmpfsDisk {
         }
     }
 
-    /// Fills it to the last byte.
+    /// Fills the disk to the last byte.
     fn fill(&self) {
         let size = |bytes: usize| vec![0; bytes];
         let file = self.0.join("filler");
         fs::write(&file, size(1)).expect("it fits");
-        // As much as there is room for stays.
+        // The part that fits stays on the disk.
         fs::write(&file, size(80 << 20)).expect_err("it is smaller");
     }
 
@@ -45,7 +45,7 @@ impl TmpfsDisk {
 
 impl Drop for TmpfsDisk {
     fn drop(&mut self) {
-        // A test that has failed may still use it.
+        // A failed test may still use the disk.
         let _ = Command::new("umount").arg("-l").arg(&self.0).status();
     }
 }
@@ -74,7 +74,7 @@ fn on_a_full_disk_the_window_stays_until_all_is_saved() -> Result<(), MissingDep
     visit.do_step("frames 4");
     display.save_screenshot("2-not-written");
     display.xdotool("search --onlyvisible --name Paros windowfocus --sync key alt+F4");
-    // The key takes its way through the window manager.
+    // The key press passes through the window manager.
     let mut notes = (0..20).map(|_| {
         visit.do_step("frames 8");
         visit.ask_state("note")
@@ -131,7 +131,7 @@ fn two_windows_keep_two_sessions_and_all_their_prints() -> Result<(), MissingDep
     for visit in &mut visits {
         visit.do_step("wait 4");
     }
-    // The one that came first has the studio's session.
+    // The first window has the studio's session.
     if visits[0].ask_state("note").contains("another window") {
         visits.swap(0, 1);
     }
@@ -205,7 +205,7 @@ fn a_session_that_cannot_be_read_is_kept() -> Result<(), MissingDependency> {
         assert_eq!(fs::read(session.with_file_name(kept)).expect("it is kept"), bytes);
         assert!(!session.exists());
     }
-    // What isn't a file is out of the way as well.
+    // Something that isn't a file is moved out of the way too.
     fs::create_dir(&session).expect("a folder");
     let mut visit = ScriptedWindow::new(&display);
     visit.do_step("wait 4");
@@ -228,7 +228,7 @@ fn a_file_opened_while_the_print_is_made_costs_no_print() -> Result<(), MissingD
     let left = visit.voxel_count();
     visit.do_all(&["key enter", "wait 4", "key enter", &mesh, "frames 2", "settle", "wait 8"]);
     assert_eq!((&*visit.ask_state("mode"), &*visit.ask_state("session")), ("Own", "Sculpting"));
-    // Finished again at once: two prints are under way.
+    // Finished again immediately: two prints are in progress.
     visit.do_all(&FINISH);
     assert_eq!(visit.close(), (Some(0), String::new()));
     for number in 1..=2 {
@@ -257,7 +257,7 @@ fn what_is_wrong_with_the_settings_is_seen_in_the_window() -> Result<(), Missing
     assert!(note.contains("wrong.toml:1:1") && note.contains("handover_seconds"), "{note}");
     visit.screenshot(&display, "1-settings");
     assert_eq!(visit.close().0, Some(0));
-    // A visitor of a kiosk can do nothing about them.
+    // A kiosk's visitor can't correct faulty settings.
     let mut visit = open(&["--settings", "wrong.toml", "--kiosk"]);
     visit.do_step("wait 4");
     assert!(!visit.ask_state("note").contains("wrong.toml"));

@@ -12,11 +12,11 @@ use paros_shell::require::{MissingDependency, require_or_skip};
 
 use super::rig::{XvfbDisplay, empty_folder, paros_command};
 
-/// How long anything may take.
+/// Timeout of every wait.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Told to end, by `systemctl stop` say, it leaves neither window nor booth behind: a booth that stays keeps its folder
-/// and its port.
+/// On a termination signal, for example by `systemctl stop`, neither window nor booth stays: a remaining
+/// booth would keep its folder and its port.
 #[test]
 fn told_to_end_it_ends_its_window_and_its_booth() -> Result<(), MissingDependency> {
     let folder = empty_folder("exhibit");
@@ -59,7 +59,7 @@ fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
     }
 }
 
-/// The command lines that name a folder.
+/// Returns the command lines of all processes that name a folder.
 fn list_processes(folder: &Path) -> Vec<String> {
     let folder = folder.display().to_string();
     let of_all = fs::read_dir("/proc").expect("a kernel's").flatten();

@@ -1,4 +1,4 @@
-//! Visits in a window: from a stone that is carved for nobody to a badge, by the mouse alone.
+//! Visits in a window, by the mouse alone: from the attract phase to the badge.
 
 use std::fs;
 use std::time::Duration;
@@ -15,14 +15,14 @@ use super::rig::{
     HEIGHT, ScriptedWindow, WIDTH, XvfbDisplay, count_differing, empty_folder, paros_command,
 };
 
-/// Tangent of half the height of a picture that no bar covers, as the window's camera has it.
+/// Tangent of half the vertical angle of a picture without a covering tool bar, as in the window's camera.
 const HALF: f32 = 0.376_4;
 
 /// Sizes of panels in millimetres.
 const WELCOME: [f32; 2] = [1080.0, 476.0];
 const CHOICE: [f32; 2] = [1020.0, 580.0];
 
-/// Clicks on the middle of a button of a panel that nothing covers.
+/// Clicks on the middle of a panel's button that nothing covers.
 pub(crate) fn click(
     visit: &mut ScriptedWindow,
     spot: PanelSpot,
@@ -43,11 +43,11 @@ pub(crate) fn click(
     let seen = pose.middle + Vec3::new(at.x, -at.y, 0.0);
     let [x, y] = [seen.x / -seen.z / right, -seen.y / -seen.z / HALF];
     let to = format!("move {} {}", 50.0 + 50.0 * x, 50.0 + 50.0 * y);
-    // Nothing is pressed that has only just appeared.
+    // A button that has just appeared can't be pressed yet.
     visit.do_all(&[&to, "wait 24", "press left", "wait 2", "release left", "wait 4"]);
 }
 
-/// Short times, so that a machine without a GPU plays them.
+/// Short durations, so that the test also runs on a machine without a GPU.
 pub(crate) const SETTINGS: &str = "visits = true
 hands_off_seconds = 1
 badge_least_seconds = 2
@@ -81,7 +81,7 @@ fn a_visitor_comes_and_leaves_with_a_badge() -> Result<(), MissingDependency> {
         visit.screenshot(&display, phase);
         assert!(visit.ask_state("visit").starts_with(phase), "{}", visit.ask_state("visit"));
     }
-    // The mouse has not rested: who takes it over presses once, and again as the welcome appears.
+    // The mouse was not idle: the next visitor presses once, and again as the welcome appears.
     visit.do_all(&["move 50 68", "wait 4", "press left", "wait 2", "release left", "wait 4"]);
     visit.do_all(&["press left", "wait 2", "release left", "wait 4"]);
     assert_eq!(visit.ask_state("visit"), "Welcome TakeTool", "it has not been read");
@@ -94,7 +94,7 @@ fn a_visitor_comes_and_leaves_with_a_badge() -> Result<(), MissingDependency> {
     Ok(())
 }
 
-/// From the first movement of the mouse to the guided cut.
+/// Plays a visit from the first movement of the mouse to the guided cut.
 pub(crate) fn choose_the_owl(visit: &mut ScriptedWindow, display: &XvfbDisplay) {
     visit.do_all(&["move 50 50", "wait 4"]);
     assert_eq!(visit.ask_state("visit"), "Welcome TakeTool");
@@ -115,7 +115,7 @@ pub(crate) fn choose_the_owl(visit: &mut ScriptedWindow, display: &XvfbDisplay) 
     visit.screenshot(display, "6-guided");
 }
 
-/// Pictures come onto the cards, and change: the starts turn.
+/// Checks that pictures appear on the cards, and change as the starts turn.
 fn see_living_previews(visit: &mut ScriptedWindow, display: &XvfbDisplay) {
     let mut seen = visit.screenshot(display, "5-choice");
     for name in ["5-choice-pictures", "5-choice-later"] {
@@ -123,7 +123,7 @@ fn see_living_previews(visit: &mut ScriptedWindow, display: &XvfbDisplay) {
             visit.do_step("wait 30");
             let now = visit.screenshot(display, name);
             let pixels = count_differing(&seen, &now, [0, WIDTH], [0, HEIGHT]);
-            // Their area alone is several times as large; a button under the cursor is not.
+            // The previews alone cover several times this area; a highlighted button covers less.
             let is_changed = pixels > 4_000;
             if is_changed {
                 seen = now;
@@ -134,7 +134,7 @@ fn see_living_previews(visit: &mut ScriptedWindow, display: &XvfbDisplay) {
     }
 }
 
-/// From the tool in hand to the badge, of which the visitor has seen enough.
+/// Plays a visit from the tool in hand until the visitor leaves the badge.
 pub(crate) fn cut_and_finish(visit: &mut ScriptedWindow, display: &XvfbDisplay) {
     cut_and_see_badge(visit, display);
     visit.do_all(&["move 20 20", "wait 150"]);
@@ -142,7 +142,7 @@ pub(crate) fn cut_and_finish(visit: &mut ScriptedWindow, display: &XvfbDisplay) 
     click(visit, PanelSpot::Beside, [1000.0, 936.0], next);
 }
 
-/// From the tool in hand to the badge.
+/// Plays a visit from the tool in hand to the badge.
 pub(crate) fn cut_and_see_badge(visit: &mut ScriptedWindow, display: &XvfbDisplay) {
     visit.do_all(&["key 1", "wait 4", "move 45 45", "wait 20"]);
     visit.do_all(&["press left", "move 55 47", "wait 60", "release left", "wait 20"]);
@@ -162,8 +162,8 @@ pub(crate) fn cut_and_see_badge(visit: &mut ScriptedWindow, display: &XvfbDispla
     visit.screenshot(display, "10-badge");
 }
 
-/// A window that was killed, or closed, shortly before goes on; one that was closed for longer than its visitor may be
-/// away has a former visitor's sculpture, which is kept.
+/// A visit resumes if its window was killed or closed a short time ago. After a longer time than a visitor
+/// may be away, the sculpture counts as a former visitor's, and is kept.
 #[test]
 fn a_visit_that_is_found_goes_on_or_was_a_former_visitors() -> Result<(), MissingDependency> {
     let folder = empty_folder("found");

@@ -1,4 +1,4 @@
-//! Sizes, files that are none, and what may be lost: the device, the display.
+//! Window sizes, invalid files, and losses: of the device, of the display.
 
 use std::fs;
 
@@ -47,7 +47,7 @@ fn sizes_files_and_losses_are_survived() -> Result<(), MissingDependency> {
     visit.screenshot(&display, "6-mesh");
     let (code, complaints) = visit.close();
     assert_eq!((code, &*complaints), (Some(0), ""));
-    // What was left for the mesh's session is kept beside it.
+    // The session that was left for the mesh's session is kept beside it.
     assert!(folder.join("data/paros/session-128.before.save").exists());
     Ok(())
 }
@@ -89,7 +89,7 @@ fn a_vanished_display_loses_no_sculpture() -> Result<(), MissingDependency> {
     visit.do_all(&STROKE);
     visit.do_all(&["wait 100", "settle"]);
     let saved = visit.voxel_count();
-    // More than what the last save holds.
+    // Carve more than the last save holds.
     visit.do_all(&["press left", "move 46 52", "wait 30"]);
     let voxels = visit.voxel_count();
     assert!(voxels < saved);
@@ -99,7 +99,7 @@ fn a_vanished_display_loses_no_sculpture() -> Result<(), MissingDependency> {
     assert!(complaints.contains("display is gone"), "{complaints}");
     let display = XvfbDisplay::new(&folder).expect("it was there before");
     let mut visit = ScriptedWindow::new(&display);
-    // It may have carved on until it knew, which took no longer than it had carved before.
+    // The window may have carved on until it noticed the loss, for at most as long as it had carved before.
     let resumed = visit.voxel_count();
     let least = voxels - (saved - voxels);
     assert!((least..=voxels).contains(&resumed), "{resumed}, {voxels}, {saved}");
@@ -135,8 +135,8 @@ fn without_a_display_or_a_device_a_line_says_so() -> Result<(), MissingDependenc
     Ok(())
 }
 
-/// Memory of the device that is missing once is asked for anew with another device; where there is
-/// none for good, the session is saved and the window says so.
+/// If device memory runs out once, the window retries with a new device. If memory stays unavailable, the
+/// session is saved and the window reports it.
 #[test]
 fn memory_that_runs_out_loses_no_sculpture() -> Result<(), MissingDependency> {
     let folder = empty_folder("starved");

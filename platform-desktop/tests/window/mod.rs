@@ -1,8 +1,8 @@
-//! The window on a display of its own (Xvfb, or Weston without a screen) and a software device
-//! (lavapipe): a visitor carves, takes it back and finishes, and the screen shows it; and whatever
-//! goes wrong around the window loses no sculpture. Validation looks on.
+//! The window on its own display (Xvfb, or headless Weston) and a software device (lavapipe): a visitor
+//! carves, undoes and finishes, and the screen shows it. No fault around the window loses a sculpture.
+//! Vulkan's validation layer is enabled.
 //!
-//! The screens are left in the test's folder, to be looked at.
+//! The screenshots are kept in the test's folder, for inspection.
 
 mod booth;
 mod desktop;

@@ -1,5 +1,4 @@
-//! Someone who has never seen it: no terminal, no script, a mouse and a keyboard and what is on the
-//! screen.
+//! A newcomer at the window: no terminal and no script, only a mouse, a keyboard and the screen.
 
 use std::fs;
 use std::mem;
@@ -15,10 +14,10 @@ use super::desktop::WindowManager;
 use super::rig::{XvfbDisplay, check_program, count_differing, empty_folder, paros_command};
 use super::visit::check_print;
 
-/// How long something may take until it is seen: the device is a slow one.
+/// Timeout until a change is seen: the device is slow.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Waits for something.
+/// Waits for a condition.
 fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
     let begun = Instant::now();
     while !is_so() {
@@ -27,13 +26,12 @@ fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
     }
 }
 
-/// The middle of the picture, where the stone is.
+/// Counts the changed pixels in the middle of the picture, where the stone is.
 fn changed_pixels(before: &Image, after: &Image) -> usize {
     count_differing(before, after, [420, 780], [200, 640])
 }
 
-/// Waits until the stroke is drawn to its end, however slow the device: no picture differs from the one a
-/// second before.
+/// Waits until the stroke is drawn completely, on any device: two pictures a second apart are equal.
 fn wait_until_still(look: impl Fn() -> Image) -> Image {
     let mut last = look();
     wait_until("a picture that stays", || {
@@ -56,7 +54,7 @@ fn drag_mouse(display: &XvfbDisplay, from: [i32; 2], to: [i32; 2]) {
     }
     thread::sleep(Duration::from_millis(900));
     display.xdotool("mouseup 1");
-    // Off the stone, so that the tool is not in the picture.
+    // Moves the cursor off the stone, so that the tool isn't in the picture.
     display.xdotool("mousemove 60 790");
 }
 
@@ -111,11 +109,11 @@ fn a_newcomer_goes_from_launch_to_a_print_without_a_terminal() -> Result<(), Mis
     Ok(())
 }
 
-/// The program in a window of its own, at its start.
+/// Starts the program in a window of its own.
 fn launch_paros(display: &XvfbDisplay) -> Child {
     let program = paros_command(&display.folder)
         .env("DISPLAY", &display.name)
-        // What validation says goes to the standard output.
+        // Messages of the validation layer go to standard output.
         .env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation")
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
@@ -125,7 +123,7 @@ fn launch_paros(display: &XvfbDisplay) -> Child {
     display.xdotool("search --sync --onlyvisible --name Paros windowmove 0 0");
     display.xdotool("search --name Paros windowfocus");
     wait_until("the start panel", || {
-        // It is dark, over the bright stool; the window has a title above it.
+        // The start panel is dark, over the bright stool; the window has a title bar above it.
         let pixel = display.save_screenshot("1-launch").pixel(590, 630);
         pixel[0] > 20 && pixel[0] < 90
     });
@@ -145,7 +143,7 @@ fn wait_for_exit(program: &mut Child) -> (Option<i32>, String, String) {
     };
     let out = read(program.stdout.as_mut().expect("it is piped"));
     let err = read(program.stderr.as_mut().expect("it is piped"));
-    // A machine without a sound card says so.
+    // A machine without a sound card reports that.
     let is_of_sound = |line: &&str| line.starts_with("paros: no sound: ");
     let err = err.split_inclusive('\n').filter(|line| !is_of_sound(line)).collect();
     (code.and_then(|status| status.code()), out, err)

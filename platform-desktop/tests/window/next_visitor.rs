@@ -1,4 +1,4 @@
-//! Visitors of a window who have nothing to go by but what it shows.
+//! Visitors of a window who know only what it shows.
 
 use std::fs;
 use std::process::{Child, Stdio};
@@ -16,7 +16,7 @@ use super::rig::{
     empty_folder, paros_command,
 };
 
-/// A window with visits on a display, its stone there.
+/// Opens a window with visits on a display, and waits for its stone.
 fn open_visits(display: &XvfbDisplay) -> ScriptedWindow {
     let settings = display.folder.join("paros.toml");
     fs::write(&settings, SETTINGS).expect("settings");
@@ -49,7 +49,7 @@ fn who_comes_while_the_last_one_is_thanked_begins_a_visit() -> Result<(), Missin
     Ok(())
 }
 
-/// Each step of the guide ends by what it asks for, the last one by either.
+/// Each step of the guide ends with the action that it asks for; the last step has two such actions.
 #[test]
 fn the_guides_steps_end_by_what_they_ask_for() -> Result<(), MissingDependency> {
     let folder = empty_folder("look-around");
@@ -111,12 +111,12 @@ fn a_kiosk_keeps_what_its_visitor_left_and_then_shows_the_start() -> Result<(), 
     Ok(())
 }
 
-/// A program that is ended with its test.
+/// A process that is killed when dropped.
 struct Ended(Child);
 
 impl Drop for Ended {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // The process may have ended by itself.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }

@@ -1,4 +1,4 @@
-//! The README's picture of the three modes, as the window draws them.
+//! The README's picture of the three modes, drawn by the window.
 
 use std::fs;
 use std::ops::ControlFlow;
@@ -14,12 +14,12 @@ use paros_shell::tick_runner::with_fresh_world;
 
 use super::rig::{ScriptedWindow, XvfbDisplay, empty_folder};
 
-/// Pixels of the window; the picture has half as many each way.
+/// Size of the window in pixels; the picture has half of it each way.
 const SIZE: [usize; 2] = [800, 700];
 
 type WindowPercent = [f32; 2];
 
-/// A stroke through points of the window, in parts of a hundred, with so many ticks to each.
+/// Makes a stroke through points of the window, in percent, with `ticks` ticks at each.
 fn stroke(visit: &mut ScriptedWindow, points: impl IntoIterator<Item = WindowPercent>, ticks: u32) {
     for (number, [x, y]) in points.into_iter().enumerate() {
         visit.do_step(&format!("move {x:.2} {y:.2}"));
@@ -31,7 +31,7 @@ fn stroke(visit: &mut ScriptedWindow, points: impl IntoIterator<Item = WindowPer
     visit.do_all(&["wait 40", "release left", "wait 6"]);
 }
 
-/// Points from one to another.
+/// Returns points on a line.
 fn line(from: WindowPercent, to: WindowPercent, count: u16) -> impl Iterator<Item = WindowPercent> {
     (0..=count).map(move |i| {
         let part = f32::from(i) / f32::from(count);
@@ -39,7 +39,7 @@ fn line(from: WindowPercent, to: WindowPercent, count: u16) -> impl Iterator<Ite
     })
 }
 
-/// A spiral, cut into the lump.
+/// Cuts a spiral into the lump.
 fn free(visit: &mut ScriptedWindow) {
     visit.do_all(&["start free", "wait 4", "wheel 9"]);
     let spiral = (0..110u8).map(|i| {
@@ -52,7 +52,7 @@ fn free(visit: &mut ScriptedWindow) {
     visit.do_step("wait 100");
 }
 
-/// The demo's owl, on its way out of the stone: the session that a window of this folder goes on with.
+/// Saves a session with the demo's owl, partly out of the stone. A window of this folder resumes it.
 fn save_hidden(folder: &Path) {
     let sessions = folder.join("data/paros");
     fs::create_dir_all(&sessions).expect("a folder");
@@ -70,10 +70,10 @@ fn save_hidden(folder: &Path) {
     });
 }
 
-/// The tick at which the demo has bared the owl's front, and its back not yet.
+/// The tick at which the demo has bared the owl's front, but not its back.
 const HALF_WAY: u64 = 5000;
 
-/// A bow tie of paste, both halves at once by the mirror.
+/// Makes a bow tie of paste; the mirror makes the second half.
 fn creative(visit: &mut ScriptedWindow) {
     visit.do_all(&["start creative", "wait 4", "key m", "wait 4", "key 3", "wait 4"]);
     for rise in [-2.4, 0.0, 2.4] {
@@ -92,7 +92,7 @@ fn the_readme_shows_the_three_modes() -> Result<(), MissingDependency> {
     save_hidden(&folder);
     let mut visit = ScriptedWindow::new(&display);
     let mut shot = |name, mode: fn(&mut ScriptedWindow)| {
-        // Small while it carves: a frame takes four ticks at the most.
+        // Small while it carves: a frame runs at most four ticks.
         visit.do_all(&["size 160 140", "frames 3"]);
         mode(&mut visit);
         visit.do_all(&["size 800 700", "frames 3", "move 64 72"]);
@@ -108,7 +108,7 @@ fn the_readme_shows_the_three_modes() -> Result<(), MissingDependency> {
     Ok(())
 }
 
-/// Each pixel the mean of four.
+/// Halves a picture's size: each pixel is the mean of four.
 fn halved(picture: &Image) -> Image {
     let (width, height) = (picture.width / 2, picture.height / 2);
     let mut pixels = Vec::new();
@@ -121,7 +121,7 @@ fn halved(picture: &Image) -> Image {
     Image { width, height, pixels }
 }
 
-/// Pictures of one size in a row, with a gap between them.
+/// Joins pictures of one size in a row, with a gap between them.
 fn beside(pictures: &[Image; 3]) -> Image {
     let [Image { width, height, .. }, ..] = pictures;
     let mut pixels = Vec::new();

@@ -1,4 +1,4 @@
-//! Test fixture: an X display without a screen (Xvfb), a scripted window on it, and screenshots.
+//! Test fixture: a headless X display (Xvfb), a scripted window on it, and screenshots.
 
 use std::fs;
 use std::io::{BufRead, BufReader, Write};
@@ -15,7 +15,7 @@ pub(crate) const LAYER: &str = "/usr/share/vulkan/explicit_layer.d/VkLayer_khron
 pub(crate) const WIDTH: usize = 1000;
 pub(crate) const HEIGHT: usize = 700;
 
-/// An Xvfb server, ended when dropped.
+/// An Xvfb server, stopped when dropped.
 pub(crate) struct XvfbDisplay {
     server: Child,
     size: [usize; 2],
@@ -45,14 +45,14 @@ impl XvfbDisplay {
         Ok(XvfbDisplay { server, size, name, folder: folder.to_owned() })
     }
 
-    /// Moves the mouse, presses keys, or minds windows, as `xdotool` is told.
+    /// Runs `xdotool`: moves the mouse, presses keys, or manages windows.
     pub(crate) fn xdotool(&self, arguments: &str) {
         let mut tool = Command::new("xdotool");
         tool.env("DISPLAY", &self.name).args(arguments.split(' '));
         assert!(tool.status().expect("it is there").success(), "xdotool {arguments}");
     }
 
-    /// What `xdotool` answers.
+    /// Runs `xdotool` and returns its output.
     pub(crate) fn ask_xdotool(&self, arguments: &str) -> String {
         let mut tool = Command::new("xdotool");
         let told = tool.env("DISPLAY", &self.name).args(arguments.split(' ')).output();
@@ -84,7 +84,7 @@ impl XvfbDisplay {
 
 impl Drop for XvfbDisplay {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // The server may have ended by itself.
         let _ = self.server.kill();
         let _ = self.server.wait();
     }
@@ -108,7 +108,7 @@ impl ScriptedWindow {
         Self::spawn_with(paros, &[])
     }
 
-    /// The same, with these arguments.
+    /// Opens a window by a command, with these arguments.
     pub(crate) fn spawn_with(paros: &mut Command, arguments: &[&str]) -> Self {
         let mut window = paros
             .args(["window", "--script", "-", "--validation"])
@@ -145,7 +145,7 @@ impl ScriptedWindow {
         }
     }
 
-    /// One field of the window's state line.
+    /// Returns one field of the window's state line.
     pub(crate) fn ask_state(&mut self, what: &str) -> String {
         let said = self.do_step("say");
         let (said, note) = said.split_once("; note ").expect("a note, the last thing said");
@@ -160,7 +160,7 @@ impl ScriptedWindow {
         self.ask_state("voxels").parse().expect("a number")
     }
 
-    /// The screen after 6 frames, when all changes are drawn, saved as `name.png`.
+    /// Waits 6 frames, in which all changes are drawn. Returns the screen, saved as `name.png`.
     pub(crate) fn screenshot(&mut self, display: &XvfbDisplay, name: &str) -> Image {
         self.do_step("frames 6");
         display.save_screenshot(name)
@@ -172,7 +172,7 @@ impl ScriptedWindow {
         self.wait_for_exit()
     }
 
-    /// Waits up to 20 seconds for the window to end by itself. Returns the same.
+    /// Waits up to 20 seconds for the window to end by itself. Returns the exit code and standard error.
     pub(crate) fn wait_for_exit(mut self) -> (Option<i32>, String) {
         let begun = Instant::now();
         let code = loop {
@@ -197,14 +197,15 @@ impl ScriptedWindow {
     }
 }
 
-/// The program, with a folder for a home.
+/// Returns the command of the program, with `folder` as its home.
 pub(crate) fn paros_command(folder: &Path) -> Command {
     let mut paros = Command::new(env!("CARGO_BIN_EXE_paros"));
     paros
         .env("VK_DRIVER_FILES", DRIVER)
         .env("XDG_DATA_HOME", folder.join("data"))
         .env("XDG_CACHE_HOME", folder.join("cache"))
-        // Its compiled shaders, which each window would compile anew: three seconds of processor time.
+        // Share compiled shaders: otherwise each window would compile them, in three seconds of processor
+        // time.
         .env("MESA_SHADER_CACHE_DIR", Path::new(env!("CARGO_TARGET_TMPDIR")).join("mesa"))
         .env("HOME", folder)
         .env_remove("WAYLAND_DISPLAY")
@@ -220,13 +221,13 @@ pub(crate) fn check_files(files: &[&str]) -> Result<(), String> {
     }
 }
 
-/// Checks that a program can be run, with an argument that makes it exit.
+/// Checks that a program can be run, by an argument that makes it exit.
 pub(crate) fn check_program(program: &str, argument: &str) -> Result<(), String> {
     let tried = Command::new(program).arg(argument).stdout(Stdio::null()).status();
     tried.map(drop).map_err(|error| format!("no {program}: {error}"))
 }
 
-/// An empty folder for a test.
+/// Creates an empty folder for a test.
 pub(crate) fn empty_folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("window").join(name);
     let _ = fs::remove_dir_all(&folder);
@@ -243,7 +244,7 @@ pub(crate) fn count_differing(a: &Image, b: &Image, x: [usize; 2], y: [usize; 2]
     (y[0]..y[1]).map(|y| (x[0]..x[1]).filter(|x| far(*x, y)).count()).sum()
 }
 
-/// A stroke across the stone.
+/// Steps of a stroke across the stone.
 pub(crate) const STROKE: [&str; 8] = [
     "move 42 42",
     "wait 12",
@@ -255,6 +256,6 @@ pub(crate) const STROKE: [&str; 8] = [
     "wait 4",
 ];
 
-/// The smallest mesh that is a solid.
+/// The smallest solid mesh.
 pub(crate) const TETRAHEDRON: &str =
     "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 0 1 0\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 1 3 4\n";

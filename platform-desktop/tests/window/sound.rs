@@ -1,4 +1,4 @@
-//! What a visitor does is heard: by a library in place of ALSA's, which tells of the first sound that goes on.
+//! A visitor's actions make sound: a mock of ALSA's library reports the first continuous sound.
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +10,7 @@ use paros_shell::require::{MissingDependency, require_or_skip};
 
 use super::rig::{STROKE, ScriptedWindow, XvfbDisplay, empty_folder, paros_command};
 
-/// Compiles what the window loads as `libasound.so.2`, into a folder.
+/// Compiles the mock that the window loads as `libasound.so.2`, into a folder.
 fn build_library(folder: &Path) {
     let source = concat!(env!("CARGO_MANIFEST_DIR"), "/sound/tests/devices/mock_alsa.c");
     let mut cc = Command::new("cc");

@@ -1,4 +1,4 @@
-//! Another start while a sculpture stands: asked for, fresh, and taken back.
+//! Another start while a sculpture exists: confirmation, a fresh session, and the way back.
 
 use paros_shaders::Image;
 use paros_shell::require::{MissingDependency, require_or_skip};
@@ -7,10 +7,10 @@ use super::rig::{
     STROKE, ScriptedWindow, XvfbDisplay, check_program, count_differing, empty_folder,
 };
 
-/// Pixels of the window.
+/// Size of the window in pixels.
 const SIZE: [usize; 2] = [1180, 800];
 
-/// A window whose start panel is clicked.
+/// A window with its start panel.
 struct Visit {
     display: XvfbDisplay,
     window: ScriptedWindow,
@@ -25,7 +25,7 @@ impl Visit {
         self.window.do_step("frames 4");
     }
 
-    /// The picture, without the cursor on the stone.
+    /// Returns the picture, with the cursor off the stone.
     fn look(&mut self, name: &str) -> Image {
         self.display.xdotool("mousemove 20 780");
         self.window.screenshot(&self.display, name)
@@ -47,7 +47,7 @@ fn another_start_is_asked_for_and_the_one_before_comes_back() -> Result<(), Miss
     let mut visit = Visit { display, window };
     visit.window.do_all(&["start free", "wait 4"]);
     let (whole, fresh) = (visit.voxels(), visit.look("1-fresh"));
-    // A start that leaves nothing isn't asked for.
+    // A start that discards nothing needs no confirmation.
     visit.window.do_all(&["key escape", "frames 2"]);
     visit.look("2-start-of-untouched");
     visit.click(590, 284);
@@ -59,25 +59,25 @@ fn another_start_is_asked_for_and_the_one_before_comes_back() -> Result<(), Miss
     assert!(left + 300 < whole, "{left} voxels are left of {whole}");
     let carved = visit.look("3-carved");
     assert!(count_differing(&fresh, &carved, [0, SIZE[0]], [0, SIZE[1]]) > 50_000);
-    // Taken back by a key, twice.
+    // Cancelled by a key, twice.
     visit.window.do_all(&["key escape", "frames 2"]);
     visit.click(590, 284);
     visit.look("4-asked");
     assert_eq!(visit.voxels(), left);
     visit.window.do_all(&["key escape", "frames 2", "key escape", "frames 2"]);
     assert_eq!(visit.voxels(), left);
-    // Confirmed: all is as at the first start.
+    // Confirmed: everything is as at the first start.
     visit.window.do_all(&["key escape", "frames 2"]);
     visit.click(590, 284);
     visit.window.do_all(&["key enter", "frames 4"]);
     assert_eq!(visit.voxels(), whole);
     let again = visit.look("5-anew");
-    // All but the line of hints, of which the one about cutting has gone.
+    // Everything except the line of hints, where the hint about cutting is gone.
     let rows = [[0, 630], [662, SIZE[1]]];
     let others: usize =
         rows.into_iter().map(|rows| count_differing(&fresh, &again, [0, SIZE[0]], rows)).sum();
     assert!(others < 100, "eye, depth and mirror: {others} pixels are others");
-    // The one before is back, with its strokes to undo.
+    // The previous sculpture is back, with its strokes to undo.
     visit.window.do_all(&["key escape", "frames 2"]);
     visit.look("6-offered");
     visit.click(590, 244);

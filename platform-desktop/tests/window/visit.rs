@@ -1,4 +1,4 @@
-//! A visit from the first click to the print.
+//! A session from the first click to the print.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -45,7 +45,7 @@ fn a_visitor_carves_undoes_and_finishes() -> Result<(), MissingDependency> {
         assert!(pixels > least, "{name} is seen in {pixels} pixels");
         visit.do_step(key);
     }
-    // The first asks, the second does it.
+    // The first press asks, the second confirms.
     visit.do_all(&["key enter", "wait 4"]);
     assert_eq!(visit.ask_state("session"), "Sculpting");
     visit.do_all(&["key enter", "wait 4", "settle"]);
@@ -67,7 +67,7 @@ fn a_visitor_carves_undoes_and_finishes() -> Result<(), MissingDependency> {
     check_print(&print)
 }
 
-/// The print has triangles, and `admesh` finds nothing to mend.
+/// Checks that the print has triangles, and that `admesh` finds nothing to repair.
 pub(crate) fn check_print(print: &Path) -> Result<(), MissingDependency> {
     assert!(fs::metadata(print).expect("the print").len() > 84);
     let checked = Command::new("admesh").arg(print).output();
@@ -94,7 +94,7 @@ fn a_mouse_and_keys_do_what_the_help_says() -> Result<(), MissingDependency> {
     let x = |arguments: &str| display.xdotool(arguments);
     let mut visit = ScriptedWindow::new(&display);
     visit.do_step("frames 2");
-    // The first button of the start panel.
+    // Clicks the first button of the start panel.
     let window = "search --name Paros windowfocus --sync";
     x(window);
     x("mousemove 440 250");
@@ -143,16 +143,16 @@ fn a_mouse_and_keys_do_what_the_help_says() -> Result<(), MissingDependency> {
     Ok(())
 }
 
-/// What the layer's best practices would have otherwise, and why it is as it is.
+/// Best-practice warnings of the validation layer that we ignore, with the reasons.
 const PRACTICES: [&str; 5] = [
-    // The buffers are the scene's; the sculpture's pipeline, drawn between, takes none.
+    // The buffers are the scene's; the sculpture's pipeline, drawn between, uses none.
     "DrawState-VtxIndexOutOfBounds",
-    // A submission that tells no semaphore has an empty list of them, with an address.
+    // A submission without semaphores to signal has an empty list of them, with an address.
     "SemaphoreCount",
-    // A fixed, small number of blocks is made at the start, each for one thing.
+    // A fixed, small number of memory blocks is allocated at the start, each for one purpose.
     "vkAllocateMemory-small-allocation",
     "vkBindMemory-small-dedicated-allocation",
-    // Two command buffers are recorded anew each frame.
+    // Two command buffers are recorded again in each frame.
     "vkCreateCommandPool-command-buffer-reset",
 ];
 
@@ -180,7 +180,7 @@ fn best_practices_have_nothing_new_to_say() -> Result<(), MissingDependency> {
     Ok(())
 }
 
-/// The tool bar, the start and the help, at once within the smallest window that they are laid out for.
+/// The tool bar, the start panel and the help fit completely in the smallest supported window.
 #[test]
 fn the_smallest_window_shows_whole_panels() -> Result<(), MissingDependency> {
     let folder = empty_folder("smallest");
@@ -192,7 +192,7 @@ fn the_smallest_window_shows_whole_panels() -> Result<(), MissingDependency> {
     visit.screenshot(&display, "1-start");
     visit.do_all(&["start free", "wait 4", "move 3 50"]);
     let bar = visit.screenshot(&display, "2-tools");
-    // Its ground is dark, the room on both sides of it is not.
+    // The bar's background is dark, and the room on both sides of it isn't.
     let is_panel = |x: usize| bar.pixel(x, 365).iter().all(|channel| *channel < 40);
     assert!((40..600).any(is_panel), "the tool bar is seen");
     assert!(!is_panel(2) && !is_panel(637), "the tool bar ends within the window");
@@ -207,14 +207,14 @@ fn the_mirror_shows_its_plane_while_it_works() -> Result<(), MissingDependency> 
     let folder = empty_folder("mirror");
     let Some(display) = require_or_skip(XvfbDisplay::new(&folder))? else { return Ok(()) };
     let mut visit = ScriptedWindow::new(&display);
-    // Beside the stone, where no bit shows.
+    // Beside the stone, so that no bit is shown.
     visit.do_all(&["start free", "wait 4", "size 1000 700", "move 3 60", "wait 90", "settle"]);
     let plain = visit.screenshot(&display, "1-plain");
     visit.do_all(&["key m", "wait 4"]);
     let mirrored = visit.screenshot(&display, "2-mirrored");
     visit.do_all(&["key m", "wait 4"]);
     let again = visit.screenshot(&display, "3-again");
-    // The panels are below, what the status line says is above.
+    // The panels are below this area, and the status line above it.
     let differing = |image| count_differing(&plain, image, [300, 700], [100, 500]);
     let lines = differing(&mirrored);
     assert!((300..6000).contains(&lines), "{lines} pixels are of the plane");

@@ -1,4 +1,4 @@
-//! The window on Wayland: Weston without a screen.
+//! The window on Wayland, in headless Weston.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
@@ -12,18 +12,18 @@ use paros_shell::require::{MissingDependency, require_or_skip};
 use super::rig::{DRIVER, LAYER, STROKE, ScriptedWindow, check_files, empty_folder, paros_command};
 use super::visit::check_print;
 
-/// A compositor, ended when dropped.
+/// A compositor, stopped when dropped.
 struct Weston {
     server: Child,
     folder: PathBuf,
 }
 
 impl Weston {
-    /// With a shell, a part of it that places windows.
+    /// Starts Weston with a shell, the part that places windows.
     fn new(folder: &Path, shell: &str) -> Result<Self, String> {
         check_files(&[DRIVER, LAYER])?;
         let run = folder.join("run");
-        // Of one that was ended, its socket is still there.
+        // The socket of a compositor that was ended still exists.
         let _ = fs::remove_dir_all(&run);
         fs::create_dir_all(&run).map_err(|error| error.to_string())?;
         fs::set_permissions(&run, fs::Permissions::from_mode(0o700))
@@ -61,7 +61,7 @@ impl Weston {
             .env("XDG_RUNTIME_DIR", self.folder.join("run"))
     }
 
-    /// Leaves a picture of the screen in the folder.
+    /// Saves a screenshot in the folder.
     fn save_screenshot(&self) -> bool {
         let mut shooter = Command::new("weston-screenshooter");
         let shot = self.as_client(&mut shooter).current_dir(&self.folder).status();
@@ -71,7 +71,7 @@ impl Weston {
 
 impl Drop for Weston {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // The compositor may have ended by itself.
         let _ = self.server.kill();
         let _ = self.server.wait();
     }
@@ -102,7 +102,7 @@ fn on_wayland_a_visitor_carves_and_finishes() -> Result<(), MissingDependency> {
 fn unseen_on_wayland_it_goes_on_and_saves_when_the_compositor_ends() -> Result<(), MissingDependency>
 {
     let folder = empty_folder("unseen");
-    // That shell shows no window where there is no seat: no frame is ever asked for.
+    // The kiosk shell shows no window without a seat, so that no frame is ever requested.
     let Some(weston) = require_or_skip(Weston::new(&folder, "kiosk"))? else { return Ok(()) };
     let mut visit = weston.open_window();
     visit.do_all(&["wait 20", "start free", "wait 4"]);

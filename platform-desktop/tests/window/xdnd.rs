@@ -1,4 +1,4 @@
-//! A program that one drags files from: the source's side of the XDND protocol, version 5.
+//! A drag source: the source's side of the XDND protocol, version 5.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -15,8 +15,8 @@ use x11rb::{COPY_DEPTH_FROM_PARENT, COPY_FROM_PARENT, CURRENT_TIME};
 
 type Failed = Box<dyn std::error::Error>;
 
-/// Drags files from a window of its own onto the first window that takes any, and drops them.
-/// Whether they were taken.
+/// Drags files from a hidden window onto the first window that accepts files, and drops them. Returns `true`
+/// if the files were accepted.
 pub(crate) fn drop_files(display: &str, files: &[&Path]) -> Result<bool, Failed> {
     let (connection, screen) = x11rb::connect(Some(display))?;
     let root = connection.setup().roots[screen].root;
@@ -33,7 +33,7 @@ pub(crate) fn drop_files(display: &str, files: &[&Path]) -> Result<bool, Failed>
         [0, 200 << 16 | 200, CURRENT_TIME, drag.intern_atom("XdndActionCopy")?],
     )?;
     let taken = drag.await_message("XdndStatus", &uris)?[1] & 1 == 1;
-    // It asked what they are before it answered: that is served by now.
+    // The target requested the list of files before it answered, and has received it.
     if taken {
         drag.send_message("XdndDrop", [0, CURRENT_TIME, 0, 0])?;
         drag.await_message("XdndFinished", &uris)?;
@@ -43,7 +43,7 @@ pub(crate) fn drop_files(display: &str, files: &[&Path]) -> Result<bool, Failed>
     Ok(taken)
 }
 
-/// A window that is never shown.
+/// Creates a window that is never shown.
 pub(crate) fn hidden_window(connection: &RustConnection, root: Window) -> Result<Window, Failed> {
     let window = connection.generate_id()?;
     connection.create_window(
@@ -62,7 +62,7 @@ pub(crate) fn hidden_window(connection: &RustConnection, root: Window) -> Result
     Ok(window)
 }
 
-/// A file as it stands in a list of them.
+/// Returns a file's URI for a `text/uri-list`.
 fn file_uri(file: &Path) -> String {
     let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/.-_".contains(&byte);
     let bytes = file.as_os_str().as_encoded_bytes().iter();
@@ -75,7 +75,7 @@ fn file_uri(file: &Path) -> String {
     format!("file://{path}\r\n")
 }
 
-/// The first window under another that says it takes files.
+/// Finds the first window under another that accepts files.
 fn find_xdnd_aware(connection: &RustConnection, under: Window) -> Result<Option<Window>, Failed> {
     let property = intern_atom(connection, "XdndAware")?;
     let version = connection.get_property(false, under, property, AtomEnum::ATOM, 0, 1)?.reply()?;
@@ -113,7 +113,7 @@ impl Drag {
         Ok(self.connection.flush()?)
     }
 
-    /// The answer to a message; meanwhile the files are told to whoever asks.
+    /// Waits for the answer to a message. Meanwhile serves requests for the list of files.
     fn await_message(&self, message: &str, uris: &str) -> Result<[u32; 5], Failed> {
         let (answer, begun) = (self.intern_atom(message)?, Instant::now());
         while begun.elapsed() < Duration::from_secs(20) {

@@ -1,4 +1,5 @@
-//! A mail server that sends nothing on: each mail becomes a file. Enough of SMTP (RFC 5321) for the booth of this machine.
+//! A mail server that forwards nothing: each mail becomes a file. Implements enough of SMTP (RFC 5321) for
+//! this machine's booth.
 
 use std::io::{self, BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
@@ -9,22 +10,22 @@ use std::time::Duration;
 use paros_headless::Error;
 use paros_shell::durable;
 
-/// Bytes of a mail at most, in the letters that its attachments are made of.
+/// Maximum size of a mail in bytes, with its attachments encoded as text.
 const MAX_MAIL_BYTES: u64 = 64 << 20;
 
-/// How long who sends may be silent.
+/// Timeout for data from a client.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A mail server. It ends with the program.
+/// A mail server. It stops when the program ends.
 pub(super) struct MailSink {
     address: SocketAddr,
 }
 
 impl MailSink {
-    /// Listens on a port of its own, for this machine alone. Mails go to `folder`, as 001.eml and so on.
+    /// Listens on a free port of the loopback address. Mails are written to `folder` as 001.eml and so on.
     ///
     /// # Errors
-    /// When there is no port, or the folder can't be made.
+    /// No port is free, or the folder can't be created.
     pub(super) fn start(folder: &Path) -> Result<Self, Error> {
         durable::make_folder(folder)?;
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).map_err(Error::failure)?;
@@ -32,7 +33,7 @@ impl MailSink {
         let folder = folder.to_owned();
         thread::spawn(move || {
             for stream in listener.incoming().flatten() {
-                // One that hangs up in the middle has sent nothing.
+                // A client that hangs up early has sent no mail.
                 let _ = take_mails(&stream, &folder);
             }
         });
@@ -72,7 +73,7 @@ fn take_mails(stream: &TcpStream, folder: &Path) -> io::Result<()> {
     }
 }
 
-/// Reads up to a dot of its own, and takes the dots back that were put before others.
+/// Reads a mail up to the line with a single dot, and removes SMTP's dot stuffing.
 fn read_mail(reader: &mut impl io::BufRead) -> io::Result<Vec<u8>> {
     let mut mail = Vec::new();
     loop {

@@ -1,4 +1,4 @@
-//! What the visitor chose in a panel.
+//! Actions that the visitor chose in a panel.
 
 use paros_core::limits::INTERVALS;
 use paros_core::session::{SessionMode, SessionState, commands};
@@ -14,7 +14,7 @@ impl<const N: usize> App<'_, N>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    /// Does what the visitor chose in a panel.
+    /// Performs an action that the visitor chose in a panel.
     pub(super) fn perform_action(&mut self, action: PanelAction) {
         match action {
             PanelAction::Start(mode) => self.start_anew(mode),
@@ -43,7 +43,7 @@ where
         }
     }
 
-    /// Starts a session of which the visitor has seen nothing yet.
+    /// Starts a session with the initial camera and the default tool depths.
     pub(super) fn start_anew(&mut self, mode: SessionMode) {
         self.hands.start_session(mode);
         self.hands.reset_eye_and_depths();
@@ -55,7 +55,7 @@ where
         }
     }
 
-    /// Goes on in a world that was loaded.
+    /// Resets input, renderer and panels after another world was loaded.
     fn show_another_world(&mut self) {
         self.hands.drop_input();
         if let Some(view) = &mut self.view {

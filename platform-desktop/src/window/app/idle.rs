@@ -1,15 +1,16 @@
-//! How long the window has been without use, by which a kiosk and visits decide whether their visitor has gone.
+//! Idle time of the window. Kiosks and visits derive from it that their visitor has left.
 
 use std::time::Duration;
 
 use paros_core::session::TICK_RATE;
 use winit::event::WindowEvent;
 
-/// Ticks without an event for which a window counts as used: a mouse rests while its visitor looks or reads.
+/// Ticks after the last event during which a window counts as used: the mouse rests while its visitor looks
+/// or reads.
 const REST_TICKS: u32 = 15 * TICK_RATE;
 
-/// Counts the ticks since mouse, keys or fingers were last used. Time goes by ticks, so that a script's visitor is seen
-/// as a window's.
+/// Counts the ticks since mouse, keys or touch were last used. Time is counted in ticks, so that idle times
+/// of scripts are reproducible.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub(super) struct IdleWatch {
     /// Ticks since the last use, or since the window was opened.
@@ -19,7 +20,7 @@ pub(super) struct IdleWatch {
 }
 
 impl IdleWatch {
-    /// Passes ticks, those that were dropped too.
+    /// Advances the idle time by `ticks`, dropped ticks included.
     pub(super) const fn pass(&mut self, ticks: u32) {
         self.ticks = self.ticks.saturating_add(ticks);
     }
@@ -29,7 +30,8 @@ impl IdleWatch {
         Duration::from_secs(self.ticks.into()) / TICK_RATE
     }
 
-    /// Notes an event of the window. A cursor that is where it was, as one under which the window opens, is no use.
+    /// Notes a window event. A cursor event without movement, as when the window opens under the cursor, is
+    /// no use.
     pub(super) fn note_event(&mut self, event: &WindowEvent) {
         let is_use = match event {
             WindowEvent::CursorMoved { position, .. } => {
@@ -47,12 +49,12 @@ impl IdleWatch {
         }
     }
 
-    /// Notes a use.
+    /// Restarts the idle time.
     pub(super) const fn note_use(&mut self) {
         (self.ticks, self.has_been_used) = (0, true);
     }
 
-    /// Returns `true` until the visitor has rested for long. A window that nobody has used yet has no visitor.
+    /// Returns `true` while the visitor is active. A window that was never used has no visitor.
     pub(super) const fn is_in_use(&self) -> bool {
         self.has_been_used && self.ticks < REST_TICKS
     }

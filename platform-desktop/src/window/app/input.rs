@@ -1,4 +1,4 @@
-//! The window's events of mouse, keys and dropped files.
+//! Window events of the mouse, the keyboard and dropped files.
 
 use paros_core::limits::INTERVALS;
 use paros_core::session::SessionState;
@@ -13,13 +13,13 @@ use crate::window::hands::{HandAction, HandButton, InputEvent};
 use crate::window::keys::{self, KeyCommand};
 use crate::window::opening;
 
-/// Pixels of a touchpad that count as a notch of a wheel.
+/// Touchpad scroll distance that counts as one wheel notch, in pixels.
 const NOTCH_PIXELS: f64 = 40.0;
 
-/// What a key for sculpting tells about a finished sculpture.
+/// Notice shown when a sculpting key is pressed on a finished sculpture.
 const FINISHED_HELP: &str = "It is finished: \"Carve on\" goes on with it.";
 
-/// Whether a key of the hands does something in a session of this state.
+/// Returns `true` if a key of the hands has an effect in a session of this state.
 fn is_key_of_use(key: HandAction, session: SessionState) -> bool {
     match session {
         SessionState::Waiting => false,
@@ -32,7 +32,7 @@ impl<const N: usize> App<'_, N>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    /// Handles an event of an input device, or of the window itself.
+    /// Handles an event of an input device or of the window itself.
     pub(super) fn handle_event(&mut self, event: WindowEvent) {
         self.idle.note_event(&event);
         match event {
@@ -79,7 +79,7 @@ where
         }
     }
 
-    /// Passes the cursor's position on, in pixels from the upper left.
+    /// Passes on the cursor's position, in pixels from the upper left.
     pub(super) fn move_cursor(&mut self, to: [f32; 2]) {
         self.send_to_hands(InputEvent::Moved(to));
         self.panels.move_cursor(to);
@@ -90,7 +90,7 @@ where
         self.hands.handle_event(event, self.studio.world());
     }
 
-    /// Runs a key's command.
+    /// Runs the command of a key that was pressed or released.
     pub(super) fn handle_key(&mut self, command: KeyCommand, down: bool) {
         let session = self.studio.world().session_state();
         let uncovered = self.panels.is_sculpture_uncovered();
@@ -98,8 +98,8 @@ where
             return;
         }
         match command {
-            // A release always counts, even over a panel.
-            // Who is asked something changes no tool behind the question.
+            // Releases always count, even over a panel. While a visit's panel asks a question, pressed keys
+            // don't change the tools behind it.
             KeyCommand::Hands(_) if down && self.is_visit_asking() => {}
             KeyCommand::Hands(key) if !down || uncovered && is_key_of_use(key, session) => {
                 self.send_to_hands(InputEvent::Key(key, down));
@@ -123,7 +123,7 @@ where
                 };
             }
             KeyCommand::Record => self.studio.submit_trace_and_own_volume(),
-            // There is no start panel then.
+            // Visits have no start panel.
             KeyCommand::Back if self.visits.is_some() => self.close_topmost_in_visit(),
             KeyCommand::Back => self.panels.close_topmost_or_toggle_start(session),
         }

@@ -1,4 +1,5 @@
-//! A window that many visitors use, one after the other: who comes finds a start, not what somebody left.
+//! Kiosk mode: many visitors use the window in turn. Each finds the start panel, not the last visitor's
+//! sculpture.
 
 use std::time::Duration;
 
@@ -11,42 +12,43 @@ use winit::window::Fullscreen;
 use super::App;
 use crate::window::keys::KeyCommand;
 
-/// For how long a visitor is told before a sculpture is finished.
+/// Length of the countdown before an abandoned sculpture is finished.
 const TOLD_FOR: Duration = Duration::from_secs(20);
 
-/// The same, of the start that takes a finished sculpture's place.
+/// Length of the countdown before the start panel replaces a finished sculpture.
 const START_TOLD_FOR: Duration = Duration::from_secs(10);
 
-/// Time after a visitor has gone in which the finished sculpture is shown.
+/// Additional time for which a finished sculpture is shown after its visitor has left.
 const SHOWN_FOR: Duration = Duration::from_secs(20);
 
-/// A kiosk's rules: which keys it refuses, and when it hands over. At home nothing is refused or handed over.
+/// Rules of the kiosk: which keys are refused, and when the window is handed over. Without a kiosk there are
+/// no restrictions.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Kiosk {
-    /// Whether the window is one of a kiosk.
+    /// `true` in kiosk mode.
     pub(super) is_on: bool,
-    /// Time without use after which a visitor has gone; `None` where nobody hands over, or visits do.
+    /// Idle time after which a visitor counts as gone; `None` without a kiosk, or if visits do the handover.
     gone_after: Option<Duration>,
 }
 
 impl Kiosk {
-    /// Returns the rules of a window; without a kiosk `gone_after` is none.
+    /// Returns the rules of a window. `gone_after` is `None` without a kiosk.
     pub(super) fn new(gone_after: Option<Duration>, has_visits: bool) -> Self {
         Kiosk { is_on: gone_after.is_some(), gone_after: gone_after.filter(|_| !has_visits) }
     }
 
-    /// The whole of the monitor that the window is on, in a kiosk.
+    /// Returns borderless full screen on the window's monitor in a kiosk, else `None`.
     pub(super) fn full_screen(&self) -> Option<Fullscreen> {
         self.is_on.then_some(Fullscreen::Borderless(None))
     }
 
-    /// Returns `true` if a key's command is for visitors: no developer's tools in a kiosk.
+    /// Returns `true` if a key's command is allowed. A kiosk refuses developer tools.
     pub(super) const fn allows(&self, command: KeyCommand) -> bool {
         !self.is_on || !matches!(command, KeyCommand::Graph | KeyCommand::Path | KeyCommand::Record)
     }
 
-    /// Returns the seconds until a sculpture is finished for whoever left it, or a finished one makes room for the
-    /// start, once the visitor is to be told.
+    /// Returns the seconds until an abandoned sculpture is finished or the start panel replaces a finished
+    /// one; `None` before the countdown starts.
     pub(super) fn seconds_to_handover(&self, session: SessionState, idle: Duration) -> Option<u32> {
         let told_for = match session {
             SessionState::Waiting => return None,
@@ -57,7 +59,7 @@ impl Kiosk {
         (left <= told_for).then(|| left.as_secs_f32().ceil() as u32)
     }
 
-    /// Returns the time without use after which a sculpture is finished for whoever left it, or the start shown.
+    /// Returns the idle time after which an abandoned sculpture is finished, or the start panel shown.
     fn handover_after(&self, session: SessionState) -> Option<Duration> {
         let shown_for = if session == SessionState::Finished { SHOWN_FOR } else { Duration::ZERO };
         self.gone_after.map(|gone_after| gone_after + shown_for)
@@ -68,7 +70,7 @@ impl<const N: usize> App<'_, N>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    /// Hands the window over to the next visitor once this one has gone.
+    /// Hands the window over to the next visitor once the present one has left.
     pub(super) fn hand_over_if_gone(&mut self) {
         let world = self.studio.world();
         let session = world.session_state();

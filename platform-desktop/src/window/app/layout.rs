@@ -1,4 +1,4 @@
-//! What the panels show in a frame.
+//! Layout of the panels in a frame.
 
 use paros_core::limits::INTERVALS;
 use paros_core::session::BitSize;
@@ -19,7 +19,8 @@ impl<const N: usize> App<'_, N>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    /// Lays the panels out in a picture of `size` pixels, and does what the visitor chose in them.
+    /// Lays the panels out in a picture of `size` pixels, and performs the actions that the visitor chose in
+    /// them.
     pub(super) fn lay_out_panels_and_act(&mut self, size: [u32; 2]) {
         self.panels.input.time = Some(self.begun.elapsed().as_secs_f64());
         self.panels.set_window(size, self.scale);
@@ -74,7 +75,7 @@ where
             glow: glow.as_ref(),
         };
         let (output, actions) = self.panels.lay_out(&status);
-        // Without tools to choose from there is no bar.
+        // Visit phases without tools have no tool bar.
         let has_bar = self.visit_phase().is_none_or(is_at_work);
         let covered = if has_bar { self.panels.covered_part() } else { 0.0 };
         self.hands.orbit.set_covered_part(covered);

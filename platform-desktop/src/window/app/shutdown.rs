@@ -1,4 +1,4 @@
-//! Ends of a window, and saving before them: closed, device lost, display lost.
+//! Shutdown and recovery, with a save first: window closed, device lost, display lost.
 
 use core::fmt::Display as Reason;
 
@@ -15,7 +15,7 @@ use crate::window::display::DisplayConnection;
 use crate::window::view::WindowRenderer;
 use paros_shell::studio::Notice;
 
-/// Device losses that are recovered within a run.
+/// Maximum number of recovered device losses in a run.
 const LOSSES: u32 = 3;
 
 /// The message when the display connection is lost.
@@ -25,10 +25,10 @@ impl<const N: usize> App<'_, N>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    /// Recovers from a lost device or surface: saves the session, then makes both anew.
+    /// Recovers from a lost device or surface: saves the session, then recreates both.
     ///
     /// # Errors
-    /// The display is lost as well, it is one loss too many, or no device can be made.
+    /// The display is lost too, there were more than [`LOSSES`] losses, or no device can be opened.
     pub(super) fn recover_device(&mut self, error: &gpu::Error) -> Result<(), WindowError> {
         let kept = self.save_and_describe_where();
         let failed =
@@ -52,7 +52,7 @@ where
         Ok(())
     }
 
-    /// Saves the session when the display connection is lost. The application ends with that error.
+    /// Saves the session when the display connection is lost, and ends the application with that error.
     pub(in crate::window) fn on_display_lost(&mut self) {
         if self.done.is_ok() {
             let kept = self.save_and_describe_where();
@@ -61,7 +61,7 @@ where
         }
     }
 
-    /// Saves the session. Returns as text where, or why it failed.
+    /// Saves the session. Returns a text that names the folder, or the reason of a failure.
     fn save_and_describe_where(&mut self) -> String {
         match self.studio.save_all_and_wait() {
             Ok(()) => {

@@ -101,14 +101,14 @@ where
         Ok(())
     }
 
-    /// Asks for another size of the window, in pixels.
+    /// Requests another size of the window, in pixels.
     fn resize_window(&mut self, [width, height]: [u32; 2]) {
         let size = PhysicalSize::new(width, height);
         if width == 0 || height == 0 {
-            // Not every system has such windows to ask for.
+            // Not every system can resize a window to no area: handle the size directly.
             self.handle_event(winit::event::WindowEvent::Resized(size));
         } else if let Some(window) = &self.window {
-            // A size that is granted at once brings no event.
+            // A size that is granted immediately sends no event.
             if window.request_inner_size(size) == Some(size) {
                 self.handle_event(winit::event::WindowEvent::Resized(size));
             }

@@ -1,4 +1,4 @@
-//! Touch screens: a finger is the cursor with the left button down, two fingers look around.
+//! Touch screens: one finger acts as the cursor with the left button down, two fingers orbit the view.
 
 use std::collections::VecDeque;
 
@@ -9,19 +9,19 @@ use winit::event::{MouseButton, Touch, TouchPhase};
 
 use super::App;
 
-/// The fingers on the screen that count, and what they did that no frame has seen yet.
+/// The tracked fingers, and their button events that no frame has processed yet.
 #[derive(Debug, Default)]
 pub(super) struct Fingers {
-    /// What the cursor follows.
+    /// The finger that the cursor follows.
     first: Option<u64>,
     second: Option<u64>,
-    /// Buttons that go down or up, one a frame: the panels know what is under a finger only after it has been there
-    /// for a frame.
+    /// Button events, delivered one a frame: the panels know what is under a finger only a frame after it has
+    /// touched.
     clicks: VecDeque<(MouseButton, bool)>,
 }
 
 impl Fingers {
-    /// Takes a finger's event in. Whether the cursor is to go there.
+    /// Handles a finger's event. Returns `true` if the cursor follows the finger to its position.
     fn note(&mut self, finger: u64, phase: TouchPhase) -> bool {
         let (is_first, is_second) = (self.first == Some(finger), self.second == Some(finger));
         match phase {
@@ -61,12 +61,12 @@ where
         }
     }
 
-    /// After a frame: the next button that fingers press or release.
+    /// Delivers the next queued button event after a frame.
     pub(super) fn click_by_touch(&mut self) {
         if let Some((button, is_down)) = self.fingers.clicks.pop_front() {
             self.handle_button(button, is_down);
             if self.fingers.first.is_none() && self.fingers.clicks.is_empty() {
-                // Nothing stays lit under a finger that is gone.
+                // Panels don't stay highlighted after the finger is lifted.
                 self.panels.remove_cursor();
             }
         }
@@ -93,7 +93,7 @@ mod tests {
         assert_eq!(moves, [true, false, false, false, true, false]);
         assert_eq!(fingers.clicks, [(Left, true), (Left, false), (Right, true), (Right, false)]);
         fingers.clicks.clear();
-        // The first finger is still down, and presses nothing until it is up and down again.
+        // The first finger is still down, and presses nothing until it is lifted and put down again.
         assert!(fingers.note(1, Ended) && fingers.note(2, Started));
         assert_eq!(fingers.clicks, [(Left, false), (Left, true)]);
     }

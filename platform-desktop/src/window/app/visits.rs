@@ -1,4 +1,4 @@
-//! Visits in the window: what mouse and fingers tell of a visitor, and panels that are held before the eye.
+//! Visits in the window: visitor presence from mouse and touch, and the visit's panels before the eye.
 
 use glam::Quat;
 use paros_core::limits::INTERVALS;
@@ -15,32 +15,33 @@ use paros_visit::{
 
 use super::App;
 
-/// How far the eye goes round the stone until it has been looked at from another side, in radians: a sixth of the window's
-/// height as a drag.
+/// Angle of the camera, in radians, after which the guide's "look around" step is done: a drag over a sixth
+/// of the window's height.
 const LOOKED_AROUND: f32 = 0.4;
 
-/// The cursor's place among the pointers.
+/// The cursor's index among the pointers.
 const CURSOR: usize = 2;
 
-/// The window's visits.
+/// State of the visits in the window.
 #[derive(Debug)]
 pub(in crate::window) struct WindowVisits {
     pub(in crate::window) host: VisitHost,
     uses: UseClock,
     is_pressed: bool,
-    /// It was pressed since the last tick, and may be up again.
+    /// `true` if the button was pressed since the last tick; it may have been released again.
     was_pressed: bool,
     look_around: LookAround,
 }
 
-/// How the eye was turned when the guide asked to look around.
+/// Rotation of the camera when the guide asked the visitor to look around.
 #[derive(Clone, Copy, Default, Debug)]
 struct LookAround {
     from: Option<Quat>,
 }
 
 impl LookAround {
-    /// Notes how the eye is turned after a tick. Whether it has gone round the stone since the guide asked for that.
+    /// Compares the camera's rotation after a tick. Returns `true` once it has turned far enough since the
+    /// guide asked for it.
     fn is_done(&mut self, step: GuideStep, eye: Quat) -> bool {
         if step != GuideStep::TurnStool {
             self.from = None;
@@ -50,14 +51,15 @@ impl LookAround {
     }
 }
 
-/// Returns `true` in a phase that asks for no motion and has a time of its own: hands are off, or a badge is looked at.
+/// Returns `true` in a phase that needs no activity and has its own time limit: hands off, export, or the
+/// badge.
 const fn is_at_rest(phase: VisitPhase) -> bool {
     matches!(phase, VisitPhase::HandsOff | VisitPhase::Export | VisitPhase::Badge)
 }
 
 impl WindowVisits {
-    /// Visits of a studio: they begin there, or go on. One that was left for as long as its phase allows, or for nobody
-    /// knows how long, is a former visitor's.
+    /// Creates the visits of a studio, or resumes the visit that was found. A visit whose idle time is
+    /// unknown or over the limit of its phase counts as a former visitor's.
     pub(super) fn new<const N: usize>(options: &VisitOptions, studio: &Studio<'_, N>) -> Self
     where
         Grid<N>: Size + Resident<N, INTERVALS>,
@@ -81,13 +83,13 @@ impl WindowVisits {
         }
     }
 
-    /// Notes the left button, or a finger.
+    /// Notes a press or release of the left button or a finger.
     pub(super) const fn note_button(&mut self, is_down: bool) {
         self.is_pressed = is_down;
         self.was_pressed |= is_down;
     }
 
-    /// The panels to be drawn.
+    /// Returns the panels to draw.
     pub(super) fn panels(&self) -> &[Panel] {
         self.host.panels()
     }
@@ -97,28 +99,28 @@ impl<const N: usize> App<'_, N>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    /// Where the visit stands, if the window holds visits.
+    /// Returns the phase of the visit; `None` without visits.
     pub(super) fn visit_phase(&self) -> Option<VisitPhase> {
         self.visits.as_ref().map(|_| self.studio.world().visit().phase())
     }
 
-    /// The visitor's language, where sessions are visits.
+    /// Returns the visitor's language; English without visits.
     pub(super) fn visit_language(&self) -> Language {
         let visit = self.studio.world().visit();
         self.visits.as_ref().map_or(Language::English, |visits| visits.host.language(visit))
     }
 
-    /// Whether a panel of the visit's asks something.
+    /// Returns `true` if a visit's panel asks a question.
     pub(super) fn is_visit_asking(&self) -> bool {
         self.visits.as_ref().is_some_and(|visits| visits.host.is_asking())
     }
 
-    /// Whether the visit's guide has its panel.
+    /// Returns `true` if the visit's guide shows its panel.
     pub(super) fn has_visit_guide(&self) -> bool {
         self.visits.as_ref().is_some_and(|visits| visits.host.has_guide())
     }
 
-    /// Whether the cursor is over a panel of the visit's.
+    /// Returns `true` if the cursor is over a panel of the visit.
     pub(super) fn is_cursor_on_visit_panel(&self) -> bool {
         let ray = self.hands.cursor_ray();
         let on_panel = |visits: &WindowVisits| {
@@ -127,7 +129,7 @@ where
         self.visits.as_ref().is_some_and(on_panel)
     }
 
-    /// Holds the visit's panels before the eye, where they are drawn and pressed.
+    /// Places the visit's panels before the eye, for drawing and for pointer hits.
     pub(super) fn place_visit_panels(&mut self) {
         let view = self.hands.orbit.panel_view(self.hands.size);
         if let Some(visits) = &mut self.visits {
@@ -135,7 +137,7 @@ where
         }
     }
 
-    /// Puts into a tick's input what the visit is told.
+    /// Adds the visit's input to a tick's input.
     pub(super) fn fill_visit_input(&mut self, input: &mut TickInput) {
         self.place_visit_panels();
         let ray = self.hands.cursor_ray();
@@ -144,7 +146,7 @@ where
         };
         let is_pressed = visits.is_pressed || core::mem::take(&mut visits.was_pressed);
         let mut pointers = [None; POINTERS];
-        // Nothing is pressed that the help hides.
+        // The help hides the visit's panels, so that they can't be pressed.
         let ray = ray.filter(|_| !self.panels.is_help_shown());
         pointers[CURSOR] = ray.map(|ray| Pointer {
             origin: ray.origin,
@@ -166,7 +168,7 @@ where
         }
     }
 
-    /// Has the time of the last use kept on the disk, as the program may end next.
+    /// Saves the time of the last use to disk, as the program may end next.
     pub(super) fn keep_last_use_before_end(&mut self) {
         let last_use = self.visits.as_mut().and_then(|visits| visits.uses.take_last_stamp());
         if let (Some(last_use), Some(now)) = (last_use, LastUse::read_now()) {
@@ -176,8 +178,8 @@ where
         }
     }
 
-    /// Takes in the left button, or a finger, where nothing lies over the visit's panels. Who presses while nobody is
-    /// there is the next visitor, however shortly after the last one: a window can't see one go and another come.
+    /// Passes the left button or a finger to the visit, if nothing covers the visit's panels. A press in the
+    /// attract phase always begins a new visit: a window can't detect that one visitor has replaced another.
     pub(super) fn press_in_visit(&mut self, is_down: bool) {
         let Some(visits) = &mut self.visits else { return };
         visits.note_button(is_down);
@@ -186,14 +188,14 @@ where
         }
     }
 
-    /// Asks the visitor whether the sculpture is ready; asked twice, it is.
+    /// Asks the visitor whether the sculpture is finished. A second request confirms it.
     pub(super) fn ask_visitor_to_finish(&mut self) {
         if let Some(visits) = &mut self.visits {
             visits.host.ask_or_confirm_finish(self.studio.world().visit());
         }
     }
 
-    /// Closes the help, or what is asked.
+    /// Closes the help, else the visit's question.
     pub(super) fn close_topmost_in_visit(&mut self) {
         if self.panels.close_help() {
             return;
@@ -203,14 +205,14 @@ where
         }
     }
 
-    /// Asks the staff for its PIN, or no longer does.
+    /// Shows or hides the staff's PIN panel.
     pub(super) fn ask_staff(&mut self) {
         if let Some(visits) = &mut self.visits {
             visits.host.toggle_staff_panel();
         }
     }
 
-    /// Takes in what a tick did.
+    /// Updates visit, camera, hands and panels after a tick.
     pub(super) fn follow_visit_tick(&mut self) {
         let Some(visits) = &mut self.visits else { return };
         let world = self.studio.world();
@@ -235,7 +237,7 @@ where
         self.follow_guide();
     }
 
-    /// Tells the guide what it asks for and no tick tells: that the tool is over the stone, and that the eye went round it.
+    /// Reports the guide steps that no tick detects: the tool is over the stone, the camera was turned.
     fn follow_guide(&mut self) {
         let is_over_stone = self.hands.next_bite().is_some()
             && !self.panels.wants_pointer()
@@ -252,7 +254,8 @@ where
     }
 }
 
-/// Whether the visitor's work is over. Help that stays open would hide the badge, and a finger has nothing to close it by.
+/// Returns `true` if the event ends the visitor's work. The help is closed then: it would hide the badge, and
+/// touch has no key to close it.
 const fn ends_work(event: &WorldEvent) -> bool {
     matches!(event, WorldEvent::Visit(phase) if !is_at_work(*phase))
 }

@@ -1,4 +1,4 @@
-//! Picking of the workbench's items by the bodies that are drawn.
+//! Picking of the workbench's items by ray casting against their drawn meshes.
 
 use glam::Vec3;
 use paros_core::World;
@@ -14,14 +14,14 @@ use super::bit_guide::ray_from_room_to_grid;
 use super::{MouseHands, RIGHT};
 use crate::window::raycast;
 
-/// Distance from a ray to a body that it misses, in metres, up to which the body is picked all the same.
+/// Largest distance from a ray to a body at which the body is still picked, in metres.
 const SLACK_M: f32 = 0.006;
 
 impl<const N: usize> MouseHands<N>
 where
     Grid<N>: Size,
 {
-    /// The item on the workbench under the cursor; none while the mouse does something else.
+    /// Returns the item on the workbench under the cursor; `None` while the mouse is busy.
     #[must_use]
     pub(in crate::window) fn pointed_item(&self, world: &World<N, INTERVALS>) -> Option<BenchItem> {
         let is_busy = self.running && !self.is_released || self.orbiting || self.dragging_stool;
@@ -30,7 +30,7 @@ where
         pick_unoccluded_item(&room_ray, world)
     }
 
-    /// Takes an item; a bit after the tool that it belongs to, where that is not in hand.
+    /// Takes an item. Before a bit it takes the bit's tool, unless that is already in hand.
     pub(super) fn take_item_with_its_tool(&mut self, item: BenchItem, world: &World<N, INTERVALS>) {
         if let BenchItem::Bit(bit) = item {
             let tool = bit.spec().tool;
@@ -42,8 +42,8 @@ where
     }
 }
 
-/// Picks the item on the workbench whose drawn body a ray in the room meets first, or else passes within
-/// [`SLACK_M`], unless the sculpture occludes it.
+/// Picks the item on the workbench whose drawn body a ray in the room hits first, else the one that it passes
+/// within [`SLACK_M`]. Items that the sculpture occludes are ignored.
 fn pick_unoccluded_item<const N: usize>(
     room_ray: &Ray,
     world: &World<N, INTERVALS>,
@@ -54,7 +54,7 @@ where
     let items = (0..BENCH_ITEMS).filter_map(BenchItem::from_number);
     let passed: Vec<_> =
         items.filter_map(|item| Some((pass_item(room_ray, world, item)?, item))).collect();
-    // A body that is met comes before one that is passed by.
+    // A body that the ray hits comes before one that it only passes.
     let key = |pass: &Pass| (pass.aside, pass.along);
     let nearest =
         passed.iter().min_by(|(a, _), (b, _)| key(a).partial_cmp(&key(b)).expect("finite"));
@@ -65,7 +65,8 @@ where
     (!occluded).then_some(*item)
 }
 
-/// The vertices of an item's drawn body in the room, in metres; none of one that is held or mounted.
+/// Returns the vertices of an item's drawn body in the room, in metres; empty for an item that is held or
+/// mounted.
 pub(in crate::window) fn body_vertices<const N: usize>(
     world: &World<N, INTERVALS>,
     item: BenchItem,
@@ -81,14 +82,15 @@ where
     meshes.into_iter().flatten().flat_map(place).collect()
 }
 
-/// Where a ray passes a body: distance along it and beside it, in metres; 0 beside where it meets it.
+/// The closest approach of a ray to a body: the distance along the ray and beside it, in metres. `aside` is 0
+/// for a hit.
 #[derive(Clone, Copy)]
 struct Pass {
     along: f32,
     aside: f32,
 }
 
-/// The meshes that an item is drawn with, and where: a tool and the bit on it.
+/// Returns the meshes that an item is drawn with, and their poses: a tool and its mounted bit.
 fn drawn_meshes<const N: usize>(
     world: &World<N, INTERVALS>,
     item: BenchItem,
@@ -107,7 +109,8 @@ where
     }
 }
 
-/// How a ray passes an item; `None` beyond [`SLACK_M`], behind its origin, or for one that isn't there.
+/// Returns a ray's closest approach to an item; `None` beyond [`SLACK_M`], behind the ray's origin, or for an
+/// absent item.
 fn pass_item<const N: usize>(
     ray: &Ray,
     world: &World<N, INTERVALS>,
@@ -126,7 +129,7 @@ where
     passes.min_by(|a, b| a.aside.total_cmp(&b.aside).then(a.along.total_cmp(&b.along)))
 }
 
-/// The same for a mesh, in its own space.
+/// Returns a ray's closest approach to a mesh, in the mesh's own space.
 fn pass_mesh(ray: &Ray, mesh: MeshId) -> Option<Pass> {
     let aside_of = |point: Vec3| (point - ray.origin).cross(ray.direction).length();
     if aside_of(Vec3::ZERO) > mesh.range().radius + SLACK_M {
@@ -150,7 +153,7 @@ fn pass_mesh(ray: &Ray, mesh: MeshId) -> Option<Pass> {
         .min_by(|a, b| a.aside.total_cmp(&b.aside))
 }
 
-/// The distance at which a ray meets a triangle, from either side (Moeller and Trumbore, 1997).
+/// Returns the distance at which a ray hits a triangle, from either side (Moeller and Trumbore, 1997).
 fn meet_triangle(ray: &Ray, [a, b, c]: [Vec3; 3]) -> Option<f32> {
     let (along_b, along_c) = (b - a, c - a);
     let across = ray.direction.cross(along_c);

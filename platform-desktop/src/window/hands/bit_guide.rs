@@ -1,4 +1,4 @@
-//! Target pose of the bit: on the surface under the cursor, with a way there through the air.
+//! Target pose of the bit: on the surface under the cursor, with a path through the air to it.
 
 use glam::{Quat, Vec3};
 use paros_core::internals::{BOX_SIDE, BitShape, RoomPose, ToolBitSpec};
@@ -14,7 +14,7 @@ use super::RIGHT;
 /// Clearance of a bit at rest above the surface, in metres.
 const CLEARANCE_M: f32 = 0.004;
 
-/// Distance before the eye, in metres, of the waypoint from one side of the sculpture to another.
+/// Distance before the eye, in metres, of the waypoint between two sides of the sculpture.
 const WAYPOINT_M: f32 = 0.06;
 
 /// Lag of the bit behind its target, in voxels of a grid of 128, above which a waypoint is tried and
@@ -27,10 +27,10 @@ const STUCK_TICKS: u32 = 30;
 /// Fraction of the rotation to its target that a bit makes in a tick.
 const TURN_FRACTION: f32 = 0.3;
 
-/// How steeply a pitching chisel is set on a surface, in radians.
+/// Angle at which a pitching chisel is held to a surface, in radians.
 const PITCH: f32 = 0.65;
 
-/// Length of way that gives a blade its direction, in voxels of a grid of 128.
+/// Length of path that sets a blade's direction, in voxels of a grid of 128.
 const HEADING_VOXELS: f32 = 3.0;
 
 /// The target of the bit in a tick.
@@ -40,9 +40,9 @@ pub(super) struct BitTarget {
     pub(super) room_ray: Ray,
     /// The eye's up vector in the room.
     pub(super) up: Vec3,
-    /// The bit, of the size that it has.
+    /// The bit, in its present size.
     pub(super) bit: ToolBitSpec,
-    /// Depth below the surface while it runs, in metres.
+    /// Depth below the surface while the tool runs, in metres.
     pub(super) depth_m: f32,
     pub(super) running: bool,
 }
@@ -52,9 +52,9 @@ pub(super) struct BitTarget {
 pub(super) struct BitGuide<const N: usize> {
     /// The volume as it was when the stroke began.
     before: Box<RangeMaps<N, INTERVALS>>,
-    /// The bit's rotation in the grid, smoothed.
+    /// The bit's smoothed rotation in the grid.
     rotation: Option<Quat>,
-    /// Distance from the eye to the last hit, in voxels, and the same in metres.
+    /// Distance from the eye to the last hit, in voxels; the next field has it in metres.
     hit_distance_voxels: f32,
     hit_distance_m: f32,
     lifted: bool,
@@ -86,22 +86,23 @@ where
         self.before.copy_from(maps);
     }
 
-    /// Distance from the eye to the last hit, in metres.
+    /// Returns the distance from the eye to the last hit, in metres.
     pub(super) const fn last_hit_distance_m(&self) -> f32 {
         self.hit_distance_m
     }
 
-    /// Where a pull of the trigger takes the bit that lies over the surface, in metres of the room.
+    /// Returns the displacement by which the trigger would move the bit over the surface, in metres of the
+    /// room.
     pub(super) const fn next_bite(&self) -> Option<Vec3> {
         self.next_bite
     }
 
-    /// Forgets it where no bit lies over the surface any more, as there is none in hand.
+    /// Clears the next bite, as no bit is in hand.
     pub(super) const fn forget_next_bite(&mut self) {
         self.next_bite = None;
     }
 
-    /// Whether the bit has lagged for more than [`STUCK_TICKS`]. Clears the count if so.
+    /// Returns `true` if the bit has lagged for more than [`STUCK_TICKS`], and restarts the count then.
     pub(super) fn take_is_stuck(&mut self) -> bool {
         let stuck = self.behind > STUCK_TICKS;
         if stuck {
@@ -110,7 +111,7 @@ where
         stuck
     }
 
-    /// The pose of the bit's centre in the room: position in metres, and rotation.
+    /// Returns the pose of the bit's centre in the room: position in metres, and rotation.
     pub(super) fn next_bit_centre_pose(
         &mut self,
         aim: &BitTarget,
@@ -127,11 +128,11 @@ where
                 let point = eye + way * hit.distance_voxels;
                 let reach = (4 * N / 128).max(3) as i32;
                 let normal = raycast::estimate_normal(maps, point, reach).unwrap_or(-way);
-                // At a silhouette the normal points away from the eye: it is bent back towards it.
+                // At a silhouette the normal points away from the eye: bend it back towards the eye.
                 let normal = (normal - way * (0.35 + normal.dot(way).max(0.0))).normalize();
                 let up = frame.to_grid(Vec3::ZERO, Quat::IDENTITY).rotation * aim.up;
                 let up = match aim.bit.shape {
-                    // A blade is turned along its way.
+                    // A blade points along its path.
                     BitShape::Disc { .. } => self.heading.follow(point, N).unwrap_or(up),
                     _ => up,
                 };
@@ -169,8 +170,8 @@ where
         frame.to_room(&paros_core::edit::Pose { position: target, rotation: turned })
     }
 
-    /// The next point on the way to `target`, in voxels: the target itself, or `point_before_eye` while
-    /// the sculpture blocks the straight way.
+    /// Returns the next point on the path to `target`, in voxels: the target itself, or `point_before_eye`
+    /// while the sculpture blocks the straight path.
     fn next_waypoint(
         &mut self,
         target: Vec3,
@@ -205,7 +206,7 @@ struct Heading {
 }
 
 impl Heading {
-    /// The direction of the point's last way of some voxels, once it has one.
+    /// Returns the direction of the point's last few voxels of path; `None` before it has moved that far.
     fn follow(&mut self, point: Vec3, grid_side: usize) -> Option<Vec3> {
         let way = point - *self.from.get_or_insert(point);
         if way.length() * 128.0 / grid_side as f32 > HEADING_VOXELS {
@@ -215,14 +216,15 @@ impl Heading {
     }
 }
 
-/// How a bit lies on a surface.
+/// Orientation of a bit on a surface.
 struct BitOrientation {
     rotation: Quat,
-    /// Its centre, from the place of the surface that it lies on.
+    /// Offset of the bit's centre from the contact point on the surface.
     centre_m: Vec3,
 }
 
-/// How a bit lies on a surface with an outward unit normal, turned towards the eye's up vector.
+/// Returns the orientation of a bit on a surface with an outward unit normal, turned towards the eye's up
+/// vector.
 fn bit_orientation(bit: &ToolBitSpec, outward_normal: Vec3, eye_up: Vec3) -> BitOrientation {
     let normal = outward_normal;
     let metres = |micrometres: i32| micrometres as f32 * 1e-6;
@@ -244,7 +246,7 @@ fn bit_orientation(bit: &ToolBitSpec, outward_normal: Vec3, eye_up: Vec3) -> Bit
     BitOrientation { rotation, centre_m: normal * centre_height_m }
 }
 
-/// How a pitching chisel is set on a surface so that its blow leads down towards an edge.
+/// Returns the orientation of a pitching chisel on a surface: its blow leads down towards an edge.
 fn pitching_orientation(bit: &ToolBitSpec, outward_normal: Vec3, to_edge: Vec3) -> BitOrientation {
     let (sine, cosine) = PITCH.sin_cos();
     let back = outward_normal * sine - to_edge * cosine;
@@ -256,8 +258,8 @@ fn pitching_orientation(bit: &ToolBitSpec, outward_normal: Vec3, to_edge: Vec3) 
     BitOrientation { rotation, centre_m: back * (half_extents_um[2] as f32 * 1e-6) }
 }
 
-/// The direction along a surface in which the stone ends soonest, within what a flake reaches: looked for a little
-/// below the surface.
+/// Returns the direction along a surface in which the stone ends soonest, within a flake's reach. It is
+/// searched a little below the surface.
 fn direction_to_edge<const N: usize>(
     maps: &RangeMaps<N, INTERVALS>,
     point_voxels: Vec3,
@@ -312,7 +314,7 @@ mod tests {
 
     use super::{Heading, direction_to_edge, pitching_orientation};
 
-    /// On the top of a block that ends at x = 100.
+    /// The surface is the top of a block that ends at x = 100.
     #[test]
     fn a_pitching_chisel_is_set_towards_the_nearest_edge() {
         let mut bits = Box::new(BitGrid::<128>::new());
@@ -328,7 +330,7 @@ mod tests {
         let set = pitching_orientation(ToolBit::PitchingChisel.spec(), Vec3::Y, edge);
         let blow = set.rotation * Vec3::NEG_Z;
         assert!(blow.y < -0.5 && blow.dot(edge) > 0.7, "{blow}");
-        // Its tip is on the place.
+        // The tip touches the contact point.
         let tip = set.centre_m + blow * 0.014;
         assert!(tip.length() < 1e-6, "{tip}");
     }

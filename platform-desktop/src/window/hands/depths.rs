@@ -1,22 +1,22 @@
-//! How deep the mouse's hand presses each bit below the surface.
+//! Depth below the surface to which the mouse's hand presses each bit.
 
 use std::ops::RangeInclusive;
 
 use paros_core::internals::{BitAction, BitShape, ToolBitSpec};
 use paros_core::session::ToolBit;
 
-/// Depths that the wheel can set, in millimetres. Above the surface, where they are negative, a bit hovers.
+/// Depths that the wheel can set, in millimetres. A bit with a negative depth hovers above the surface.
 pub(in crate::window) const DEPTHS_MM: RangeInclusive<f32> = -20.0..=40.0;
 
-/// The depths of bits that were chosen, in millimetres.
+/// The chosen depth of each bit, in millimetres; `None` for the default.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BitDepths([Option<f32>; ToolBit::ALL.len()]);
 
 impl BitDepths {
-    /// Nothing was chosen.
+    /// No chosen depths: each bit has its default.
     pub(super) const UNCHOSEN: Self = BitDepths([None; ToolBit::ALL.len()]);
 
-    /// The depth of a bit with this table entry.
+    /// Returns the depth of a bit with this table entry, in millimetres.
     pub(super) fn depth_mm(&self, bit: ToolBit, spec: &ToolBitSpec) -> f32 {
         self.0[bit as usize].unwrap_or(default_depth_mm(spec))
     }
@@ -27,8 +27,8 @@ impl BitDepths {
     }
 }
 
-/// Half of the bit goes into the stone, of a nozzle a third, of a file only what evens the surface out; of a blade a
-/// quarter, which reaches as far as a hand can guide it.
+/// Returns the default depth in millimetres: half of the bit, a third of a nozzle, only the thickness that
+/// levels the surface for a file, and a quarter of a blade, as far as a hand can guide it.
 fn default_depth_mm(spec: &ToolBitSpec) -> f32 {
     let half_um = match spec.shape {
         BitShape::Ball { radius_um } => radius_um,

@@ -1,4 +1,4 @@
-//! Events of mouse and keyboard, as the hands understand them.
+//! Mouse and keyboard events, as input of the hands.
 
 /// Buttons of the mouse.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -7,7 +7,7 @@ pub(in crate::window) enum HandButton {
     Left,
     /// Turns the stool.
     Middle,
-    /// Orbits.
+    /// Orbits the view.
     Right,
 }
 
@@ -16,37 +16,38 @@ pub(in crate::window) enum HandButton {
 pub(in crate::window) enum HandAction {
     /// Takes a tool, by number.
     Tool(u8),
-    /// Mounts the held tool's bit of a number, from 0.
+    /// Mounts the held tool's bit with this number, from 0.
     Bit(u8),
     /// Mounts the bit before the mounted one.
     PreviousBit,
-    /// Mounts the bit after it.
+    /// Mounts the bit after the mounted one.
     NextBit,
     /// Makes the mounted bit a step smaller.
     Smaller,
-    /// Makes it a step larger.
+    /// Makes the mounted bit a step larger.
     Larger,
-    /// Takes a stroke back.
+    /// Undoes a stroke.
     Undo,
-    /// Brings it back again.
+    /// Redoes a stroke.
     Redo,
-    /// Switches the mirror.
+    /// Switches the mirror on or off.
     Mirror,
-    /// Steadies the hand, or lets it be.
+    /// Switches the steadied hand on or off.
     Steady,
-    /// Turns the stool while it is down: to the left, or to the right.
+    /// Turns the stool to the left or right while the key is down.
     Turn {
-        /// Clockwise as seen from above.
+        /// `true` for clockwise as seen from above.
         left: bool,
     },
-    /// Goes nearer.
+    /// Zooms in.
     Nearer,
-    /// Goes farther.
+    /// Zooms out.
     Farther,
 }
 
 impl HandAction {
-    /// Whether it moves the eye alone: of use for what is finished too, where the stool stands still.
+    /// Returns `true` for actions that only move the eye. They also work on a finished sculpture, whose stool
+    /// doesn't turn.
     #[must_use]
     pub(in crate::window) const fn is_for_looking(self) -> bool {
         matches!(self, HandAction::Nearer | HandAction::Farther)
@@ -58,7 +59,7 @@ impl HandAction {
 pub(in crate::window) enum InputEvent {
     /// The cursor is at a pixel, counted from the upper left.
     Moved([f32; 2]),
-    /// The cursor is nowhere in the picture.
+    /// The cursor has left the picture.
     Gone,
     /// A button went down over the picture.
     Pressed(HandButton),
@@ -70,8 +71,8 @@ pub(in crate::window) enum InputEvent {
     Zoom(f32),
     /// A key went down, or up.
     Key(HandAction, bool),
-    /// Shift went down, or up: what the left button runs works lightly.
+    /// Shift went down, or up: with Shift the left button runs the tool lightly.
     Lightly(bool),
-    /// Nothing is down any more: the window lost its keyboard.
+    /// All buttons and keys count as released: the window lost the keyboard focus.
     LetGo,
 }

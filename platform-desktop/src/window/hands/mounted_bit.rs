@@ -1,4 +1,4 @@
-//! The bits of the held tool, one of which is mounted.
+//! The bits of the held tool, and the mounted bit among them.
 
 use paros_core::World;
 use paros_core::limits::INTERVALS;
@@ -7,17 +7,17 @@ use paros_core::volume::{Grid, Size};
 
 use super::{MouseHands, RIGHT};
 
-/// The bits that a tool takes.
+/// Returns the bits that a tool takes.
 pub(in crate::window) fn tool_bits_of(tool: Tool) -> impl Iterator<Item = ToolBit> {
     ToolBit::ALL.into_iter().filter(move |bit| bit.spec().tool == tool)
 }
 
-/// The mounted bit among those of its tool.
+/// The mounted bit's place among the bits of its tool.
 #[derive(Clone, Copy)]
 pub(super) struct MountedBit {
-    /// Its index.
+    /// The index of the mounted bit.
     pub(super) mounted: usize,
-    /// How many there are.
+    /// The number of bits of the tool.
     pub(super) count: usize,
 }
 

@@ -1,4 +1,4 @@
-//! The hands on a world of side 128.
+//! Tests of the hands in a world of side 128.
 
 use std::sync::MutexGuard;
 
@@ -24,7 +24,7 @@ mod strokes;
 
 const SIZE: [u32; 2] = [1000, 700];
 
-/// Hands over a world of 128, one test at a time.
+/// Hands in a world of side 128, locked for one test at a time.
 struct HandsFixture {
     hands: MouseHands<128>,
     resident: MutexGuard<'static, WorldWithStarts<128, INTERVALS>>,
@@ -80,7 +80,7 @@ impl HandsFixture {
         self.resident.world.volume().digest()
     }
 
-    /// How far the stone is from the eye behind each pixel, in voxels.
+    /// Returns the distance from the eye to the stone behind each pixel, in voxels.
     fn surface_depths(&self, pixels: impl Iterator<Item = [f32; 2]>) -> Vec<f32> {
         let hits = pixels.map(|pixel| {
             let room_ray = self.hands.orbit.room_ray_through_pixel(pixel, SIZE);
@@ -91,7 +91,7 @@ impl HandsFixture {
     }
 }
 
-/// Occupied voxels of `a` that are not in `b`.
+/// Returns the occupied voxels of `a` that are not in `b`.
 fn voxels_missing(a: &RangeMaps<128, INTERVALS>, b: &RangeMaps<128, INTERVALS>) -> Vec<Vec3> {
     let mut voxels = Vec::new();
     for y in 0..128 {
@@ -246,7 +246,7 @@ fn keys_choose_tools_and_bits() {
     }
 }
 
-/// The vertices of a tool or bit as the scene's own meshes and poses have them, without a bit that is mounted.
+/// Returns the vertices of a tool or bit by the scene's meshes and poses, without a mounted bit.
 fn drawn_tool_vertices(world: &World<128, INTERVALS>, item: BenchItem) -> Vec<Vec3> {
     let pose = display_pose_unless_held_or_mounted(world.workbench(), item);
     let (position, rotation) = pose.expect("it rests");
@@ -258,7 +258,7 @@ fn drawn_tool_vertices(world: &World<128, INTERVALS>, item: BenchItem) -> Vec<Ve
     vertices.map(|vertex| position + rotation * Vec3::from_array(vertex.position)).collect()
 }
 
-/// Looks at the bench, with the cursor on the middle of an item's drawn body.
+/// Turns the camera to the bench and moves the cursor to the middle of an item's drawn body.
 fn point_at_item(fixture: &mut HandsFixture, item: BenchItem) {
     fixture.hands.orbit.azimuth = 0.6;
     fixture.hands.orbit.distance = 2.0;
@@ -302,7 +302,7 @@ fn both_ends_of_a_drawn_body_are_its_own_and_the_bench_beside_it_is_nobodys() {
         fixture.handle(InputEvent::Moved(seen.pixel));
         assert_eq!(fixture.hands.pointed_item(&fixture.resident.world), Some(item), "{point}");
     }
-    // Beyond the end that has no bit.
+    // A point beyond the end that has no bit.
     let beside = end(-1.0) - Vec3::new(0.05, 0.0, 0.0);
     let seen = fixture.hands.orbit.project_point(beside, SIZE).expect("it is before the eye");
     fixture.handle(InputEvent::Moved(seen.pixel));
@@ -340,7 +340,7 @@ fn drags_and_keys_turn_the_eye_and_the_stool() {
     fixture.handle(InputEvent::Moved([600.0, 300.0]));
     fixture.handle(InputEvent::Released(HandButton::Middle));
     fixture.handle(InputEvent::Moved([300.0, 300.0]));
-    // Half the picture is half a turn, in as many ticks as it takes.
+    // A drag over half the picture is half a turn, spread over several ticks.
     assert_eq!((0..8).map(|_| turned(fixture.tick())).sum::<i32>(), 32_768);
     fixture.handle(InputEvent::Key(HandAction::Turn { left: true }, true));
     assert_eq!((0..72).map(|_| turned(fixture.tick())).sum::<i32>(), -72 * 227);
@@ -362,12 +362,12 @@ fn a_start_comes_alone_and_commands_act_once() {
     assert_eq!(fixture.tick().commands, commands::SYMMETRY);
     assert_eq!(fixture.tick().commands, 0);
     assert_eq!(fixture.held().0, Tool::Rotary);
-    // Where there is no cursor the hand rests and the tool does nothing.
+    // Without a cursor the hand rests and the tool does nothing.
     fixture.handle(InputEvent::Pressed(HandButton::Left));
     assert_eq!(fixture.tick().hands[RIGHT].trigger, 0);
 }
 
-/// With Shift the trigger is pulled, but not wholly, until the stroke's end.
+/// Shift pulls the trigger only partly, until the stroke's end.
 #[test]
 fn shift_pulls_the_trigger_lightly() {
     let mut fixture = HandsFixture::new(SessionMode::FreeForm);

@@ -1,4 +1,4 @@
-//! What a visitor may choose in a panel.
+//! Actions that a visitor can choose in a panel.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ pub(in crate::window) enum PanelAction {
     Start(SessionMode),
     /// Start a session from the sculpture as it is.
     CarveOn,
-    /// Go back to the sculpture before this one.
+    /// Go back to the previous sculpture.
     OneBefore,
     /// Start from the file that has been read.
     StartRead,
@@ -19,12 +19,12 @@ pub(in crate::window) enum PanelAction {
     Open(PathBuf),
     /// Take an item off the workbench.
     Take(BenchItem),
-    /// Make the held bit larger by so many steps.
+    /// Make the held bit larger by this number of steps.
     Resize(i8),
     /// Commands of the core, as bits of `paros_core::session::commands`.
     Command(u8),
     /// Finish the session.
     Finish,
-    /// Retry to write the files that could not be written.
+    /// Retry writing the files that could not be written.
     WriteAgain,
 }

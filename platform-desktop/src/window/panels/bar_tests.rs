@@ -1,4 +1,4 @@
-//! The tool bar keeps its place, and speaks its visitor's language.
+//! Tests of the tool bar: its position is stable, and its texts are in the visitor's language.
 
 use egui::{Pos2, Shape};
 use paros_core::edit::UndoCounts;
@@ -17,7 +17,7 @@ fn in_studio() -> Panels {
     panels
 }
 
-/// Where a text stands in a window, once all is measured.
+/// Returns the position of a text in a window, once all panels are measured.
 fn find_text(panels: &mut Panels, size: [u32; 2], status: &StudioStatus<'_>, text: &str) -> Pos2 {
     let mut shapes = Vec::new();
     for _ in 0..4 {
@@ -41,7 +41,7 @@ fn the_tools_stay_where_they_are_whatever_is_in_hand() {
         let mut places = Vec::new();
         for tool in [None].into_iter().chain(Tool::ALL.map(Some)) {
             let bit = tool.and_then(|tool| tool_bits_of(tool).next());
-            // With a hint, then without.
+            // With a hint, then without one.
             for undoable in [0, 3] {
                 let undo = UndoCounts { undoable, redoable: undoable };
                 let held = tool.zip(bit);
@@ -56,7 +56,7 @@ fn the_tools_stay_where_they_are_whatever_is_in_hand() {
     }
 }
 
-/// At a guided cut its panel stands where else the status does.
+/// During the guided cut the guide's panel takes the status line's place.
 #[test]
 fn the_status_gives_way_to_the_guide() {
     let shows = |has_guide| {
@@ -68,7 +68,7 @@ fn the_status_gives_way_to_the_guide() {
     assert_eq!([true, false].map(shows), [false, true]);
 }
 
-/// Keys are nowhere told to who has never seen them, but by F1, and a finger has no F1: the bar's button tells of it, and
+/// The help is the only place that explains the keys, and touch has no F1: the tool bar has a button that
 /// shows and hides the help.
 #[test]
 fn a_visitor_is_told_of_the_help_and_has_it_by_a_click() {
@@ -86,7 +86,7 @@ fn a_visitor_is_told_of_the_help_and_has_it_by_a_click() {
     }
 }
 
-/// The tool bar's texts in a window of an ordinary size, row by row.
+/// Returns the tool bar's texts in a window of an ordinary size, row by row.
 fn bar_rows(status: &StudioStatus<'_>) -> Vec<Vec<String>> {
     let mut panels = in_studio();
     find_text(&mut panels, [1280, 800], status, Message::BarMirror.text(status.language));
@@ -101,7 +101,7 @@ fn bar_rows(status: &StudioStatus<'_>) -> Vec<Vec<String>> {
         if !bar.contains_rect(place) {
             continue;
         }
-        // A row's texts are of two sizes.
+        // The texts of a row have two sizes.
         if place.center().y > last + 16.0 {
             rows.push(Vec::new());
         }
@@ -111,7 +111,7 @@ fn bar_rows(status: &StudioStatus<'_>) -> Vec<Vec<String>> {
     rows
 }
 
-/// Greek words are longer; the bar that they are in is as high as the English one, and a tool's bits are in a row.
+/// Greek words are longer, but the bar has as many rows as the English one, and a tool's bits fit in a row.
 #[test]
 fn a_greek_tool_bar_has_the_rows_of_an_english_one() {
     let visit = Some(VisitPhase::Sculpting);
@@ -127,7 +127,7 @@ fn a_greek_tool_bar_has_the_rows_of_an_english_one() {
                 };
                 let names = bits.iter().map(|bit| bit_name(*bit));
                 assert!(names.into_iter().all(|name| has(&rows[0], name)), "{rows:#?}");
-                // Where there is one of these there is the other.
+                // Both size buttons are in the same row.
                 let sizes = |row: &Vec<String>| {
                     [Message::BarSmaller, Message::BarLarger].map(|name| has(row, name))
                 };
@@ -142,7 +142,7 @@ fn a_greek_tool_bar_has_the_rows_of_an_english_one() {
     }
 }
 
-/// What a Greek visitor reads has no English word in it: keys, millimetres and numbers are no words.
+/// A Greek visitor sees no English words. Names of keys, millimetres and numbers don't count.
 #[test]
 fn a_greek_visitor_reads_greek() {
     let keys = ["Shift", "Ctrl", "Enter", "Esc", "mm"];

@@ -9,11 +9,11 @@ use egui::{Align2, Area, Button, Context, Id, RichText, ScrollArea, Vec2};
 use super::style;
 use crate::window::opening;
 
-/// A folder and what is in it.
+/// The state of the browser: a folder and its entries.
 #[derive(Debug)]
 pub(super) struct Browser {
     folder: PathBuf,
-    /// Folders first, then files that can be opened.
+    /// Folders first, then the files that can be opened.
     entries: Vec<FileEntry>,
     fault: Option<String>,
 }
@@ -25,7 +25,7 @@ struct FileEntry {
     is_folder: bool,
 }
 
-/// The outcome of a frame.
+/// The result of a frame.
 pub(super) enum BrowserAnswer {
     None,
     Closed,
@@ -33,7 +33,7 @@ pub(super) enum BrowserAnswer {
 }
 
 impl Browser {
-    /// A browser in the working directory.
+    /// Opens a browser in the working directory.
     pub(super) fn new() -> Self {
         let folder = env::current_dir().unwrap_or_else(|_| "/".into());
         let mut browser = Browser { folder: PathBuf::new(), entries: Vec::new(), fault: None };
@@ -82,7 +82,7 @@ impl Browser {
         answer
     }
 
-    /// Shows a folder, or the error if it can't be read.
+    /// Shows a folder, or an error if it can't be read.
     fn enter_folder(&mut self, folder: &Path) {
         match list_folder(folder) {
             Ok(entries) => {

@@ -1,4 +1,5 @@
-//! The cursor over the panels, whose places count where and when its buttons were pressed, however slowly frames come.
+//! The cursor over the panels. Button events keep the position at which they occurred, even if frames are
+//! slow.
 
 use egui::{Event, Modifiers, Order, PointerButton, Pos2};
 
@@ -12,20 +13,20 @@ impl Panels {
         self.input.events.push(Event::PointerMoved(at));
     }
 
-    /// Takes in that the cursor has left the window, or the finger the screen.
+    /// Notes that the cursor has left the window, or the finger the screen.
     pub(in crate::window) fn remove_cursor(&mut self) {
         self.cursor = None;
         self.input.events.push(Event::PointerGone);
     }
 
-    /// Presses or releases a button where the cursor is.
+    /// Presses or releases a button at the cursor's position.
     pub(in crate::window) fn press_button(&mut self, button: PointerButton, pressed: bool) {
         let Some(pos) = self.cursor else { return };
         let modifiers = Modifiers::NONE;
         self.input.events.push(Event::PointerButton { pos, button, pressed, modifiers });
     }
 
-    /// Whether the cursor is over a panel, or a panel is in use.
+    /// Returns `true` if the cursor is over a panel, or a panel is in use.
     #[must_use]
     pub(in crate::window) fn wants_pointer(&self) -> bool {
         let layer = self.cursor.and_then(|at| self.context.layer_id_at(at));
@@ -34,7 +35,7 @@ impl Panels {
     }
 }
 
-/// Splits events where the cursor moves on after a button was pressed or released; one part at the least.
+/// Splits events wherever the cursor moves after a button event. Returns at least one part.
 pub(super) fn split_by_places(events: &[Event]) -> impl Iterator<Item = &[Event]> {
     let is_button = |event: &Event| matches!(event, Event::PointerButton { .. });
     let parts = events.chunk_by(move |before, after| !is_button(before) || is_button(after));
@@ -52,7 +53,7 @@ mod tests {
 
     const CHISEL: PanelAction = PanelAction::Take(BenchItem::Bit(ToolBit::FlatChisel));
 
-    /// Where a click takes the flat chisel.
+    /// Returns a position at which a click takes the flat chisel.
     fn find_chisel() -> Pos2 {
         let places = (0..100).flat_map(|y| (0..50).map(move |x| (x, y)));
         let mut places = places.map(|(x, y)| Pos2::new(20.0 * x as f32, 7.0 * y as f32));

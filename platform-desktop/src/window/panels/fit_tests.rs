@@ -1,4 +1,4 @@
-//! Panels stay within the window at every size of it, and nothing of them is cut off.
+//! Tests that panels stay within the window at every window size, and that no part of them is cut off.
 
 use egui::{Rect, Shape, Vec2};
 use paros_core::session::{SessionMode, SessionState, Tool};
@@ -12,7 +12,7 @@ use super::{PanelAction, Panels, StudioStatus, browser::Browser};
 use crate::window::hands::tool_bits_of;
 use crate::window::slowness::SlownessWatch;
 
-/// Sizes in pixels and scales of windows.
+/// Window sizes in pixels, with their scales.
 const WINDOWS: [([u32; 2], f32); 8] = [
     ([640, 420], 1.0),
     ([640, 420], 2.0),
@@ -24,7 +24,7 @@ const WINDOWS: [([u32; 2], f32); 8] = [
     ([1920, 1080], 2.0),
 ];
 
-/// A frame of panels in a window, after those in which they are measured and fade in.
+/// Lays out a frame of panels in a window, after the frames in which they are measured and fade in.
 fn lay_out(
     panels: &mut Panels,
     window: ([u32; 2], f32),
@@ -39,7 +39,8 @@ fn lay_out(
     (panels.context.content_rect(), shapes)
 }
 
-/// What is painted outside of the window, or cut off sideways; above and below, what cannot be scrolled to.
+/// Lists the shapes that lie outside the window or are cut off at the sides. Above and below, a shape counts
+/// only if it can't be scrolled to.
 fn find_cut_off(screen: Rect, shapes: &[egui::epaint::ClippedShape]) -> Vec<String> {
     let mut cut = Vec::new();
     for clipped in shapes {
@@ -79,7 +80,7 @@ fn with_pictures() -> Panels {
     panels
 }
 
-/// The panels of each state of the studio, by name.
+/// Returns the panels of each state of the studio, by name.
 fn panels_of_all_states() -> Vec<(&'static str, Panels, StudioStatus<'static>)> {
     let mut watch = SlownessWatch::default();
     for _ in 0..5 {
@@ -251,7 +252,7 @@ fn a_low_window_shows_all_starts_without_scrolling() {
                 Shape::Text(text) => {
                     let place = text.visual_bounding_rect();
                     let seen = clipped.clip_rect.intersect(screen);
-                    // Wrapped, a button's words would go on under its picture.
+                    // If a button's words wrapped, they would continue under its picture.
                     let rows = text.galley.text().lines().count();
                     text.galley.text().starts_with(name)
                         && seen.contains_rect(place)

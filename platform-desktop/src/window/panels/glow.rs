@@ -1,4 +1,4 @@
-//! Glow of the workbench's item under the cursor: what a click takes.
+//! Highlight of the workbench's item under the cursor, which a click takes.
 
 use egui::{Align2, Color32, Context, LayerId, Pos2, Shape, Stroke, Vec2};
 use paros_core::World;
@@ -14,13 +14,14 @@ use crate::window::hands::bench_pick;
 /// The projected body of an item, and its name.
 #[derive(Clone, PartialEq, Debug)]
 pub(in crate::window) struct ItemGlow {
-    /// Its convex hull in pixels.
+    /// The convex hull of the body, in pixels.
     hull: Vec<[f32; 2]>,
     name: Message,
 }
 
 impl ItemGlow {
-    /// Projects an item's drawn body to a picture of `picture_size` pixels. `None` where it is not seen.
+    /// Projects an item's drawn body to a picture of `picture_size` pixels. Returns `None` if it can't be
+    /// seen.
     #[must_use]
     pub(in crate::window) fn project_item<const N: usize>(
         world: &World<N, INTERVALS>,
@@ -50,7 +51,7 @@ impl ItemGlow {
         }
     }
 
-    /// Draws the name over a point, within the window.
+    /// Draws the item's name over a point, within the window.
     fn draw_name(&self, context: &Context, language: Language, over: Pos2) {
         let painter = context.layer_painter(LayerId::background());
         let font = egui::FontId::proportional(14.0);
@@ -67,7 +68,7 @@ impl ItemGlow {
     }
 }
 
-/// The convex hull of points, counter-clockwise with y up (monotone chain, Andrew 1979).
+/// Returns the convex hull of points, counter-clockwise with y up (monotone chain, Andrew 1979).
 fn convex_hull(mut points: Vec<[f32; 2]>) -> Vec<[f32; 2]> {
     points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     points.dedup();

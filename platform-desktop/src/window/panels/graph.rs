@@ -5,13 +5,13 @@ use paros_core::session::TICK_RATE;
 
 use super::{StudioStatus, style};
 
-/// Frames that are shown.
+/// Number of frames shown.
 const FRAMES: usize = 160;
 
 /// Target frame time in seconds, a headset's.
 const TARGET_SECONDS: f32 = 1.0 / TICK_RATE as f32;
 
-/// Least time at the graph's top, in seconds: fast frames stay low bars.
+/// Least time at the graph's top, in seconds. Keeps the bars of fast frames low.
 const LEAST_TOP_SECONDS: f32 = 2.0 * TARGET_SECONDS;
 
 /// A ring buffer of frame times.
@@ -52,12 +52,12 @@ impl FrameTimeGraph {
         });
     }
 
-    /// The longest of the shown frames.
+    /// Returns the duration of the slowest frame shown.
     fn slowest_seconds(&self) -> f32 {
         self.seconds.into_iter().fold(0.0, f32::max)
     }
 
-    /// The time at the graph's top: the slowest frame fills the graph, and none exceeds it.
+    /// Returns the time at the graph's top, which no frame exceeds.
     fn top_seconds(&self) -> f32 {
         self.slowest_seconds().max(LEAST_TOP_SECONDS)
     }
@@ -82,7 +82,7 @@ impl FrameTimeGraph {
 mod tests {
     use super::*;
 
-    /// Heights of the bars in a graph 100 points high, the latest last.
+    /// Returns the heights of the bars in a graph 100 points high, the latest last.
     fn bar_heights(graph: &FrameTimeGraph) -> Vec<f32> {
         let context = Context::default();
         let rect = Rect::from_min_size(Pos2::new(0.0, 20.0), Vec2::new(2.0 * FRAMES as f32, 100.0));
@@ -110,10 +110,10 @@ mod tests {
         for (height, expected) in latest.iter().zip([50.0, 100.0, 25.0]) {
             assert!((height - expected).abs() < 0.1, "{latest:?}");
         }
-        // When it has left the graph, the scale follows what is left.
+        // Once the slow frame has left the graph, the scale follows the remaining frames.
         (0..FRAMES - 1).for_each(|_| graph.push(0.1));
         assert!((bar_heights(&graph)[FRAMES - 2] - 100.0).abs() < 0.1);
-        // A machine at its rate shows bars at half height.
+        // On a machine at its full rate the bars have half the height.
         (0..FRAMES).for_each(|_| graph.push(TARGET_SECONDS));
         assert!(bar_heights(&graph).iter().all(|height| (height - 50.0).abs() < 0.1));
     }

@@ -1,4 +1,4 @@
-//! A kiosk's countdown to the next visitor's turn.
+//! Countdown of a kiosk to the next visitor's turn.
 
 use egui::{Align2, Area, Context, Id, Order, RichText, Vec2};
 use paros_core::edit::UndoCounts;
@@ -6,7 +6,7 @@ use paros_core::session::SessionState;
 
 use super::{StudioStatus, style};
 
-/// Tells a kiosk's visitor, who has done nothing for long, that the next one's turn comes.
+/// Shows an idle visitor of a kiosk the countdown to the next visitor's turn.
 pub(super) fn show(context: &Context, status: &StudioStatus<'_>, seconds: u32) {
     let area = Area::new(Id::new("handover"))
         .order(Order::Foreground)
@@ -20,7 +20,7 @@ pub(super) fn show(context: &Context, status: &StudioStatus<'_>, seconds: u32) {
     });
 }
 
-/// What becomes of a sculpture in so many seconds.
+/// Describes what happens to a sculpture in `seconds` seconds.
 fn handover_text(session: SessionState, strokes: UndoCounts, seconds: u32) -> String {
     let happens = match session {
         SessionState::Sculpting if strokes.undoable > 0 => "your sculpture is finished and kept",

@@ -1,4 +1,4 @@
-//! Help panel: mouse and keys, visitors' first.
+//! Help panel: mouse and keys, the visitors' table first.
 
 use egui::{Align2, Area, Context, Grid, Id, Order, RichText, Ui, Vec2};
 use paros_shaders::panel::Message;
@@ -6,13 +6,13 @@ use paros_shaders::panel::Message;
 use super::{StudioStatus, style};
 use crate::window::keys::{DEVELOPER_HELP, HELP, HelpKeys};
 
-/// Width of both tables' column of keys, in points.
+/// Width of the keys' column in both tables, in points.
 const KEYS_WIDTH: f32 = 140.0;
 
 /// Width of the panel's content, in points.
 const WIDTH: f32 = 460.0;
 
-/// Shows visitors' keys in their language, and developers' where they may use them.
+/// Shows the visitors' keys in their language, and the developers' keys where they are allowed.
 pub(super) fn show(context: &Context, status: &StudioStatus<'_>) {
     let language = status.language;
     let in_visit = status.visit.is_some();
@@ -28,7 +28,7 @@ pub(super) fn show(context: &Context, status: &StudioStatus<'_>) {
                     HelpKeys::Named(name) => name,
                     HelpKeys::Told(message) => message.text(language),
                 };
-                // There is no other start to go to.
+                // In a visit, Esc can't show a start panel.
                 let is_start = in_visit && what == Message::HelpBack;
                 let what = if is_start { Message::HelpClose } else { what };
                 (keys, what.text(language))

@@ -1,4 +1,5 @@
-//! Hints for a visitor's first gestures, until they were done once, and for what keeps a tool from its work.
+//! Hints for a visitor's first gestures, until each was done once, and for problems that stop a tool from
+//! working.
 
 use paros_core::edit::UndoCounts;
 use paros_core::internals::BitAction;
@@ -8,17 +9,17 @@ use paros_shell::figures::{HiddenStart, StoneThickness};
 
 use super::StudioStatus;
 
-/// The gestures that the visitor has shown to know.
+/// The gestures that the visitor has already made, and the state of other hints.
 #[derive(Clone, Copy, Default, Debug)]
 pub(in crate::window) struct Hints {
     has_cut: bool,
     has_undone: bool,
-    /// When paste was last laid beyond the volume.
+    /// Time at which paste was last laid beyond the volume, in seconds.
     pasted_beyond_at: Option<f64>,
     baring: Baring,
 }
 
-/// What the tool bar hints at in a frame.
+/// The hint of the tool bar in a frame.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::window) struct Hint {
     pub(super) text: Option<Message>,
@@ -26,17 +27,19 @@ pub(in crate::window) struct Hint {
     pub(super) bit: Option<ToolBit>,
 }
 
-/// For how long that is told, in seconds: whoever lays paste looks at the stone.
+/// Seconds for which the hint about paste beyond the volume stays: a visitor who lays paste looks at the
+/// stone.
 const BEYOND_SECONDS: f64 = 6.0;
 
 impl Hints {
-    /// Notes what the strokes to undo and to redo tell: a stroke was made, or taken back.
+    /// Notes from the undo counts that a stroke was made or undone.
     pub(in crate::window) const fn note_strokes(&mut self, strokes: UndoCounts) {
         self.has_cut |= strokes.undoable > 0 || strokes.redoable > 0;
         self.has_undone |= strokes.redoable > 0;
     }
 
-    /// Notes what the studio's status tells at a time in seconds. Returns the work that hints are about.
+    /// Updates the hints from the studio's status at a time in seconds. Returns the work that hints are
+    /// about.
     pub(in crate::window) fn note_work(
         &mut self,
         status: &StudioStatus<'_>,
@@ -52,8 +55,8 @@ impl Hints {
         }
     }
 
-    /// The hint to show: what keeps the tool from its work first, then the first gestures, then what is to be done with a
-    /// figure that hides in the stone.
+    /// Returns the hint to show: first problems that stop the tool, then the first gestures, then advice
+    /// about the hidden figure.
     #[must_use]
     pub(in crate::window) const fn text(self, work: HintedWork) -> Option<Message> {
         match (work, self.has_cut, self.has_undone) {
@@ -70,7 +73,7 @@ impl Hints {
         }
     }
 
-    /// The bit that the hint names.
+    /// Returns the bit that the hint names.
     #[must_use]
     pub(in crate::window) const fn bit(self, work: HintedWork) -> Option<ToolBit> {
         match work {
@@ -81,28 +84,30 @@ impl Hints {
     }
 }
 
-/// How much of a hidden figure the bit in hand bares.
+/// Progress of the bit in hand at baring a hidden figure.
 #[derive(Clone, Copy, Default, Debug)]
 struct Baring {
     with: Option<(SessionMode, ToolBit, BitSize)>,
     from_percent: u32,
     last_tick: u64,
-    /// Ticks that the bit has run since it last bared [`STEP_PERCENT`], and how many of them on the figure.
+    /// Ticks that the bit has run since it last bared [`STEP_PERCENT`]; the next field counts those on the
+    /// figure.
     ticks: u64,
     ticks_on_figure: u64,
 }
 
-/// A bit of which less comes in [`STALLED_TICKS`] has done what it can: a newcomer's rows bare twice as much, or
-/// half.
+/// Progress in percent below which, in [`STALLED_TICKS`], a bit has done what it can: a newcomer's rows bare
+/// twice as much, or half.
 const STEP_PERCENT: u32 = 3;
 
-/// Ticks of a running bit: ten seconds.
+/// Ticks of running after which a bit can count as stalled: ten seconds.
 const STALLED_TICKS: u64 = 10 * TICK_RATE as u64;
 
-/// The same, after which it has shown that it does not get through: four seconds, in which the undo is told.
+/// Ticks of running after which a bit counts as too small for the stone: four seconds, during which the undo
+/// hint shows.
 const DEEP_TICKS: u64 = 4 * TICK_RATE as u64;
 
-/// Ticks that a frame counts for at most: a run of the tool is seen by the frame.
+/// Maximum number of ticks counted for a frame: runs of the tool are sampled once a frame.
 const FRAME_TICKS: u64 = 36;
 
 impl Baring {
@@ -122,15 +127,15 @@ impl Baring {
         }
     }
 
-    /// Whether it bares hardly more, though it comes to the figure: for a twentieth of the time at least. A ball in
-    /// bare stone comes there for a fiftieth, one that rounds a bared figure for a tenth.
+    /// Returns `true` if the bit bares hardly more, though at least a twentieth of its time is on the figure.
+    /// The share is a fiftieth for a ball in bare stone, and a tenth for one that rounds a bared figure.
     const fn is_stalled(&self) -> bool {
         self.ticks >= STALLED_TICKS && 20 * self.ticks_on_figure >= self.ticks
     }
 }
 
-/// From how much of a hidden figure on a ball for roughing out has done its work, in percent: who goes on with the
-/// medium one then has found the owl soonest.
+/// Returns the bared percentage of a hidden figure from which a ball for roughing out is no longer needed:
+/// changing to the medium ball then finds the owl soonest.
 const fn roughed_out_percent(thickness: StoneThickness) -> u32 {
     match thickness {
         StoneThickness::Near => 12,
@@ -139,35 +144,35 @@ const fn roughed_out_percent(thickness: StoneThickness) -> u32 {
     }
 }
 
-/// Up to how much of it much stone lies over it, in percent.
+/// Bared percentage up to which much stone lies over the figure.
 const MUCH_STONE_PERCENT: u32 = 12;
 
-/// From how much of it on what is left is in creases and behind, in percent.
+/// Bared percentage from which the remaining stone is in creases and at the back.
 const LAST_STONE_PERCENT: u32 = 80;
 
-/// The work in hand, as far as hints are about it.
+/// The work in hand, as far as hints depend on it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::window) enum HintedWork {
-    /// Nothing that a hint is about.
+    /// No work with a hint.
     Other,
     /// A figure hides in the stone.
     HiddenFigure,
-    /// It is under more stone than the ball in hand gets through soon.
+    /// The figure is under more stone than the ball in hand can soon remove.
     FigureUnderMuchStone,
-    /// A good part of it is bared, and a ball in hand that is too large for the rest.
+    /// A good part of the figure is bared, and the ball in hand is too large for the rest.
     FigureUnderLargeBall,
-    /// The bit in hand bares hardly more of it.
+    /// The bit in hand bares hardly more of the figure.
     FigureBeyondBit,
-    /// Little of it is still in the stone, and most of that out of sight.
+    /// Little of the figure is still in the stone, and most of that is out of sight.
     LastStone,
-    /// It is found.
+    /// The figure is found.
     FigureFound,
     /// Paste is being laid where the volume ends.
     PasteBeyondBox,
 }
 
 impl HintedWork {
-    /// The work that the studio's status tells, and how the figure comes out.
+    /// Returns the work by the studio's status and the progress at baring the figure.
     #[must_use]
     fn of_status(status: &StudioStatus<'_>, baring: &Baring) -> Self {
         let percent = status.bared_percent;
@@ -193,7 +198,7 @@ impl HintedWork {
             {
                 HintedWork::FigureUnderMuchStone
             }
-            // There is stone to be had elsewhere, whatever the bit.
+            // There is still stone to remove elsewhere, with any bit.
             _ if is_deep => HintedWork::HiddenFigure,
             Some(ToolBit::RoughingBall | ToolBit::LargeBall) if baring.is_stalled() => {
                 HintedWork::FigureUnderLargeBall
@@ -221,14 +226,14 @@ mod tests {
         hint.map(|hint| hint.text(Language::English))
     }
 
-    /// An owl under stone, of which nothing is bared yet.
+    /// Returns the status of an owl under stone, with nothing bared yet.
     fn hidden_owl(thickness: StoneThickness) -> StudioStatus<'static> {
         let mode = HiddenStart { figure: Figure::Owl, thickness }.mode();
         StudioStatus { mode, ..sculpting_status() }
     }
 
-    /// The hints after seconds in which a ball ran, so many ticks in a hundred of them on the figure, and bared the
-    /// figure evenly from one percentage to another.
+    /// Simulates a running ball for `seconds`. It is on the figure for `on_figure` of a hundred ticks, and
+    /// bares the figure evenly between two percentages. Returns the work and the hints.
     fn after_strokes(
         status: &mut StudioStatus<'_>,
         bit: ToolBit,
@@ -251,7 +256,8 @@ mod tests {
         (work, hints)
     }
 
-    /// What a newcomer's rows did with these balls (`window::hands::tests::newcomer`), and what a hint says then.
+    /// Measured with a newcomer's rows and these balls (`window::hands::tests::newcomer`), and the hint for
+    /// each.
     #[test]
     fn a_ball_that_bares_no_more_is_told_to_be_too_large_and_one_that_gets_on_is_not() {
         let work = |thickness, bit, seconds, on_figure, percents| {
@@ -294,7 +300,8 @@ mod tests {
         assert!(text.is_some_and(|text| text.contains("Shift + 6")));
     }
 
-    /// A player's large ball bared the owl under its thin coat a quarter more slowly than the medium one, and left ribs.
+    /// Measured with a player: the large ball bared the owl under its thin coat a quarter more slowly than
+    /// the medium one, and left ribs.
     #[test]
     fn what_is_left_of_a_thin_coat_is_told_by_the_ball_and_by_what_is_bared() {
         let work = |bit, percent| {

@@ -1,4 +1,4 @@
-//! What a kiosk's panels tell its visitors, and what they don't.
+//! Tests of the texts that a kiosk's panels show or hide.
 
 use paros_core::edit::UndoCounts;
 use paros_core::session::SessionState;
@@ -12,7 +12,7 @@ fn in_studio() -> Panels {
     panels
 }
 
-/// In a kiosk, what another visitor finished is nobody's to go back to.
+/// In a kiosk, the next visitor can't go back to the last visitor's finished sculpture.
 #[test]
 fn the_next_visitor_is_not_offered_what_the_last_one_finished() {
     for kiosk in [false, true] {

@@ -1,5 +1,5 @@
-//! User interface in `egui`: start panel, tools, help, frame times. It takes the studio's status and
-//! returns the visitor's actions; it changes no other state.
+//! User interface in `egui`: start panel, tools, help, frame times. Takes the studio's status and returns the
+//! visitor's actions; changes no other state.
 
 mod action;
 mod browser;
@@ -36,10 +36,10 @@ pub(super) use outline::{BitOutline, MirrorGuide, is_pasting_beyond_box};
 pub(super) use status::StudioStatus;
 use strip::{BarButton, FinishedChoice};
 
-/// Least size of the window in points that the panels are laid out for.
+/// Smallest size of the window that the panels are laid out for, in points.
 const LEAST_SIZE: Vec2 = Vec2::new(640.0, 420.0);
 
-/// Seconds that a notice is shown.
+/// Seconds for which a notice is shown.
 const NOTICE_SECONDS: f64 = 6.0;
 
 /// State of the user interface.
@@ -50,24 +50,24 @@ pub(super) struct Panels {
     pub(super) input: RawInput,
     /// Pixels of the window per point of the panels.
     pixels_per_point: f32,
-    /// Where the cursor is, which a frame may not have seen yet.
+    /// Position of the cursor, which the last frame may not have seen yet.
     cursor: Option<Pos2>,
-    /// The largest part of the window's height that the tool bar, or the panel of what is finished, has covered at its
-    /// size: the picture stays where it is while they change.
+    /// The largest fraction of the window's height that the tool bar or the finished panel has covered at
+    /// this window size. The picture doesn't move while the panels change.
     covered_part: f32,
     /// Pictures of the starts, side by side.
     start_pictures: Option<TextureHandle>,
-    /// The start is shown.
+    /// `true` while the start panel is open.
     start: bool,
-    /// How much stone hides the next figure.
+    /// Thickness of stone over the next hidden figure.
     thickness: StoneThickness,
     help: bool,
     graph: bool,
     hints: Hints,
     times: FrameTimeGraph,
-    /// Finishing was requested once and is to be confirmed.
+    /// `true` once finishing was requested, until it is confirmed.
     finishing: bool,
-    /// The start that was chosen; to be confirmed while an unfinished sculpture stands.
+    /// The start that was chosen. It needs a confirmation while there is an unfinished sculpture.
     asked_start: Option<PanelAction>,
     browser: Option<Browser>,
     notices: Vec<(Notice, f64)>,
@@ -75,13 +75,13 @@ pub(super) struct Panels {
 }
 
 impl Panels {
-    /// Panels with the start panel shown.
+    /// Creates the panels, with the start panel open.
     #[must_use]
     #[allow(clippy::new_without_default)] // it reads fonts
     pub(super) fn new() -> Self {
         let context = Context::default();
         style::set_style(&context);
-        // However slowly frames come, and so presses and releases: a click is one.
+        // With slow frames, press and release may be far apart: any duration is a click.
         context.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
         let input = RawInput {
             max_texture_side: Some(paros_shaders::gpu::overlay::ATLAS_SIDE as usize),
@@ -108,7 +108,7 @@ impl Panels {
         }
     }
 
-    /// Sets the pictures of the starts, side by side as `start_pictures::pictured_figures` has them.
+    /// Sets the pictures of the starts, side by side in the order of `start_pictures::pictured_figures`.
     pub(super) fn set_start_pictures(&mut self, pictures: &Image) {
         let image = ColorImage::from_rgb([pictures.width, pictures.height], &pictures.pixels);
         let options = TextureOptions::LINEAR;
@@ -131,19 +131,20 @@ impl Panels {
         self.pixels_per_point = scale;
     }
 
-    /// The part of the window's height, from its bottom, that the tool bar or the panel of what is finished covers.
+    /// Returns the fraction of the window's height that the tool bar or the finished panel covers at the
+    /// bottom.
     #[must_use]
     pub(super) const fn covered_part(&self) -> f32 {
         self.covered_part
     }
 
-    /// Whether neither the start panel, the file browser nor a question covers the studio.
+    /// Returns `true` if no start panel, file browser or question covers the studio.
     #[must_use]
     pub(super) const fn is_sculpture_uncovered(&self) -> bool {
         !self.start && self.browser.is_none() && self.asked_start.is_none()
     }
 
-    /// Shows a notice for [`NOTICE_SECONDS`], once at a time.
+    /// Shows a notice for [`NOTICE_SECONDS`]. A notice that is already shown is not repeated.
     pub(super) fn show_notice(&mut self, notice: Notice) {
         let until = self.context.input(|input| input.time) + NOTICE_SECONDS;
         self.notices.retain(|(shown, _)| *shown != notice);
@@ -153,18 +154,18 @@ impl Panels {
         }
     }
 
-    /// Tells a visitor that the hidden figure of a session was found.
+    /// Shows a visitor the notice that the session's hidden figure was found.
     pub(super) fn show_found(&mut self, language: Language, mode: SessionMode) {
         self.show_notice(Notice::Good(words::say_found(language, mode)));
     }
 
-    /// Shows the start for another visitor, and nothing else.
+    /// Shows only the start panel, for the next visitor.
     pub(super) fn show_start_alone(&mut self) {
         self.forget_visitor();
         self.start = true;
     }
 
-    /// Closes what a visitor opened, and takes the next one for somebody who has shown to know nothing.
+    /// Closes the panels that a visitor opened, and resets the hints for the next visitor.
     pub(super) fn forget_visitor(&mut self) {
         self.close_covering_panels();
         (self.help, self.graph, self.hints) = (false, false, Hints::default());
@@ -175,13 +176,13 @@ impl Panels {
         self.times.push(seconds);
     }
 
-    /// Closes the panels that cover the studio, when a session has started.
+    /// Closes the panels that cover the studio, as a session has started.
     pub(super) fn close_covering_panels(&mut self) {
         (self.start, self.finishing, self.browser) = (false, false, None);
         self.asked_start = None;
     }
 
-    /// Asks for a start. It is confirmed first where it would leave an unfinished sculpture.
+    /// Requests a start. It needs a confirmation if it would discard an unfinished sculpture.
     pub(super) fn ask_to_start(&mut self, action: PanelAction) {
         self.asked_start = Some(action);
     }
@@ -196,8 +197,8 @@ impl Panels {
         self.graph = !self.graph;
     }
 
-    /// Confirms the start that is asked for. Else requests the end of a sculpting session: the first
-    /// request asks for confirmation; the second is [`PanelAction::Finish`].
+    /// Confirms the requested start. Without one, requests the end of a sculpting session: the first request
+    /// asks for confirmation; the second is [`PanelAction::Finish`].
     pub(super) fn confirm_start_or_ask_to_finish(&mut self, session: SessionState) {
         if let Some(action) = self.asked_start.take() {
             self.actions.push(action);
@@ -209,17 +210,18 @@ impl Panels {
         }
     }
 
-    /// Whether the help is shown.
+    /// Returns `true` if the help is shown.
     pub(super) const fn is_help_shown(&self) -> bool {
         self.help
     }
 
-    /// Closes the help. Whether it was open.
+    /// Closes the help. Returns `true` if it was open.
     pub(super) fn close_help(&mut self) -> bool {
         core::mem::take(&mut self.help)
     }
 
-    /// Closes the topmost panel: question, browser, confirmation or help. Without one it toggles the start panel.
+    /// Closes the topmost panel: question, browser, confirmation or help. If none is open, toggles the start
+    /// panel.
     pub(super) fn close_topmost_or_toggle_start(&mut self, session: SessionState) {
         if self.asked_start.take().is_some()
             || self.browser.take().is_some()
@@ -234,8 +236,8 @@ impl Panels {
         }
     }
 
-    /// Lays out a frame, once for each place at which a button was pressed or released since the one before: `egui` takes
-    /// all of a pass for what is under the cursor at its end, which is elsewhere where frames are slow. Returns `egui`'s
+    /// Lays out a frame, in one pass for each position of a button event. `egui` applies all events of a pass
+    /// at the cursor's last position, which may be elsewhere by then if frames are slow. Returns `egui`'s
     /// output and the visitor's actions.
     pub(super) fn lay_out(
         &mut self,
@@ -280,7 +282,7 @@ impl Panels {
         if !status.unfinished {
             self.actions.extend(self.asked_start.take());
         }
-        // The start is what a finished sculpture makes room for.
+        // The countdown ends once the start panel has replaced a finished sculpture.
         let is_handed_over = self.start && status.session == SessionState::Finished;
         if let Some(seconds) = status.seconds_to_handover.filter(|_| !is_handed_over) {
             handover::show(context, status, seconds);
@@ -339,7 +341,7 @@ impl Panels {
                 self.hints.note_strokes(status.undo);
                 let now = context.input(|input| input.time);
                 let work = self.hints.note_work(status, now);
-                // A guided cut has its own panel.
+                // The guided cut has its own panel with hints.
                 let text = self.hints.text(work).filter(|_| !status.has_guide);
                 let hint = Hint { text, bit: self.hints.bit(work) };
                 let bar = strip::show_tools(context, status, (hint, self.help), &mut self.actions);
@@ -350,7 +352,7 @@ impl Panels {
         }
     }
 
-    /// Notes a panel that covers the window's bottom, up to this height in points.
+    /// Notes the height in points that a panel covers at the window's bottom.
     fn note_covered(&mut self, context: &Context, height: f32) {
         self.covered_part = self.covered_part.max(height / context.content_rect().height());
     }
@@ -371,7 +373,7 @@ impl Panels {
                 });
             }
         });
-        // The oldest give way where all are more than the window holds.
+        // Drop the oldest notices if the window has no room for all.
         if shown.response.rect.bottom() > context.content_rect().bottom() && self.notices.len() > 1
         {
             self.notices.remove(0);

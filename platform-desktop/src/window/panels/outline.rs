@@ -1,4 +1,5 @@
-//! Outline of the bit over the picture; where the mirror works, of its reflection and of the mirror's plane.
+//! Outline of the bit over the picture; with the mirror on, also of the bit's reflection and of the mirror's
+//! plane.
 
 use std::f32::consts::TAU;
 
@@ -33,17 +34,17 @@ pub(in crate::window) struct BitOutline {
     on_mask: bool,
 }
 
-/// What shows where the mirror works: its plane, and the reflection of the bit.
+/// The mirror's plane and the reflection of the bit, shown while the mirror is in use.
 #[derive(Clone, PartialEq, Debug)]
 pub(in crate::window) struct MirrorGuide {
-    /// The frame of the plane, as far as it is before the eye.
+    /// The frame of the plane, as far as it is in front of the eye.
     plane: Vec<[[f32; 2]; 2]>,
     reflection: Option<Silhouette>,
 }
 
 impl Silhouette {
-    /// The silhouette of a bit's shape. `project` projects a point of the bit's own frame, in metres. `None` where a
-    /// part of it is behind the eye.
+    /// Projects the silhouette of a bit's shape. `project` projects a point of the bit's own frame, in
+    /// metres. Returns `None` if a part is behind the eye.
     fn project_shape(
         shape: &BitShape,
         project: impl Fn(Vec3) -> Option<ProjectedPoint>,
@@ -93,7 +94,7 @@ impl Silhouette {
 }
 
 impl BitOutline {
-    /// Projects the right hand's bit to a picture of `picture_size` pixels. `None` without a bit, or
+    /// Projects the right hand's bit to a picture of `picture_size` pixels. Returns `None` without a bit, or
     /// behind the eye.
     #[must_use]
     pub(in crate::window) fn project_bit<const N: usize>(
@@ -124,8 +125,8 @@ impl BitOutline {
 }
 
 impl MirrorGuide {
-    /// Projects the mirror's plane, which halves the grid along x, and the reflection of the right hand's bit. `None`
-    /// where nothing is mirrored.
+    /// Projects the mirror's plane, which halves the grid along x, and the reflection of the right hand's
+    /// bit. Returns `None` if nothing is mirrored.
     #[must_use]
     pub(in crate::window) fn project_mirror<const N: usize>(
         world: &World<N, INTERVALS>,
@@ -146,7 +147,7 @@ impl MirrorGuide {
         let corners = [(0.0, 0.0), (0.0, side), (side, side), (side, 0.0)]
             .map(|(y, z)| project(Vec3::new(side / 2.0, y, z)).map(|corner| corner.pixel));
         let edges = (0..4).filter_map(|i| Some([corners[i]?, corners[(i + 1) % 4]?]));
-        // Far from the stone nothing is mirrored, and a ring in the air tells nothing.
+        // Far from the stone nothing is mirrored, so that no reflection is shown there.
         let near = |pose: &Pose| {
             let beyond = pose.position - pose.position.clamp(Vec3::ZERO, Vec3::splat(side));
             beyond.length() < side / 4.0
@@ -162,7 +163,7 @@ impl MirrorGuide {
     }
 
     pub(super) fn draw(&self, context: &Context) {
-        // Seen on white stone and before a dark wall.
+        // The colour is visible on white stone and before a dark wall.
         let stroke = |strength| Stroke::new(1.4, style::ACCENT.gamma_multiply(strength));
         draw_lines(context, &self.plane, stroke(0.6));
         if let Some(reflection) = &self.reflection {
@@ -171,7 +172,8 @@ impl MirrorGuide {
     }
 }
 
-/// Whether the fill gun runs in the right hand with its nozzle beyond the volume, where nothing holds.
+/// Returns `true` if the fill gun runs in the right hand with its nozzle outside the volume, where paste
+/// isn't kept.
 #[must_use]
 pub(in crate::window) fn is_pasting_beyond_box<const N: usize>(world: &World<N, INTERVALS>) -> bool
 where
@@ -185,7 +187,7 @@ where
         && nozzle != nozzle.clamp(Vec3::ZERO, Vec3::splat(N as f32))
 }
 
-/// The shape of the right hand's bit, and its pose in the grid.
+/// Returns the shape of the right hand's bit, and its pose in the grid.
 fn bit_in_hand<const N: usize>(world: &World<N, INTERVALS>) -> Option<(BitShape, Pose)>
 where
     Grid<N>: Size,
@@ -215,7 +217,7 @@ mod tests {
     use super::Silhouette;
     use crate::window::camera::ProjectedPoint;
 
-    /// Seen along z from far away, a metre is a hundred pixels.
+    /// Projects along z from far away, at 100 pixels a metre.
     fn along_z(point: Vec3) -> Option<ProjectedPoint> {
         let pixel = [100.0 * point.x, -100.0 * point.y];
         (point.z < 0.5).then_some(ProjectedPoint { pixel, pixels_per_metre: 100.0 })
@@ -231,10 +233,10 @@ mod tests {
         assert!(of_box.lines.len() == 12 && of_box.circle.is_none());
         let corners = of_box.lines.as_flattened();
         assert!(corners.iter().all(|[x, y]| (x.abs(), y.abs()) == (1.0, 2.0)), "{corners:?}");
-        // A disc's normal is x: from the front it is its edge.
+        // A disc's normal is x: from the front only its edge is seen.
         let disc = outline(BitShape::Disc { radius_um: 70_000 }).expect("before the eye");
         assert!(disc.lines.as_flattened().iter().all(|[x, y]| *x == 0.0 && y.abs() < 7.01));
-        // A part of it is behind the eye.
+        // A part of this box is behind the eye.
         assert_eq!(outline(BitShape::Box { half_extents_um: [1, 1, 600_000] }), None);
     }
 }

@@ -21,7 +21,7 @@ pub(super) enum StartChoice {
 
 const WIDTH: f32 = 400.0;
 
-/// Size of a wide button's picture, in points; its pixels have these proportions.
+/// Size of a wide button's picture in points, in the proportions of the picture's pixels.
 const CARD_SIZE: Vec2 = Vec2::new(75.0, 60.0);
 
 /// Height of the window in points below which the panel has two columns.
@@ -69,14 +69,14 @@ fn show_title(ui: &mut Ui) {
     ui.label(if ui.available_width() < WIDTH { text.small() } else { text });
 }
 
-/// Shows the sculptures that there are, and the starts without a figure to be found.
+/// Shows the existing sculptures, and the starts without a hidden figure.
 fn show_whole_stones(
     ui: &mut Ui,
     status: &StudioStatus<'_>,
     pictures: Option<&TextureHandle>,
     answer: &mut StartChoice,
 ) {
-    // A kiosk's next visitor has nothing to do with what the last one finished.
+    // A kiosk's next visitor can't return to the last visitor's sculpture.
     let is_of_another = status.kiosk && status.session == SessionState::Finished;
     if status.session != SessionState::Waiting && !is_of_another {
         let text = match status.session {
@@ -134,7 +134,7 @@ fn show_hidden_and_files(
     ui.label(style::quiet_text("F1 shows all keys").small());
 }
 
-/// Shows the hidden figures and how much stone is to hide them. Returns what was clicked.
+/// Shows the hidden figures and the choice of stone thickness over them. Returns the visitor's choice.
 fn show_hidden_figures(
     ui: &mut Ui,
     pictures: Option<&TextureHandle>,
@@ -166,7 +166,7 @@ fn show_hidden_figures(
     answer
 }
 
-/// Shows the question before a start that leaves a sculpture.
+/// Asks for confirmation of a start that discards a sculpture.
 pub(super) fn show_question(context: &Context) -> Confirmation {
     let mut answer = Confirmation::None;
     let area = Area::new(Id::new("question")).anchor(Align2::CENTER_CENTER, Vec2::ZERO);
@@ -189,10 +189,10 @@ pub(super) fn show_question(context: &Context) -> Confirmation {
     answer
 }
 
-/// The pictures of the starts, and whose is meant.
+/// The pictures of the starts, and the figure to pick from them.
 type Picture<'a> = Option<(&'a TextureHandle, Figure)>;
 
-/// Adds a wide button of two lines, a picture before them. Returns whether it was clicked.
+/// Adds a wide button with two lines of text and a picture on the left. Returns `true` if it was clicked.
 fn add_wide_button(ui: &mut Ui, picture: Picture<'_>, title: &str, what: &str) -> bool {
     let indent = if picture.is_some() { CARD_SIZE.x + 4.0 } else { 0.0 };
     let mut text = egui::text::LayoutJob::default();
@@ -208,7 +208,7 @@ fn add_wide_button(ui: &mut Ui, picture: Picture<'_>, title: &str, what: &str) -
     button.clicked()
 }
 
-/// Adds a button of a figure's picture, and its name under it. Returns whether it was clicked.
+/// Adds a button with a figure's picture and its name below. Returns `true` if it was clicked.
 fn add_figure_button(ui: &mut Ui, picture: Picture<'_>, name: &str, width: f32) -> bool {
     if picture.is_none() {
         return ui.add_sized([width, 36.0], Button::new(name)).clicked();
@@ -226,7 +226,7 @@ fn draw_picture(ui: &Ui, picture: Picture<'_>, place: Rect) {
     let Some((pictures, figure)) = picture else { return };
     let count = pictured_figures().count() as f32;
     let number = pictured_figures().position(|pictured| pictured == figure).unwrap_or(0) as f32;
-    // Half a texel within, as the neighbour's pixels begin there.
+    // Inset of half a texel, so that filtering doesn't reach the neighbouring picture.
     let inset = Vec2::splat(0.5) / pictures.size_vec2();
     let (min, max) = (Pos2::new(number / count, 0.0), Pos2::new((number + 1.0) / count, 1.0));
     let part = Rect::from_min_max(min + inset, max - inset);

@@ -1,4 +1,4 @@
-//! The start panel without a window: pictures, and how much stone hides a figure.
+//! Tests of the start panel without a window: pictures, and the stone thickness over a hidden figure.
 
 use egui::{Event, Modifiers, PointerButton, Pos2, Rect};
 use paros_core::session::{SessionMode, SessionState};
@@ -31,7 +31,7 @@ fn how_much_stone_hides_a_figure_is_chosen() {
     }
 }
 
-/// The middle of a text that new panels show.
+/// Returns the middle of a text that new panels show.
 fn place_of_text(status: &StudioStatus<'_>, text: &str) -> Pos2 {
     let shown = shapes_of(&mut Panels::new(), status).into_iter().find_map(|shape| match shape {
         egui::Shape::Text(shown) if shown.galley.text() == text => {
@@ -83,7 +83,7 @@ fn each_start_shows_its_own_picture_and_is_chosen_by_it() {
     assert_eq!(chosen, expected);
 }
 
-/// Where frames take seconds, so does a click.
+/// If frames take seconds, a click takes seconds too.
 #[test]
 fn a_click_may_take_as_long_as_frames_do() {
     let status = StudioStatus { unfinished: false, ..sculpting_status() };

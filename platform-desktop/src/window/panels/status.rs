@@ -1,4 +1,4 @@
-//! What the panels are told of the studio.
+//! The studio's status, as input of the panels.
 
 use std::path::Path;
 
@@ -22,59 +22,59 @@ pub(in crate::window) struct StudioStatus<'a> {
     pub(in crate::window) held: Option<(Tool, ToolBit)>,
     /// The held bit's size.
     pub(in crate::window) size: BitSize,
-    /// Whether the hand is steadied.
+    /// `true` if the hand is steadied.
     pub(in crate::window) is_steadied: bool,
     /// The tool's depth in millimetres of the room; negative is above the surface.
     pub(in crate::window) depth_mm: f32,
-    /// Millimetres of the print for one of the room; `None` without a voxel to print.
+    /// Millimetres of the print for each millimetre in the room; `None` for an empty volume.
     pub(in crate::window) print_scale: Option<f32>,
-    /// How much of the hidden figure is bared, in percent; 0 without one.
+    /// Bared percentage of the hidden figure; 0 without a figure.
     pub(in crate::window) bared_percent: u32,
     /// The world's tick.
     pub(in crate::window) tick: u64,
-    /// Whether the tool in hand runs.
+    /// `true` while the tool in hand runs.
     pub(in crate::window) runs: bool,
-    /// Whether its bit is on the hidden figure.
+    /// `true` while the tool's bit is on the hidden figure.
     pub(in crate::window) is_on_figure: bool,
-    /// Whether paste is being laid where the volume ends.
+    /// `true` while paste is laid beyond the volume.
     pub(in crate::window) pastes_beyond_box: bool,
-    /// Whether edits are mirrored.
+    /// `true` if edits are mirrored.
     pub(in crate::window) symmetry: bool,
-    /// Strokes to undo and to redo.
+    /// Numbers of strokes that can be undone and redone.
     pub(in crate::window) undo: UndoCounts,
-    /// Whether another start would leave an unfinished sculpture.
+    /// `true` if another start would discard an unfinished sculpture.
     pub(in crate::window) unfinished: bool,
-    /// Whether there is a sculpture before this one to be had back.
+    /// `true` if there is a previous sculpture to go back to.
     pub(in crate::window) one_before: bool,
-    /// Whether a print is being made.
+    /// `true` while a print is being made.
     pub(in crate::window) printing: bool,
     /// Path of the last print.
     pub(in crate::window) printed: Option<&'a Path>,
-    /// Whether a print could not be written.
+    /// `true` if a print could not be written.
     pub(in crate::window) unwritten: bool,
-    /// Whether frames take so long that ticks are dropped.
+    /// Measured slowness, if frames take so long that ticks are dropped.
     pub(in crate::window) slow: Option<Slowness>,
     /// Voxels along an edge.
     pub(in crate::window) grid_side: usize,
-    /// Why the session is not on the disk.
+    /// Reason why the session could not be saved to disk.
     pub(in crate::window) fault: Option<&'a str>,
     /// The file being read.
     pub(in crate::window) opening: Option<&'a Path>,
     /// The visitor's language.
     pub(in crate::window) language: Language,
-    /// Where the visit stands, if sessions are visits.
+    /// Phase of the visit; `None` without visits.
     pub(in crate::window) visit: Option<VisitPhase>,
-    /// Whether a visit's guide has its panel.
+    /// `true` if the visit's guide shows its panel.
     pub(in crate::window) has_guide: bool,
-    /// Whether a visit's panel asks something, over the tools.
+    /// `true` if a visit's panel asks a question over the tools.
     pub(in crate::window) is_asking: bool,
-    /// Whether the window is one of a kiosk.
+    /// `true` in kiosk mode.
     pub(in crate::window) kiosk: bool,
-    /// Seconds until a kiosk hands over, once they are to be told.
+    /// Seconds until a kiosk hands over; `None` before the countdown starts.
     pub(in crate::window) seconds_to_handover: Option<u32>,
-    /// Whether files can be dropped on the window.
+    /// `true` if files can be dropped on the window.
     pub(in crate::window) drops: bool,
-    /// Whether the fast path draws.
+    /// `true` if the fast path draws.
     pub(in crate::window) fast: bool,
     /// Name of the GPU.
     pub(in crate::window) device: &'a str,
@@ -82,7 +82,7 @@ pub(in crate::window) struct StudioStatus<'a> {
     pub(in crate::window) times: FrameTimes,
     /// Outline of the bit.
     pub(in crate::window) outline: Option<&'a BitOutline>,
-    /// What shows of the mirror where it works.
+    /// The mirror's plane and reflection, while the mirror is in use.
     pub(in crate::window) mirror: Option<&'a MirrorGuide>,
     /// The item on the workbench that a click takes.
     pub(in crate::window) glow: Option<&'a ItemGlow>,

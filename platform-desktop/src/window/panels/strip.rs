@@ -13,10 +13,11 @@ use super::hints::Hint;
 use super::{PanelAction, StudioStatus, style, words};
 use crate::window::hands::{DEPTHS_MM, tool_bits_of};
 
-/// The tool bar's width in points, where the window is as wide: any tool's bits are in a row, in any language.
+/// Width of the tool bar in points, if the window is wide enough. Any tool's bits fit in one row, in any
+/// language.
 const BAR_WIDTH: f32 = 1000.0;
 
-/// From the window's lower edge to what stands there, in points.
+/// Distance from the window's lower edge to the panels at the bottom, in points.
 const BOTTOM_GAP: f32 = 16.0;
 
 /// The answer to the confirmation.
@@ -26,37 +27,37 @@ pub(super) enum Confirmation {
     No,
 }
 
-/// A button of the tool bar that asks for a panel.
+/// A button of the tool bar that opens a panel.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum BarButton {
-    /// The session's end, to be confirmed.
+    /// Asks to finish the session; needs a confirmation.
     Finish,
-    /// The help, shown or hidden.
+    /// Shows or hides the help.
     Help,
 }
 
-/// What a frame's tool bar did.
+/// The result of a frame's tool bar.
 pub(super) struct ToolBar {
     pub(super) clicked: Option<BarButton>,
-    /// From its upper edge to the window's lower one, in points.
+    /// Distance from the bar's upper edge to the window's lower edge, in points.
     pub(super) height: f32,
 }
 
-/// What a frame's panel at the end of a session did.
+/// The result of a frame's panel at the end of a session.
 pub(super) struct FinishedPanel {
     pub(super) choice: Option<FinishedChoice>,
-    /// As that of [`ToolBar`].
+    /// Distance as in [`ToolBar::height`].
     pub(super) height: f32,
 }
 
-/// What was clicked at the end of a session.
+/// The visitor's choice at the end of a session.
 pub(super) enum FinishedChoice {
-    /// The start panel is to be shown.
+    /// Show the start panel.
     SomethingNew,
     Action(PanelAction),
 }
 
-/// Shows the status line at the top, whether the machine is too slow, and why the session is not saved.
+/// Shows the status line at the top, with warnings if the machine is too slow or the session isn't saved.
 pub(super) fn show_status(context: &Context, status: &StudioStatus<'_>) {
     let Some(mut text) = describe_mode(status) else { return };
     for (_, told) in
@@ -73,7 +74,7 @@ pub(super) fn show_status(context: &Context, status: &StudioStatus<'_>) {
     if !status.fast {
         text += "  ·  the paper's path";
     }
-    // A visit's panels stand there, and tell what to do.
+    // A visit has its own panels and instructions there.
     let hint_width = if status.visit.is_some() { 0.0 } else { show_keys_hint(context) };
     let frame = style::line_frame();
     let beside_hint = hint_width + style::MARGIN;
@@ -86,7 +87,7 @@ pub(super) fn show_status(context: &Context, status: &StudioStatus<'_>) {
                 ui.add(Label::new(text).wrap());
             });
         };
-        // A guided cut's own panel stands there.
+        // The guided cut has its own panel in this place.
         if !status.has_guide {
             line(ui, style::quiet_text(text));
         }
@@ -100,7 +101,7 @@ pub(super) fn show_status(context: &Context, status: &StudioStatus<'_>) {
     });
 }
 
-/// Tells of keys at the upper right. Returns its width in points.
+/// Shows the hint about keys at the upper right. Returns its width in points.
 fn show_keys_hint(context: &Context) -> f32 {
     let right = Area::new(Id::new("hint")).anchor(Align2::RIGHT_TOP, Vec2::new(-12.0, 10.0));
     let right = right.interactable(false).show(context, |ui| {
@@ -110,10 +111,11 @@ fn show_keys_hint(context: &Context) -> f32 {
     right.response.rect.width()
 }
 
-/// From where on a hidden figure is told to be nearly out.
+/// Bared percentage from which a hidden figure is described as nearly out.
 const NEARLY_PERCENT: u32 = 80;
 
-/// What is being carved; of a hidden figure how much is bared, and whether that is enough to have found it.
+/// Describes the mode: the kind of session, and for a hidden figure the bared percentage and whether it is
+/// found.
 fn describe_mode(status: &StudioStatus<'_>) -> Option<String> {
     let plain = |message: Message| Some(message.text(status.language).into());
     let message = match (status.mode, status.bared_percent) {
@@ -130,7 +132,7 @@ fn describe_mode(status: &StudioStatus<'_>) -> Option<String> {
     Some(words::say(status.language, message, &[("figure", figure), ("percent", percent)]))
 }
 
-/// Shows the tool bar, over it a hint.
+/// Shows the tool bar, with a hint above the tools.
 pub(super) fn show_tools(
     context: &Context,
     status: &StudioStatus<'_>,
@@ -144,7 +146,8 @@ pub(super) fn show_tools(
     let shown = bottom.show(context, |ui| {
         let frame = style::card_frame().inner_margin(egui::Margin::symmetric(12, 10));
         style::show_rows(ui, frame, |ui| {
-            // As wide for every tool, and the tools at its foot: they stay where they are, whatever is told of them.
+            // The width is constant and the tools are at the bottom, so that they don't move when the texts
+            // above change.
             ui.set_width(ui.max_rect().width().min(BAR_WIDTH));
             if let Some(text) = hint.text {
                 let text = RichText::new(text.text(language)).color(style::ACCENT).size(14.0);
@@ -165,7 +168,7 @@ pub(super) fn show_tools(
                 ui.add_space(10.0);
                 show_edits(ui, status, actions);
                 ui.add_space(10.0);
-                // A visit's own panel has the end, and nothing else tells of the help.
+                // In a visit a panel of the visit ends the session. The button for the help takes this place.
                 let (button, text) = match status.visit {
                     None => (BarButton::Finish, "Finish"),
                     Some(_) => (BarButton::Help, Message::BarHelp.text(language)),
@@ -181,7 +184,7 @@ pub(super) fn show_tools(
     ToolBar { clicked, height }
 }
 
-/// Whether an area has its size: not yet in its first frame.
+/// Returns `true` if an area has been measured. It has no size in its first frame.
 fn is_area_measured(context: &Context, name: &'static str) -> bool {
     context.memory(|memory| memory.area_rect(name)).is_some()
 }
@@ -227,13 +230,13 @@ fn show_bits(
     let is_least = status.depth_mm < *DEPTHS_MM.end();
     let wheel = if is_least { Message::BarWheelDeeper } else { Message::BarWheelShallower };
     let text = RichText::new(format!("{depth}  {}", wheel.text(status.language))).size(13.0);
-    // A bit that hovers cuts nothing, and it shall be seen why.
+    // A bit that hovers cuts nothing: warn by the colour.
     let color = if status.depth_mm < 0.0 { style::WARNING } else { style::QUIET };
     ui.label(text.color(color));
 }
 
-/// Shows how wide the mounted bit is, between buttons that make it smaller and larger; without them where it comes in
-/// one size.
+/// Shows the mounted bit's width between buttons that make it smaller and larger. A bit of a single size has
+/// no buttons.
 fn show_size(ui: &mut Ui, status: &StudioStatus<'_>, bit: ToolBit, actions: &mut Vec<PanelAction>) {
     let spec = bit.spec_at(status.size);
     let SizeRange { smallest, largest } = spec.sizes;
@@ -252,7 +255,7 @@ fn show_size(ui: &mut Ui, status: &StudioStatus<'_>, bit: ToolBit, actions: &mut
     ui.add_space(6.0);
 }
 
-/// How wide a bit is, in words.
+/// Describes a bit's width in words.
 fn width_text(spec: &ToolBitSpec, language: Language) -> String {
     let mm = |half_um: i32| f64::from(2 * half_um) * 1e-3;
     match spec.shape {
@@ -266,7 +269,7 @@ fn width_text(spec: &ToolBitSpec, language: Language) -> String {
     }
 }
 
-/// A tool's depth in words: in the room, in the print, and whether the wheel goes no further.
+/// Describes a tool's depth: in the room, in the print, and if the wheel has reached its limit.
 fn depth_text(depth_mm: f32, print_scale: Option<f32>, language: Language) -> String {
     let say = |message, depth: String| {
         words::say(language, message, &[("depth", FillingValue::Text(&depth))])
@@ -286,7 +289,7 @@ fn depth_text(depth_mm: f32, print_scale: Option<f32>, language: Language) -> St
     text
 }
 
-/// Shows the confirmation of the session's end.
+/// Asks for confirmation of the session's end.
 pub(super) fn show_confirmation(context: &Context) -> Confirmation {
     let mut answer = Confirmation::None;
     let bottom =
@@ -308,7 +311,7 @@ pub(super) fn show_confirmation(context: &Context) -> Confirmation {
     answer
 }
 
-/// Shows the end of a session, with the print's path.
+/// Shows the panel at the end of a session, with the print's path.
 pub(super) fn show_finished(context: &Context, status: &StudioStatus<'_>) -> FinishedPanel {
     debug_assert_eq!(status.session, SessionState::Finished);
     let mut choice = None;
@@ -321,7 +324,8 @@ pub(super) fn show_finished(context: &Context, status: &StudioStatus<'_>) -> Fin
             match (status.printing, status.printed) {
                 (true, _) => ui.label(style::quiet_text("making the print and a picture ...")),
                 (false, Some(path)) if status.kiosk => {
-                    // Its visitor can't open files, but may ask for what bears this name.
+                    // A kiosk's visitor can't open files, but can ask the staff for the sculpture by its
+                    // name.
                     let name = path.file_stem().unwrap_or_default().display();
                     ui.label(format!("Kept as {name}"));
                     ui.label(style::quiet_text("with its print and a picture"))

@@ -1,5 +1,5 @@
-//! Style of the panels: dark and warm, so that the sculpture stands out. Text has a contrast of 4.5 to 1 at
-//! least (WCAG 2, success criterion 1.4.3) on a panel over a room of any brightness.
+//! Style of the panels: dark and warm, so that the sculpture stands out. Text has a contrast of at least 4.5
+//! to 1 (WCAG 2, success criterion 1.4.3) on a panel over a room of any brightness.
 
 use egui::style::WidgetVisuals;
 use egui::{
@@ -7,16 +7,16 @@ use egui::{
     ScrollArea, Shadow, Stroke, TextStyle, TextWrapMode, Ui, Vec2, Visuals,
 };
 
-/// Colour of what is selected or emphasised.
+/// Colour of selected or emphasised items.
 pub(super) const ACCENT: Color32 = Color32::from_rgb(222, 172, 104);
-/// Colour of faults.
+/// Colour of faults and warnings.
 pub(super) const WARNING: Color32 = Color32::from_rgb(238, 148, 120);
 /// Colour of text.
 pub(super) const TEXT: Color32 = Color32::from_rgb(236, 231, 223);
 /// Colour of secondary text.
 pub(super) const QUIET: Color32 = Color32::from_rgb(188, 180, 170);
 
-/// Ground of panels.
+/// Background colour of panels.
 pub(super) const PANEL: Color32 = Color32::from_rgba_premultiplied(24, 22, 21, 250);
 /// Text on the accent colour.
 const ON_ACCENT: Color32 = Color32::from_rgb(32, 24, 14);
@@ -25,10 +25,10 @@ const EDGE: Color32 = Color32::from_rgba_premultiplied(26, 24, 22, 26);
 /// Distance of panels from the window's edge, in points.
 pub(super) const MARGIN: f32 = 12.0;
 
-/// Width of the window in points below which buttons are set closer.
+/// Width of the window in points below which buttons are closer together.
 const NARROW: f32 = 800.0;
 
-/// The largest size of a panel's content, in points: what `frame` leaves of the window within [`MARGIN`].
+/// Returns the largest size of a panel's content, in points: the window within [`MARGIN`], minus `frame`.
 pub(super) fn largest_content_size(context: &Context, frame: &Frame) -> Vec2 {
     context.content_rect().shrink(MARGIN).size() - frame.total_margin().sum()
 }
@@ -88,7 +88,7 @@ pub(super) fn set_style(context: &Context) {
     });
 }
 
-/// Frame and background of a panel.
+/// Returns the frame and background of a panel.
 pub(super) fn card_frame() -> Frame {
     Frame::new()
         .fill(PANEL)
@@ -103,7 +103,7 @@ pub(super) fn card_frame() -> Frame {
         })
 }
 
-/// Frame and background of a line over the picture.
+/// Returns the frame and background of a line of text over the picture.
 pub(super) fn line_frame() -> Frame {
     Frame::new()
         .fill(PANEL)
@@ -111,12 +111,12 @@ pub(super) fn line_frame() -> Frame {
         .inner_margin(Margin::symmetric(10, 4))
 }
 
-/// Secondary text.
+/// Returns secondary text.
 pub(super) fn quiet_text(text: impl Into<String>) -> RichText {
     RichText::new(text).color(QUIET)
 }
 
-/// A button, filled with the accent colour if `chosen`.
+/// Returns a button, filled with the accent colour if `chosen`.
 pub(super) fn choice_button(text: &str, chosen: bool) -> Button<'_> {
     if chosen {
         Button::new(RichText::new(text).color(ON_ACCENT)).fill(ACCENT)
@@ -151,13 +151,13 @@ fn dark_visuals() -> Visuals {
 mod tests {
     use super::*;
 
-    /// The linear value of an sRGB channel.
+    /// Returns the linear value of an sRGB channel.
     fn linear(channel: u8) -> f64 {
         let value = f64::from(channel) / 255.0;
         if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
     }
 
-    /// A premultiplied colour over a linear one, as the overlay's shader and an sRGB target blend.
+    /// Blends a premultiplied colour over a linear one, as the overlay's shader and an sRGB target do.
     fn over(color: Color32, below: [f64; 3]) -> [f64; 3] {
         let shown = 1.0 - f64::from(color.a()) / 255.0;
         let [r, g, b, _] = color.to_array();
@@ -165,7 +165,7 @@ mod tests {
         [0, 1, 2].map(|k| own[k] + shown * below[k])
     }
 
-    /// The contrast ratio of WCAG 2 between two linear colours.
+    /// Returns the contrast ratio of WCAG 2 between two linear colours.
     fn contrast(a: [f64; 3], b: [f64; 3]) -> f64 {
         let luminance = |[r, g, b]: [f64; 3]| 0.2126 * r + 0.7152 * g + 0.0722 * b;
         let (a, b) = (luminance(a), luminance(b));
@@ -197,7 +197,7 @@ mod tests {
     fn contrast_is_that_of_the_definition() {
         let gray = |value| over(Color32::from_gray(value), [0.0; 3]);
         assert!((contrast(gray(255), gray(0)) - 21.0).abs() < 1e-9);
-        // The lightest gray that is said to do on white.
+        // The lightest gray with a sufficient contrast on white.
         assert!((contrast(gray(118), gray(255)) - 4.54).abs() < 0.01);
     }
 }

@@ -1,4 +1,4 @@
-//! The panels without a window, by clicks on a grid of points.
+//! Tests of the panels without a window, by clicks on a grid of points.
 
 use std::time::Duration;
 
@@ -79,7 +79,7 @@ pub(super) fn click(panels: &mut Panels, status: &StudioStatus<'_>, pos: Pos2) -
     asked
 }
 
-/// What clicks all over the picture ask for, each on panels that `make` made.
+/// Returns all actions that clicks on the grid of points cause, each click on panels from `make`.
 fn clicked_everywhere(make: impl Fn() -> Panels, status: &StudioStatus<'_>) -> Vec<PanelAction> {
     let mut all = Vec::new();
     let mut panels = make();
@@ -115,7 +115,7 @@ fn every_mode_can_be_started() {
     let status =
         StudioStatus { session: SessionState::Waiting, unfinished: false, ..sculpting_status() };
     let asked = clicked_everywhere(Panels::new, &status);
-    // Over what hides lies a thin coat, unless another was chosen.
+    // The default is a thin coat of stone over a hidden figure.
     let figures = (8..12).map(|figure| SessionMode::Constrained { figure });
     for mode in [SessionMode::FreeForm, SessionMode::Creative].into_iter().chain(figures) {
         assert!(asked.contains(&PanelAction::Start(mode)), "{mode:?} is not among {asked:?}");
@@ -152,7 +152,7 @@ fn the_end_is_asked_for_twice_and_can_be_taken_back() {
     assert_eq!(frame(&mut panels, &sculpting_status(), Vec::new()), []);
 }
 
-/// The first start that a click on the panel chooses, and what was asked for by then.
+/// Clicks on the panel where a start is chosen. Returns the actions so far.
 fn choose_a_start(panels: &mut Panels, status: &StudioStatus<'_>) -> Vec<PanelAction> {
     frame(panels, status, Vec::new());
     let asked = click(panels, status, Pos2::new(300.0, 400.0));
@@ -172,7 +172,7 @@ fn a_start_that_leaves_a_sculpture_is_asked_for_twice_and_can_be_taken_back() {
     choose_a_start(&mut panels, &status);
     panels.confirm_start_or_ask_to_finish(SessionState::Sculpting);
     assert!(matches!(frame(&mut panels, &status, Vec::new())[..], [PanelAction::Start(_)]));
-    // Nothing stands that could be lost.
+    // There is nothing to lose, so that no confirmation is needed.
     let untouched = StudioStatus { unfinished: false, ..status };
     assert!(matches!(choose_a_start(&mut Panels::new(), &untouched)[..], [PanelAction::Start(_)]));
 }
@@ -233,7 +233,7 @@ fn panels_fit_the_overlay() {
         egui_buffers.apply_atlas_changes(&output.textures_delta);
         output.shapes
     };
-    // A panel is measured before it is seen.
+    // Panels are measured in a frame before they are drawn.
     lay_out();
     let shapes = lay_out();
     let triangles = panels.context.tessellate(shapes, 1.0);
@@ -244,14 +244,14 @@ fn panels_fit_the_overlay() {
     assert!(vertices * 2 < MAX_VERTICES && indices * 2 < MAX_INDICES && runs * 2 < MAX_RUNS);
 }
 
-/// The shapes of a frame of panels, in the order in which they are drawn.
+/// Returns the shapes of a frame of panels, in drawing order.
 pub(super) fn shapes_of(panels: &mut Panels, status: &StudioStatus<'_>) -> Vec<egui::Shape> {
     let mut lay_out = |time: f64| {
         panels.input.time = Some(time);
         panels.input.screen_rect = Some(Rect::from_min_size(Pos2::ZERO, SIZE));
         panels.lay_out(status).0.shapes
     };
-    // A panel is measured before it is seen, and fades in.
+    // Panels are measured in a frame before they are drawn, and fade in.
     lay_out(0.0);
     lay_out(1.0);
     let mut shapes = Vec::new();
@@ -268,7 +268,7 @@ pub(super) fn flatten(shape: egui::Shape, into: &mut Vec<egui::Shape>) {
     }
 }
 
-/// All text of a frame, and what of it has no panel under it.
+/// Returns all texts of a frame, and the texts that have no panel behind them.
 pub(super) fn text_and_bare_text(
     panels: &mut Panels,
     status: &StudioStatus<'_>,
@@ -366,7 +366,7 @@ fn files_are_to_be_dropped_only_where_they_can_be() {
             panels.input.screen_rect = Some(Rect::from_min_size(Pos2::ZERO, SIZE));
             panels.lay_out(&StudioStatus { drops, ..sculpting_status() }).0.shapes
         };
-        // A panel is measured before it is seen.
+        // Panels are measured in a frame before they are drawn.
         lay_out();
         lay_out().iter().any(|shape| match &shape.shape {
             egui::Shape::Text(text) => text.galley.text().contains("drop a file"),

@@ -1,24 +1,24 @@
-//! What the window's own panels say, in a visitor's language, from the table of the panels' texts.
+//! Texts of the window's own panels, in the visitor's language, from the table of the panels' texts.
 
 use paros_core::session::{BenchItem, SessionMode, Tool, ToolBit};
 use paros_shaders::panel::{Filling, FillingValue, Language, Message};
 use paros_visit::name_of_start;
 
-/// A text with what is filled in.
+/// Returns a text with its placeholders filled in.
 pub(super) fn say(language: Language, message: Message, fillings: &[Filling<'_>]) -> String {
     let mut text = String::new();
-    // A string takes all.
+    // Writing to a string can't fail.
     let _ = message.write_filled(&mut text, language, fillings);
     text
 }
 
-/// That the hidden figure of a session was found.
+/// Returns the text that the hidden figure of a session was found.
 pub(super) fn say_found(language: Language, mode: SessionMode) -> String {
     let figure = FillingValue::Text(name_of_start(mode).text(language));
     say(language, Message::BarYouFound, &[("figure", figure)])
 }
 
-/// The name of what lies on the bench.
+/// Returns the name of an item on the bench.
 pub(super) const fn item_name(item: BenchItem) -> Message {
     match item {
         BenchItem::Tool(tool) => tool_name(tool),
@@ -26,7 +26,7 @@ pub(super) const fn item_name(item: BenchItem) -> Message {
     }
 }
 
-/// A tool's name.
+/// Returns a tool's name.
 pub(super) const fn tool_name(tool: Tool) -> Message {
     match tool {
         Tool::Rotary => Message::ToolRotary,
@@ -36,7 +36,7 @@ pub(super) const fn tool_name(tool: Tool) -> Message {
     }
 }
 
-/// A bit's name.
+/// Returns a bit's name.
 pub(super) const fn bit_name(bit: ToolBit) -> Message {
     match bit {
         ToolBit::SmallBall => Message::BitSmallBall,
@@ -70,7 +70,7 @@ mod tests {
         }
     }
 
-    /// The fonts that `egui` brings, of which one has Greek with accents.
+    /// Checks the fonts of `egui`: one of them has Greek with accents.
     #[test]
     fn the_window_has_a_glyph_for_every_letter() {
         let context = Context::default();

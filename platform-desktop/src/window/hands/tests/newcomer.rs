@@ -1,4 +1,5 @@
-//! A newcomer's mouse: rows over what is seen, the stool turned between, and no knowledge of the figure.
+//! Simulates a newcomer's mouse: rows of strokes over the visible side, with the stool turned between, and no
+//! knowledge of the figure.
 
 use paros_core::session::{BenchItem, FOUND_PERCENT, TICK_RATE, ToolBit};
 use paros_shell::figures::{Figure, HiddenStart, StoneThickness};
@@ -9,14 +10,14 @@ use crate::window::panels::StudioStatus;
 use crate::window::panels::hints::Hints;
 use crate::window::panels::tests::sculpting_status;
 
-/// Ticks in which the owl is to be found: four minutes.
+/// Ticks within which the owl must be found: four minutes.
 const WITHIN: u64 = 240 * TICK_RATE as u64;
 
 #[test]
 fn rows_of_a_mouse_find_the_owl_within_four_minutes() {
     let owl = HiddenStart { figure: Figure::Owl, thickness: StoneThickness::Near };
     let mut fixture = HandsFixture::new(owl.mode());
-    // Deep enough for the coat, as the hint at the wheel says how.
+    // Deep enough for the coat, as the hint at the wheel suggests.
     fixture.handle(InputEvent::Wheel(9.0));
     let begun = fixture.resident.world.tick();
     let is_found =
@@ -35,8 +36,8 @@ fn rows_of_a_mouse_find_the_owl_within_four_minutes() {
     assert!(is_found(&fixture), "only {} %", fixture.resident.world.bared_ends().percent());
 }
 
-/// Whoever takes the bits that hints name, after they were told, finds the owl under all of the stone as well; with the
-/// first ball alone not a quarter of it is bared by then.
+/// A visitor who takes the bits that the hints name finds the owl even under the whole stone. With the first
+/// ball alone less than a quarter of the owl is bared by then.
 #[test]
 fn hints_lead_from_ball_to_ball_and_so_to_an_owl_under_all_of_the_stone() {
     let owl = HiddenStart { figure: Figure::Owl, thickness: StoneThickness::Whole };
@@ -72,7 +73,7 @@ fn hints_lead_from_ball_to_ball_and_so_to_an_owl_under_all_of_the_stone() {
     assert!(percent >= FOUND_PERCENT, "only {percent} % in {seconds} s");
 }
 
-/// What the panels would be told.
+/// Returns the status that the panels would get.
 fn status_of(fixture: &HandsFixture) -> StudioStatus<'static> {
     let world = &fixture.resident.world;
     StudioStatus {
@@ -87,12 +88,12 @@ fn status_of(fixture: &HandsFixture) -> StudioStatus<'static> {
     }
 }
 
-/// A stroke of 380 pixels in half a second.
+/// Makes a stroke of 380 pixels in half a second.
 fn stroke_row(fixture: &mut HandsFixture, y: f32, is_to_the_left: bool) {
     stroke_row_and_watch(fixture, y, is_to_the_left, |_| {});
 }
 
-/// The same, and looks at the world after each tick of it.
+/// Makes such a stroke, and calls `watch` with the world after each tick.
 fn stroke_row_and_watch(
     fixture: &mut HandsFixture,
     y: f32,
@@ -120,7 +121,7 @@ fn stroke_row_and_watch(
     ticks(fixture, 20);
 }
 
-/// Turns the stool by an eighth, the middle button down.
+/// Turns the stool by an eighth of a turn, with the middle button down.
 fn turn_stool(fixture: &mut HandsFixture) {
     fixture.handle(InputEvent::Moved([300.0, 660.0]));
     fixture.handle(InputEvent::Pressed(HandButton::Middle));

@@ -1,4 +1,4 @@
-//! Strokes of a mouse at the speeds of people's hands.
+//! Mouse strokes at the speeds of people's hands.
 
 use paros_core::session::{PointerCommand, SessionMode};
 
@@ -28,7 +28,7 @@ fn a_stroke_is_one_groove_however_fast_the_hand_is() {
     assert!(fast * 10 > slow * 9 && slow * 10 > fast * 9, "{slow} slowly, {fast} fast");
 }
 
-/// As hands off puts it back, in the middle of a swipe.
+/// The tool is put back in the middle of a swipe, as in the hands-off phase.
 #[test]
 fn a_tool_that_was_put_back_finishes_no_stroke_once_it_is_taken_again() {
     let mut fixture = HandsFixture::new(SessionMode::FreeForm);
@@ -48,7 +48,8 @@ fn a_tool_that_was_put_back_finishes_no_stroke_once_it_is_taken_again() {
     assert_eq!(fixture.digest(), before, "nobody pulls its trigger");
 }
 
-/// A natural swipe: 170 pixels in 0.38 s, the button up at its end. A slow one follows more of the stone's bumps.
+/// A natural swipe is 170 pixels in 0.38 s, with the button released at its end. A slow one follows more of
+/// the stone's bumps.
 #[test]
 fn a_quick_swipe_cuts_to_where_the_button_went_up() {
     let slow = swipe(600);
@@ -64,15 +65,15 @@ fn a_quick_swipe_cuts_to_where_the_button_went_up() {
     }
 }
 
-/// What a swipe of 170 pixels took.
+/// The result of a swipe of 170 pixels.
 struct Swiped {
-    /// Voxels.
+    /// Number of voxels removed.
     removed: u64,
-    /// How deep it cut at each pixel of its way, along the eye's ray, in voxels.
+    /// Depth of the cut at each pixel of the swipe, along the eye's ray, in voxels.
     depths: Vec<f32>,
 }
 
-/// Swipes over the lump in so many ticks; then the cursor goes on, and the stroke doesn't.
+/// Swipes over the lump in `ticks` ticks and releases the button; then the cursor moves on.
 fn swipe(ticks: u32) -> Swiped {
     const WAY: u32 = 170;
     let pixel = |along: f32| [400.0 + along, 400.0];
@@ -94,7 +95,7 @@ fn swipe(ticks: u32) -> Swiped {
     Swiped { removed: voxels - fixture.voxel_count(), depths }
 }
 
-/// Two pulls are two strokes, though the first is still being cut when the second begins.
+/// Two pulls are two strokes, even if the tool still cuts the first when the second begins.
 #[test]
 fn a_new_press_while_the_tool_follows_is_a_new_stroke() {
     let mut fixture = HandsFixture::new(SessionMode::FreeForm);
