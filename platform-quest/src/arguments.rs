@@ -1,4 +1,5 @@
-//! The flags of `paros-quest` on Linux. Those that are settings are checked as settings are, and win over a file's.
+//! The flags of `paros-quest` on Linux. Flags that are settings are checked in the same way as settings, and
+//! override those of the file.
 
 mod visits;
 
@@ -75,10 +76,10 @@ pub struct HeadsetArgs {
 }
 
 impl HeadsetArgs {
-    /// Reads the settings: those of the file, and of these flags.
+    /// Reads the settings from the file and from these flags.
     ///
     /// # Errors
-    /// The file that was asked for isn't there.
+    /// The file named by `--settings` doesn't exist.
     pub fn load_settings(&self) -> Result<LoadedSettings, String> {
         let default = || match &self.folder {
             Some(folder) => StudioPaths::inside_folder(folder).settings,
@@ -91,7 +92,7 @@ impl HeadsetArgs {
         }
         let layers: Vec<_> = file.into_iter().chain([self.to_layer()]).collect();
         let mut loaded = LoadedSettings::merge(&layers);
-        // What stands on the command line is no news.
+        // The user knows the command line: don't log it.
         loaded.told.retain(|line| !line.starts_with(COMMAND_LINE));
         loaded.resolve_record(path.parent().unwrap_or(Path::new("")), &[]);
         if let Some(record) = &self.record {
@@ -100,11 +101,11 @@ impl HeadsetArgs {
         Ok(loaded)
     }
 
-    /// The options of a run that is no replay, by settings and by flags that are none.
+    /// Returns the shell's options from settings and from flags that aren't settings. Not for a replay.
     #[must_use]
     pub fn to_options(&self, loaded: &LoadedSettings) -> ShellOptions {
         let settings = ShellOptions::from_settings(&loaded.settings);
-        // A script is silent unless its settings say otherwise.
+        // A scripted run is silent unless its settings set the volume.
         let is_heard = !self.script || loaded.is_set("sound_percent");
         ShellOptions {
             folder: self.folder.clone(),
@@ -116,7 +117,8 @@ impl HeadsetArgs {
         }
     }
 
-    /// The flags as a layer of settings. A trace's path is one from here, and no setting.
+    /// Returns the flags as a layer of settings, without `record`: its path is relative to the current
+    /// folder, not to the settings file.
     fn to_layer(&self) -> SettingsLayer {
         let depth = self.depth.then(|| "true".to_owned());
         let flags = [
@@ -135,10 +137,10 @@ impl HeadsetArgs {
     }
 }
 
-/// The source of settings that flags are.
+/// The name of the settings layer that holds the flags.
 const COMMAND_LINE: &str = "command line";
 
-/// The parser of a flag that is a setting: its text, if it fits.
+/// Returns the parser of a flag that is a setting: it checks the text and returns it unchanged.
 fn check_setting(name: &'static str) -> impl Fn(&str) -> Result<String, String> + Clone {
     move |text| {
         let kind = find_setting(name).ok_or("no setting")?.kind;
@@ -159,7 +161,7 @@ mod tests {
     use super::HeadsetArgs;
     use crate::options::ShellOptions;
 
-    /// The options of these words, with a folder in which there may be a file of settings.
+    /// Parses a command line, whose folder may contain a settings file.
     fn parse(words: &str) -> Result<ShellOptions, String> {
         let words = format!("paros-quest {words}");
         let args = HeadsetArgs::try_parse_from(words.split_whitespace());
@@ -197,7 +199,7 @@ mod tests {
         let other = parse(&format!("--settings {at}/other.toml --record here"));
         let other = other.expect("a file");
         assert_eq!((other.mode, other.record), (SessionMode::Creative, Some("here".into())));
-        // A script is silent unless its settings say otherwise.
+        // A scripted run is silent unless its settings set the volume.
         let silent = parse(&format!("--settings {at}/other.toml --script")).expect("a file");
         assert_eq!((other.sound_percent, silent.sound_percent), (70, 0));
         fs::write(folder.join("loud.toml"), "sound_percent = 40").expect("room on the disk");

@@ -1,11 +1,11 @@
 //! The time since the device booted, sleep included.
 //!
-//! `std::time::Instant` is `CLOCK_MONOTONIC` on Linux and Android, which stops while the device sleeps: by it a headset
-//! that lay asleep for a night was off for seconds.
+//! `std::time::Instant` is `CLOCK_MONOTONIC` on Linux and Android, which stops while the device sleeps: a
+//! headset that slept for a night would seem to have been off for seconds.
 
 use std::time::Duration;
 
-/// The time since boot, by `CLOCK_BOOTTIME` (Linux 2.6.39).
+/// Returns the time since boot from `CLOCK_BOOTTIME` (Linux 2.6.39).
 #[cfg(any(target_os = "linux", target_os = "android"))]
 pub(crate) fn read_since_boot() -> Duration {
     let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
@@ -16,7 +16,7 @@ pub(crate) fn read_since_boot() -> Duration {
     Duration::new(seconds, u32::try_from(time.tv_nsec).unwrap_or(0))
 }
 
-/// The time since the first call, on systems of which no headset is made.
+/// Returns the time since the first call, on systems that no headset uses.
 #[cfg(not(any(target_os = "linux", target_os = "android")))]
 pub(crate) fn read_since_boot() -> Duration {
     use std::sync::LazyLock;
@@ -37,14 +37,14 @@ mod tests {
 
     use super::read_since_boot;
 
-    /// Set in the process whose device has slept.
+    /// Set in the child process, whose boot clock is a day ahead.
     const INSIDE: &str = "PAROS_HAS_SLEPT";
 
     /// A day: `/proc/uptime` counts sleep, `CLOCK_MONOTONIC` does not.
     const SLEPT: &str = "86400";
 
-    /// In a time namespace the clock that counts sleep is a day ahead of the one that doesn't, as on a device that
-    /// slept for so long.
+    /// In a time namespace the clock that counts sleep is a day ahead of the one that doesn't, as on a device
+    /// that has slept for a day.
     #[test]
     fn sleep_is_counted() {
         let uptime = fs::read_to_string("/proc/uptime").expect("a kernel's uptime");

@@ -1,4 +1,5 @@
-//! The thread that compiles a renderer's programs, while the session's events are polled and its frames made.
+//! The thread that compiles a renderer's programs, while the shell polls the session's events and makes its
+//! frames.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -10,7 +11,8 @@ use paros_shell::durable;
 
 use crate::error::Error;
 
-/// A renderer's programs on their way. Who drops it waits for the thread: the driver can't be told to leave off.
+/// A running compilation of a renderer's programs. Dropping it waits for the thread, as the driver can't be
+/// interrupted.
 pub(crate) struct Compilation(Option<JoinHandle<Result<Compiled, gpu::Error>>>);
 
 /// A renderer's programs.
@@ -30,14 +32,14 @@ impl Compilation {
     ) -> Self {
         let gpu = gpu.clone();
         Compilation(Some(thread::spawn(move || {
-            // Without it only the start takes longer.
+            // Without the cache the start only takes longer.
             let pipeline_cache = durable::read_regular_file(&cache_file).unwrap_or_default();
             let renderer = CompiledRenderer::compile(&gpu, format, volume, &pipeline_cache)?;
             Ok(Compiled { renderer, pipeline_cache })
         })))
     }
 
-    /// The result, if it is there, once.
+    /// Returns the result once, when the compilation has finished.
     ///
     /// # Errors
     /// A call that failed.
@@ -53,7 +55,7 @@ impl Compilation {
 impl Drop for Compilation {
     fn drop(&mut self) {
         if let Some(thread) = self.0.take() {
-            // Nobody wants its result; a panic has been printed.
+            // The result isn't needed; a panic has been printed.
             let _ = thread.join();
         }
     }

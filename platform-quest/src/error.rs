@@ -4,16 +4,16 @@ use openxr as xr;
 use paros_shaders::gpu;
 use paros_shell::durable;
 
-/// What went wrong.
+/// An error of the shell or of a session.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// There is nothing to run on: no loader, no runtime, no headset, or one that lacks something.
+    /// No loader, runtime or headset is available, or it lacks a required feature.
     #[error("{0}")]
     Unavailable(String),
     /// A call of OpenXR failed.
     #[error("OpenXR could not {action}: {result:?}")]
     Call {
-        /// What the call was to do, an infinitive: "make a session".
+        /// The purpose of the call, as an infinitive: "make a session".
         action: &'static str,
         /// The result code.
         result: xr::sys::Result,
@@ -30,7 +30,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// Whether the instance, the session or the device is lost, and may be created anew.
+    /// Returns `true` if the instance, the session or the device is lost, and can be recreated.
     #[must_use]
     pub const fn is_recoverable_loss(&self) -> bool {
         match self {
@@ -47,20 +47,20 @@ impl Error {
 }
 
 impl Error {
-    /// The error's text, and what an operator may do about it: the last line of the log.
+    /// Returns the error's text, followed by the remedy for the operator: the last line of the log.
     #[must_use]
     pub fn message_with_remedy(&self) -> String {
         let remedy = match self {
             Error::Call { .. } => "end what else uses the headset, or start its runtime anew",
             Error::Gpu(_) => "the headset's device must draw by Vulkan 1.1 with multiview",
-            // Their text says it already, or nothing can be done.
+            // Their text contains the remedy already, or there is none.
             Error::Unavailable(_) | Error::File(_) | Error::Input(_) => return self.to_string(),
         };
         format!("{self}; {remedy}")
     }
 }
 
-/// Adds to a failed call's result what the call was to do.
+/// Adds the purpose of a failed call to its error.
 pub(crate) trait CallContext<T> {
     fn could_not(self, action: &'static str) -> Result<T, Error>;
 }

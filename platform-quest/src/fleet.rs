@@ -1,5 +1,5 @@
-//! How a headset becomes one of a booth's by a fleet's file: in a thread of its own, as the booth may be off when the
-//! headset starts, and visits go on meanwhile.
+//! Enrolment of a headset at a booth through a fleet file. It runs on a thread of its own, as the booth may
+//! be off when the headset starts, and visits must continue meanwhile.
 
 use std::fmt;
 use std::ops::ControlFlow;
@@ -17,45 +17,46 @@ use paros_upload::enrolment::{
 
 use crate::log::write_log_line;
 
-/// Pauses between attempts: a booth that starts later than its headsets is found soon, and one that is gone costs little.
+/// The shortest and longest pause of the exponential backoff between attempts: a booth that starts after its
+/// headsets is found soon, and an absent one costs little.
 const FIRST_PAUSE: Duration = Duration::from_secs(2);
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 
-/// The pause after the booth refused: its staff has to do something before it would not. Where that is another fleet's
-/// file, it is found within [`LONGEST_PAUSE`].
+/// The pause after the booth refused the request: its staff must act first. A new fleet file is still noticed
+/// within [`LONGEST_PAUSE`].
 const PAUSE_AFTER_REFUSAL: Duration = Duration::from_secs(600);
 
-/// How long it is from one time that a headset enrols anew, as the booth has forgotten it, to the next: whatever is wrong
-/// where it is forgotten again, asking more often doesn't help.
+/// The minimum interval between two re-enrolments of a headset that the booth has forgotten. If the booth
+/// forgets it repeatedly, asking more often doesn't help.
 const PAUSE_BEFORE_AGAIN: Duration = Duration::from_secs(3600);
 
-/// When a headset that was forgotten enrolled anew last.
+/// The rate limit for the re-enrolment of a forgotten headset: the time of the last one.
 #[derive(Clone, Copy, Debug)]
 pub struct AgainClock {
     last: Option<Instant>,
 }
 
-/// Where a fleet's file may be, in the order in which they count.
+/// The possible sources of a fleet file, in order of priority.
 #[derive(Clone, Default, Debug)]
 pub struct FleetSources {
-    /// What a console set.
+    /// The text set by the management console.
     pub managed: Option<String>,
-    /// The folder of the sessions, into which a computer puts it by `adb push`.
+    /// The folder of the sessions, into which a computer copies the file by `adb push`.
     pub folder: PathBuf,
-    /// What the package brings.
+    /// The file in the package.
     pub baked: Option<Vec<u8>>,
 }
 
-/// What a headset tells of itself.
+/// The hint and name that a headset sends about itself.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct HeadsetNames {
-    /// By which staff find it again once it was wiped; none where the system has no such name.
+    /// The hint by which staff recognise the headset after a wipe; `None` if the system has no identifier.
     pub hint: Option<DeviceHint>,
     /// Manufacturer and model.
     pub name: DeviceName,
 }
 
-/// A thread that enrols the headset. It ends once that is done, or soon after this is dropped.
+/// A thread that enrols the headset. It ends after the enrolment, or soon after this handle is dropped.
 #[derive(Debug)]
 pub struct Enroller {
     stop: Arc<AtomicBool>,
@@ -63,25 +64,26 @@ pub struct Enroller {
     enrolled: mpsc::Receiver<()>,
 }
 
-/// What is to be done with a fleet's file.
+/// The action that a fleet file requires.
 #[derive(Debug)]
 pub enum EnrolTask {
-    /// The headset is enrolled at this site.
+    /// The headset is enrolled at this site already.
     Nothing,
-    /// It is, and the booth is elsewhere now: this is to be kept.
+    /// The headset is enrolled, but the booth's address or certificate has changed: store this enrolment.
     Move(Enrolment),
-    /// It is to be enrolled.
+    /// The headset must be enrolled.
     Enrol,
 }
 
 impl AgainClock {
-    /// It never did.
+    /// Creates a clock of a headset that has never re-enrolled.
     #[must_use]
     pub const fn new() -> Self {
         AgainClock { last: None }
     }
 
-    /// Whether it may now; then it does.
+    /// Returns `true` if the headset may re-enrol now, and records `now` as the time of the last
+    /// re-enrolment.
     pub fn take(&mut self, now: Instant) -> bool {
         let is_due =
             self.last.is_none_or(|last| now.saturating_duration_since(last) >= PAUSE_BEFORE_AGAIN);
@@ -99,7 +101,7 @@ impl Default for AgainClock {
 }
 
 impl EnrolTask {
-    /// What a fleet's file asks of a headset that has this enrolment.
+    /// Returns the action that a fleet file requires of a headset with this enrolment.
     #[must_use]
     pub fn find(kept: Option<&Enrolment>, fleet: &FleetFile) -> Self {
         match kept.and_then(|kept| Some((kept, kept.moved_to(fleet)?))) {
@@ -111,7 +113,8 @@ impl EnrolTask {
 }
 
 impl FleetSources {
-    /// Takes the first fleet's file, as it is now. One that is none is told, and counts for nothing.
+    /// Reads the sources in order and returns the first valid fleet file. An invalid file is logged and
+    /// ignored.
     pub fn find(&self, mut log: impl FnMut(fmt::Arguments<'_>)) -> Option<FleetFile> {
         let path = self.folder.join(FLEET_FILE_NAME);
         let managed = self.managed.as_deref().filter(|text| !text.trim().is_empty());
@@ -128,11 +131,11 @@ impl FleetSources {
     }
 }
 
-/// Does what a fleet's file asks, where that takes no booth. Returns whether the headset is still to be enrolled.
-/// `file` is where the enrolment is kept.
+/// Applies a fleet file to the stored enrolment in `file`, without contacting the booth. Returns `true` if
+/// the headset must still be enrolled.
 ///
 /// # Errors
-/// The disk refuses.
+/// The enrolment can't be written.
 pub fn follow_fleet_file(
     file: &Path,
     fleet: &FleetFile,
@@ -154,8 +157,8 @@ pub fn follow_fleet_file(
 }
 
 impl Enroller {
-    /// Starts the thread. It asks the booth of the fleet's file that is there then, through what `connect` makes, until
-    /// that takes the headset, and keeps the enrolment in `file`.
+    /// Starts the thread. It requests enrolment at the booth of the current fleet file, through the caller
+    /// that `connect` returns, until the booth accepts, and stores the enrolment in `file`.
     ///
     /// # Errors
     /// The system has no random bits.
@@ -165,7 +168,7 @@ impl Enroller {
         names: HeadsetNames,
         file: PathBuf,
     ) -> Result<Self, EnrolError> {
-        // Drawn once: what was asked before, and never answered, is asked again and no other.
+        // Drawn once: every retry uses the same token, so that retries are idempotent.
         let device = NewDevice::draw(names.hint, names.name)?;
         let stop = Arc::new(AtomicBool::new(false));
         let (tell, enrolled) = mpsc::channel();
@@ -183,21 +186,21 @@ impl Enroller {
                 })
             };
             if enrol_with_patience((find, connect), &device, &file, pause) {
-                // Nobody may be there any more.
+                // The handle may have been dropped.
                 let _ = tell.send(());
             }
         });
-        // Where the system refuses a thread, the next start tries again.
+        // If the system refuses a thread, the next start retries.
         Ok(Enroller { stop, thread: thread.ok(), enrolled })
     }
 
-    /// Whether it is at work still.
+    /// Returns `true` while the thread runs.
     #[must_use]
     pub fn is_asking(&self) -> bool {
         self.thread.as_ref().is_some_and(|thread| !thread.is_finished())
     }
 
-    /// Whether the headset has been enrolled since this was last asked.
+    /// Returns `true` once after the headset has been enrolled.
     pub fn poll_enrolled(&mut self) -> bool {
         self.enrolled.try_recv().is_ok()
     }
@@ -205,7 +208,7 @@ impl Enroller {
 
 impl Drop for Enroller {
     fn drop(&mut self) {
-        // It isn't waited for: a booth that doesn't answer would hold up the end.
+        // The thread isn't joined: a booth that doesn't answer would delay the exit.
         self.stop.store(true, Ordering::Release);
         if let Some(thread) = &self.thread {
             thread.thread().unpark();
@@ -213,8 +216,8 @@ impl Drop for Enroller {
     }
 }
 
-/// Asks the booth of the fleet's file that `find` finds until it takes the headset, and keeps the enrolment; whether it
-/// came to that. `pause` returns whether to go on.
+/// Requests enrolment at the booth of the file that `find` returns, and retries until the booth accepts; then
+/// stores the enrolment. Returns `false` if `pause` stopped it: `pause` returns `true` to continue.
 fn enrol_with_patience<C: BoothCaller>(
     (mut find, mut connect): (impl FnMut() -> Option<FleetFile>, impl FnMut(&FleetFile) -> C),
     device: &NewDevice,
@@ -269,7 +272,8 @@ fn enrol_and_keep(
     Ok(())
 }
 
-/// Waits so long, or until a fleet's file is found, which is looked for now and then. `pause` returns whether to go on.
+/// Waits for `left`, or until `find` returns a fleet file, which is checked every [`LONGEST_PAUSE`]. `pause`
+/// returns `true` to continue.
 fn wait_for(
     mut find: impl FnMut() -> Option<FleetFile>,
     mut left: Duration,
@@ -288,7 +292,7 @@ fn wait_for(
     ControlFlow::Continue(None)
 }
 
-/// Waits so long. Returns whether to go on then: nobody has said to stop.
+/// Waits for `pause`, or until `stop` is set. Returns `true` unless it was set.
 fn wait_unless_stopped(pause: Duration, stop: &AtomicBool) -> bool {
     let end = Instant::now() + pause;
     loop {

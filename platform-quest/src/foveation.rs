@@ -1,4 +1,4 @@
-//! Fixed foveated rendering by OpenXR. Which level is set when is decided in [`paros_shell::headset::foveation`].
+//! Fixed foveated rendering through OpenXR. The level is chosen in [`paros_shell::headset::foveation`].
 
 pub use paros_shell::headset::foveation::{Foveation, FoveationLevel};
 

@@ -1,10 +1,11 @@
-//! The headset's shell: turns the poses and actions of an OpenXR session into ticks, and draws what they
-//! made for both eyes.
+//! The headset's shell: turns the poses and actions of an OpenXR session into ticks, and draws the resulting
+//! world for both eyes.
 //!
-//! Decisions are made without OpenXR: by the policies of [`paros_shell::headset`] and by
-//! [`foveation`], which are plain functions of what the runtime reports. `xr` makes the calls, and
-//! [`shell`] runs the frame loop; before its first frame `start_keeper` and `notice_session` tell of a start that fails. [`platform`] is the operating system; [`device`] and [`runtime`] are
-//! Android's part of it: the Java classes, and the search for the OpenXR runtime.
+//! Decisions are made without OpenXR: the policies of [`paros_shell::headset`] and [`foveation`] are plain
+//! functions of the runtime's reports. `xr` makes the calls, and [`shell`] runs the frame loop. Before the
+//! first frame `start_keeper` and `notice_session` show a start that fails. [`platform`] is the interface to
+//! the operating system. [`device`] and [`runtime`] are its Android part: the Java classes, and the search
+//! for the OpenXR runtime.
 
 #[cfg(target_os = "android")]
 mod android;

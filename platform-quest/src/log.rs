@@ -1,4 +1,4 @@
-//! The log: lines on standard error, which Android has in its own log, and in the file of the app's folder.
+//! The log: lines on standard error, which Android adds to the system log, and in a file in the app's folder.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -12,8 +12,7 @@ use paros_shell::log_file::LogFile;
 /// The process's log file, once its folder is known.
 static FILE: Mutex<Option<LogFile>> = Mutex::new(None);
 
-/// Has lines written to a file too, from now on, and what panics. What can't be written there is said once on standard
-/// error.
+/// Also writes log lines and panics to a file from now on. A write error is reported once on standard error.
 pub fn open_log_file(path: &Path) {
     static PANICS: Once = Once::new();
 
@@ -21,7 +20,7 @@ pub fn open_log_file(path: &Path) {
         let print = panic::take_hook();
         panic::set_hook(Box::new(move |panic| {
             print(panic);
-            // A lock may be held by who panics: then it is printed alone.
+            // The panicking thread may hold the lock; the panic is then only printed.
             if let Ok(mut file) = FILE.try_lock()
                 && let Some(log) = file.as_mut()
             {
@@ -37,9 +36,9 @@ pub fn open_log_file(path: &Path) {
     }
 }
 
-/// Writes a line.
+/// Writes a line to standard error and to the log file.
 pub fn write_log_line(text: fmt::Arguments<'_>) {
-    // Nobody may be listening there.
+    // Standard error may be closed.
     let _ = writeln!(io::stderr(), "paros-quest: {text}");
     let mut file = FILE.lock().unwrap_or_else(PoisonError::into_inner);
     let Some(log) = file.as_mut() else { return };

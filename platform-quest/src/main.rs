@@ -21,25 +21,25 @@ fn main() -> ExitCode {
     }
     match done {
         Ok(report) => {
-            // A reader that has seen enough and left is no error.
+            // A closed pipe is no error.
             let _ = io::stdout().lock().write_all(report.as_bytes());
             ExitCode::SUCCESS
         }
         Err(RunFailure { message, exit_code }) => {
-            // Nobody may be listening there; the exit code still tells.
+            // Standard error may be closed; the exit code still reports the failure.
             write_log_line(format_args!("{message}"));
             exit_code
         }
     }
 }
 
-/// What standard error and the exit code tell.
+/// The message for standard error, and the exit code.
 struct RunFailure {
     message: String,
     exit_code: ExitCode,
 }
 
-/// Replays a trace or runs the shell. Returns what standard output tells.
+/// Replays a trace or runs the shell. Returns the text for standard output.
 fn run_command(args: &HeadsetArgs) -> Result<String, RunFailure> {
     if let (Some(trace), Some(digests)) = (&args.replay, &args.digests) {
         write_replay_digests(trace, digests).map_err(|error| replay_failure(&error))?;
@@ -50,7 +50,7 @@ fn run_command(args: &HeadsetArgs) -> Result<String, RunFailure> {
         write_log_line(format_args!("{line}"));
     }
     if let Some(record) = &args.record {
-        // Before the sculpting, not after it.
+        // Fail before the session, not at its end.
         WriteTarget::resolve_and_check_writable(record)
             .map_err(|error| replay_failure(&ReplayError::Write(error)))?;
     }
@@ -77,8 +77,8 @@ fn replay_failure(error: &ReplayError) -> RunFailure {
     RunFailure { message: error.to_string(), exit_code: replay_exit_code(error) }
 }
 
-/// The exit code of a failed replay: a place where no file can be is the argument's fault, a disk that
-/// refuses is not.
+/// Returns the exit code of a failed replay: 2 for a path at which no file can be created, as the argument is
+/// wrong; failure for other write errors.
 fn replay_exit_code(error: &ReplayError) -> ExitCode {
     let ReplayError::Write(error) = error else { return ExitCode::from(2) };
     match error.source.kind() {

@@ -1,5 +1,5 @@
-//! A session that shows a notice, and nothing else: it needs no input, no programs and no images of eyes, any of which
-//! may be what a start has failed for.
+//! A session that only shows a notice: it needs no input, no programs and no images of eyes, as any of these
+//! may be the cause of the failed start.
 
 use std::io::{self, Write};
 use std::ops::ControlFlow;
@@ -48,7 +48,8 @@ impl NoticeSession {
         Ok(NoticeSession { layer, raw, waiter, stream, _gpu: gpu, runtime, phase })
     }
 
-    /// Shows what `notice_at` has for a time since boot, until it has nothing more. Breaks if the app is to quit.
+    /// Shows the notice that `notice_at` returns for the time since boot, until it returns none. Breaks if
+    /// the app must quit.
     ///
     /// # Errors
     /// A lost session.
@@ -110,7 +111,7 @@ impl NoticeSession {
         match commands.and_then(CommandQueue::poll_next) {
             None => {}
             Some(TestCommand::PrintStatus) => {
-                // Nobody may be listening there.
+                // Standard output may be closed.
                 let _ = writeln!(io::stdout().lock(), "life notice; notice {notice:?}");
             }
             Some(TestCommand::CaptureFrame(prefix)) => self.layer.write_capture(&prefix)?,

@@ -13,45 +13,45 @@ use crate::foveation::FoveationLevel;
 /// Options of a run.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ShellOptions {
-    /// One folder for all files, instead of the user's own. With it the headset is one that visitors share: what they
-    /// left is finished where it can't be told that it is the same one's.
+    /// One folder for all files, instead of the user's own. If set, visitors share the headset: a session
+    /// that was found at the start is finished unless it belongs to the current visitor.
     pub folder: Option<PathBuf>,
-    /// How sessions start.
+    /// The mode in which sessions start.
     pub mode: SessionMode,
-    /// How long the headset must be unused for whoever uses it next to be another visitor.
+    /// The time without use after which the next user counts as another visitor.
     pub handover_after: Duration,
-    /// The visits that are held; without them sessions start and end by the headset's use and its menu button.
+    /// The options of visits; without them sessions start and end by the headset's use and its menu button.
     pub visits: Option<VisitOptions>,
-    /// How sculptures go to a booth, where the device is enrolled at one.
+    /// The settings for sending sculptures to a booth, if the device is enrolled at one.
     pub booth: BoothSettings,
-    /// Where the session's trace is written; the session starts anew then.
+    /// The file for the session's trace; if set, the session restarts.
     pub record: Option<PathBuf>,
-    /// The string on which hands draw their bits, in millimetres; 0 for hands that aren't steadied.
+    /// The length of the string on which hands draw their bits, in millimetres; 0 turns steadying off.
     pub string_mm: u8,
-    /// Whether the room is a step lower or higher for visitors who sit or are tall.
+    /// `true` if the room is lowered for seated visitors and raised for tall ones.
     pub snap_heights: bool,
     /// The display refresh rate that is requested, in hertz.
     pub refresh_rate: f32,
-    /// Whether depth is submitted to the compositor too; pixels have one sample then.
+    /// `true` if depth is also submitted to the compositor; pixels then have one sample.
     pub submit_depth: bool,
     /// The least foveation level; see [`Foveation::choose`](crate::foveation::Foveation::choose).
     pub foveation: Option<FoveationLevel>,
-    /// The least part of a picture's sides that is drawn, in hundredths.
+    /// The lower limit of the resolution scale, in percent of each side.
     pub least_resolution_percent: u32,
     /// Samples of a pixel, 2 or 4.
     pub samples: u32,
     /// The render path of the sculpture.
     pub path: RenderPath,
-    /// How loud it is, in hundredths; 0 for no sound.
+    /// The volume in percent; 0 for no sound.
     pub sound_percent: u32,
-    /// Whether commands are read from standard input, for tests.
+    /// `true` if commands are read from standard input, for tests.
     pub test_commands: bool,
-    /// Whether Vulkan's validation layer is enabled; each of its messages is an error.
+    /// `true` if Vulkan's validation layer is enabled; each of its messages is an error.
     pub validation: bool,
 }
 
 impl ShellOptions {
-    /// The options that settings ask for, all else as by default.
+    /// Returns the options for these settings; all others have their defaults.
     #[must_use]
     pub fn from_settings(settings: &Settings) -> Self {
         ShellOptions {

@@ -1,5 +1,5 @@
-//! What the shell needs of the operating system beside the runtime: an OpenXR entry point, an instance,
-//! the device's health, its time, a log.
+//! The interface to the operating system: an OpenXR entry point, an instance, the device's health, its time
+//! and a log.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -18,17 +18,17 @@ use crate::log::write_log_line;
 
 /// The operating system: Android, or anything else.
 pub trait Platform {
-    /// Loads the OpenXR loader or runtime. Called again after a session was lost; what may be called once in
-    /// a process alone is then kept.
+    /// Loads the OpenXR loader or runtime. Called again after a session was lost; the results of calls that
+    /// are allowed once in a process are then reused.
     ///
     /// # Errors
-    /// [`Error::Unavailable`] where there is none.
+    /// [`Error::Unavailable`] if there is no loader or runtime.
     fn load_openxr(&mut self) -> Result<xr::Entry, Error>;
 
-    /// Creates an instance with these extensions, and those that the operating system itself needs.
+    /// Creates an instance with these extensions and the ones that the operating system requires.
     ///
     /// # Errors
-    /// The runtime's.
+    /// The runtime's error.
     fn create_instance(
         &mut self,
         entry: &xr::Entry,
@@ -43,44 +43,47 @@ pub trait Platform {
         PlatformStatus::default()
     }
 
-    /// The time since the device booted, sleep included.
+    /// Returns the time since the device booted, sleep included.
     fn since_boot(&self) -> Duration {
         boot_clock::read_since_boot()
     }
 
-    /// Which boot that was; none where it can't be told.
+    /// Returns the identifier of the current boot; `None` if it is unknown.
     fn boot_id(&self) -> Option<BootId> {
         BootId::read_from_kernel()
     }
 
-    /// Runs a step of the world. A profiler reads its clock before and after.
+    /// Runs a step of the world. A profiler measures the time around it.
     fn run_world_step(&mut self, step: &mut dyn FnMut()) {
         step();
     }
 
-    /// What wraps the functions of a Vulkan device in a profiler's, if anything does.
+    /// Returns a function that wraps a Vulkan device for a profiler, if there is a profiler.
     fn vulkan_device_wrapper(&self) -> Option<fn(ash::Device) -> ash::Device> {
         None
     }
 
-    /// Told where the start stands, whenever that changes. Until it is ready, and again while a lost session is made
-    /// anew, there is nothing to save.
+    /// Receives the state of the start whenever it changes. While the state isn't `Ready`, which includes the
+    /// time in which a lost session is recreated, there is nothing to save.
     fn note_start_up(&mut self, _start: StartUp) {}
 
-    /// Connects to the booth at which the device is enrolled; none where there is no way there.
+    /// Connects to the booth at which the device is enrolled; `None` if the booth can't be reached from this
+    /// platform.
     fn open_booth_link(&mut self, _enrolment: &Enrolment) -> Option<CourierLink> {
         None
     }
 
-    /// The booth doesn't know the device any more: it enrols anew, where something lets it. Called as long as that is so.
+    /// Re-enrols the device after the booth has forgotten it, if the platform can. Called repeatedly until
+    /// the device is enrolled again.
     fn enrol_again(&mut self) {}
 
-    /// Whether the device has become one of a booth's headsets since this was last asked.
+    /// Returns `true` once after the device has been enrolled.
     fn poll_enrolled(&mut self) -> bool {
         false
     }
 
-    /// Where the enrolment and the outbox lie, which others must not read; `sessions` is the folder of saved sessions.
+    /// Returns the folder of the enrolment and the outbox, which others must not read. `sessions` is the
+    /// folder of saved sessions.
     fn booth_folder(&self, sessions: &Path) -> PathBuf {
         sessions.to_owned()
     }
@@ -96,11 +99,11 @@ pub trait Platform {
 pub struct PlatformStatus {
     /// Thermal state and battery.
     pub health: DeviceHealth,
-    /// Whether the application is to quit.
+    /// `true` if the application must quit.
     pub quit_requested: bool,
 }
 
-/// An operating system that reports nothing, with the loader among the system's libraries: Linux.
+/// An operating system that reports no status and has the loader among its libraries: Linux.
 #[derive(Clone, Copy, Default, Debug)]
 pub struct PlainPlatform;
 

@@ -1,5 +1,5 @@
-//! The OpenXR and Vulkan objects of one session, created and destroyed together: first those that need no program,
-//! by which a notice is seen, then what draws the world.
+//! The OpenXR and Vulkan objects of one session, created and destroyed together: first the ones that need no
+//! shader programs, which show a notice, then the ones that draw the world.
 
 use std::sync::Arc;
 
@@ -19,9 +19,9 @@ use crate::options::ShellOptions;
 use crate::platform::Platform;
 use crate::xr::{EyeImages, EyeTargets, FrameCalls, HeadsetSession, NoticeLayer, Runtime};
 
-/// A session whose renderer is yet to be made. Fields are dropped in this order.
+/// A session without a renderer yet. Fields are dropped in this order.
 pub(crate) struct OpenedSession {
-    /// What is seen meanwhile; none where the runtime refuses it.
+    /// The layer that shows the loading notice; `None` if the runtime refuses it.
     pub(crate) notice: Option<NoticeLayer>,
     images: EyeImages,
     format: TargetFormat,
@@ -30,7 +30,7 @@ pub(crate) struct OpenedSession {
     pub(crate) runtime: Runtime,
 }
 
-/// A session and what draws for it. Fields are dropped in this order.
+/// A session and its renderer. Fields are dropped in this order.
 pub(crate) struct SessionResources<const N: usize>
 where
     Grid<N>: Size,
@@ -40,13 +40,13 @@ where
     pub(crate) session: HeadsetSession,
     pub(crate) gpu: Arc<Gpu>,
     pub(crate) runtime: Runtime,
-    /// The pipeline cache as it was read from the disk or submitted for writing.
+    /// The pipeline cache as last read from the disk or submitted for writing.
     pipeline_cache: Vec<u8>,
 }
 
 impl OpenedSession {
-    /// Creates a session. The Vulkan instance, which has the validation messages, is left in `vulkan_out` even if the
-    /// rest fails.
+    /// Creates a session. The Vulkan instance, which collects the validation messages, is stored in
+    /// `vulkan_out` even if a later step fails.
     ///
     /// # Errors
     /// [`Error::Unavailable`] with what is missing, or a call that failed.
@@ -88,7 +88,7 @@ impl OpenedSession {
         Ok(OpenedSession { notice: notice.ok(), images, format, session, gpu, runtime })
     }
 
-    /// Has the renderer's programs compiled on a thread of their own.
+    /// Starts to compile the renderer's programs on a thread of their own.
     pub(crate) fn start_compiling(&self, volume: VolumeFormat, paths: &StudioPaths) -> Compilation {
         Compilation::start(&self.gpu, self.format, volume, paths.pipeline_cache_file())
     }
@@ -111,7 +111,8 @@ impl<const N: usize> SessionResources<N>
 where
     Grid<N>: Size,
 {
-    /// Makes what draws a world of what was compiled for it. The notice is seen until the first frame.
+    /// Creates the renderer of a world from the compiled programs. The notice stays visible until the first
+    /// frame.
     ///
     /// # Errors
     /// A call that failed.
@@ -127,8 +128,8 @@ where
         Ok(SessionResources { eyes, show, session, gpu, runtime, pipeline_cache })
     }
 
-    /// Has the pipeline cache written, where it has changed: the next start is faster. The driver may take
-    /// longer than a frame: call it while none is due.
+    /// Submits the pipeline cache for writing if it has changed, so that the next start is faster. The driver
+    /// may take longer than a frame: call this while no frame is due.
     pub(crate) fn submit_changed_pipeline_cache_between_frames(
         &mut self,
         paths: &StudioPaths,
@@ -147,7 +148,7 @@ where
     }
 }
 
-/// Logs a line for each feature that was asked for and is missing; the session goes on without it.
+/// Logs a line for each requested feature that is missing; the session continues without it.
 fn log_missing_features(
     platform: &mut dyn Platform,
     options: &ShellOptions,

@@ -50,21 +50,22 @@ use paros_headset::session_phase::SessionPhase;
 
 pub(crate) use events::session_event;
 
-/// How often events are polled while no frames are made.
+/// The poll interval for events while no frames are made.
 pub(crate) const IDLE_POLL_INTERVAL: Duration = Duration::from_millis(10);
 
-/// Session losses in a row after which the runtime is given up, and the pause between them.
+/// The number of consecutive session losses after which the shell stops retrying, and the pause between
+/// retries.
 const MAX_LOSSES: u32 = 5;
 const RETRY_PAUSE: Duration = Duration::from_secs(1);
 
-/// A session that has lasted for this long ends a row of losses.
+/// A session that lasted this long resets the count of consecutive losses.
 const STEADY_AFTER: Duration = Duration::from_secs(10);
 
-/// How long the runtime may take to end a session after an exit request: Android kills a program that
+/// The time that the runtime may take to end a session after an exit request. Android kills a program that
 /// takes five seconds.
 const EXIT_TIMEOUT: Duration = Duration::from_secs(3);
 
-/// How often dropped ticks are logged at most.
+/// The minimum interval between log lines about dropped ticks.
 const DROP_LOG_INTERVAL: Duration = Duration::from_secs(5);
 
 /// The shell's state, which outlives sessions.
@@ -73,13 +74,13 @@ where
     Grid<N>: Size,
 {
     studio: Studio<'a, N>,
-    /// Where the device is enrolled at a booth.
+    /// The connection to the booth, if the device is enrolled at one.
     courier: Option<Arc<Courier>>,
     options: &'a ShellOptions,
     test_commands: Option<&'a CommandQueue>,
     start: &'a mut StartKeeper,
     visit: VisitPolicy,
-    /// What holds visits, if any are.
+    /// The host of visits, if visits are enabled.
     host: Option<VisitHost>,
     phase: SessionPhase,
     exit_requested_at: Option<Instant>,
@@ -88,34 +89,34 @@ where
     hand_readers: [HandReader; 2],
     stick_presses: StickPresses,
     placement: RoomPlacement,
-    /// The room was moved after the last tick.
+    /// `true` if the room was moved after the last tick.
     has_room_moved: bool,
     haptics: FrameHaptics,
-    /// None where there is to be no sound.
+    /// `None` if sound is off.
     speaker: Option<Speaker>,
     resolution: ResolutionPolicy,
-    /// The thermal state that the runtime notified; the operating system may report a hotter one.
+    /// The thermal state that the runtime reported last; the operating system may report a hotter one.
     runtime_thermal: ThermalState,
     health: DeviceHealth,
     charger: ChargerPanel,
-    /// Where the frame's display time lies between the last tick and the next, 0 to 1.
+    /// The position of the frame's display time between the last tick and the next, 0 to 1.
     tick_fraction: f32,
-    /// A session of the core is to start anew with the next tick.
+    /// `true` if the core's session must restart with the next tick.
     start_anew: bool,
-    /// The device has become another headset of a booth's, by which nothing is sent yet.
+    /// `true` if the device was enrolled again and the courier doesn't use the new enrolment yet.
     is_enrolled_anew: bool,
-    /// Parcels that the courier of before had no room for.
+    /// Parcels for which the previous courier had no room.
     without_room: Vec<Parcel>,
     boot: Option<BootId>,
     frames: u64,
     dropped: DroppedTicks,
-    /// Where pictures of the next frame go, if a test wants them.
+    /// The path prefix for pictures of the next frame, if a test requested them.
     capture_prefix: Option<PathBuf>,
     last_note: String,
     validation_messages: Vec<String>,
 }
 
-/// Ticks that were dropped, and how many of them have been logged.
+/// The counts of dropped ticks and of those already logged.
 #[derive(Clone, Copy, Default, Debug)]
 struct DroppedTicks {
     count: u64,
@@ -123,21 +124,21 @@ struct DroppedTicks {
     logged_at: Option<Instant>,
 }
 
-/// How a session ended.
+/// The way in which a session ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum SessionEnd {
-    /// The visitor, the operating system or the runtime wanted it over.
+    /// The visitor, the operating system or the runtime requested the end.
     Exited,
-    /// It was lost, and may be created anew.
+    /// The session was lost; a new one may be created.
     Lost,
 }
 
-/// Runs OpenXR sessions until the visitor, the operating system or the runtime quits. Returns the
-/// path of the last print, if there is one.
+/// Runs OpenXR sessions until the visitor, the operating system or the runtime quits. Returns the path of the
+/// last exported print file, if there is one.
 ///
 /// # Errors
-/// [`Error::Unavailable`] where there is nothing to run on, or what went wrong later. What was
-/// sculpted has been saved in any case.
+/// [`Error::Unavailable`] if there is no runtime or headset, or any later failure. The sculpture has been
+/// saved in any case.
 pub fn run_shell<const N: usize>(
     platform: &mut dyn Platform,
     options: &ShellOptions,
@@ -148,7 +149,7 @@ where
     let folder = options.folder.as_deref();
     let paths = folder.map_or_else(|| StudioPaths::for_user(None), StudioPaths::inside_folder);
     open_log_file(&paths.log_file());
-    // Whoever ran it before in this process has to end first, to the last word of its failure.
+    // Waits for an earlier run in this process, so that its failure is completely handled first.
     let mut resident = Grid::<N>::lock_world();
     let commands = options.test_commands.then(CommandQueue::spawn_reader);
     let mut start = StartKeeper::begin(platform, options, &paths);
@@ -164,13 +165,14 @@ where
     done
 }
 
-/// Shows in the headset why the app can't come to [`run_shell`], where that can be shown, until it has been read.
+/// Shows in the headset, if possible, an error that keeps the app from reaching [`run_shell`], until it has
+/// been read.
 pub fn show_failed_start(platform: &mut dyn Platform, options: &ShellOptions, error: &Error) {
     let paths = StudioPaths::for_user(None);
     StartKeeper::begin(platform, options, &paths).show_failure(error, platform, options, None);
 }
 
-/// Runs a studio in sessions until it is quit, and saves it.
+/// Runs a studio's sessions until the app quits, and saves the studio.
 fn run_studio<const N: usize>(
     platform: &mut dyn Platform,
     options: &ShellOptions,
@@ -272,7 +274,7 @@ where
         }
     }
 
-    /// Runs session after session: one that is lost is created anew, and the sculpture is kept.
+    /// Runs sessions in a loop: a lost session is replaced by a new one, and the sculpture is kept.
     fn run_sessions(&mut self, platform: &mut dyn Platform) -> Result<(), Error> {
         let (mut losses, mut has_run) = (0, false);
         loop {
@@ -325,7 +327,7 @@ where
         self.hand_readers = [HandReader::default(); 2];
         self.pacer.pause();
         self.placement.restart_in_new_space();
-        // As high as it was in a session that was lost.
+        // Keep the height of the room from the lost session.
         if self.placement.room() != RoomTransform::default() {
             opened.session.move_room(self.placement.room())?;
         }
@@ -336,7 +338,7 @@ where
         };
         let mut resources = SessionResources::create(opened, compiled, self.studio.world())?;
         platform.note_start_up(StartUp::Ready);
-        // Whatever ends the session, the next start finds the compiled programs.
+        // Write the cache now, so that the next start finds the compiled programs even after a crash.
         self.submit_changed_pipeline_cache_between_frames(&mut resources);
         let end = self.run_frames(&mut resources, platform);
         self.submit_changed_pipeline_cache_between_frames(&mut resources);
@@ -351,7 +353,7 @@ where
         resources.submit_changed_pipeline_cache_between_frames(&places, self.studio.file_writer());
     }
 
-    /// Logs the studio's notes to the visitor.
+    /// Logs the studio's notices to the visitor.
     fn log_notes(&mut self, platform: &mut dyn Platform) {
         for note in self.studio.take_notices() {
             let (Notice::Good(text) | Notice::Bad(text)) = note;

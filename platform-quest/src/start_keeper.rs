@@ -1,5 +1,5 @@
-//! Keeps where the start stands, on the disk too: what fails before the first frame is shown in the headset, and the
-//! next start waits.
+//! Keeps the state of the start, also on the disk: a failure before the first frame is shown in the headset,
+//! and the next start is delayed.
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -17,14 +17,14 @@ use crate::platform::Platform;
 use crate::shell::IDLE_POLL_INTERVAL;
 use crate::test_commands::CommandQueue;
 
-/// Where the start stands.
+/// The state of the start.
 pub(crate) struct StartKeeper {
     start: StartUp,
-    /// The starts that failed before; none where they aren't counted.
+    /// The record of failed starts; `None` if they aren't counted.
     record: Option<StartRecord>,
 }
 
-/// The starts that have failed in this boot, and where they are kept.
+/// The failed starts of this boot, and the file that stores them.
 struct StartRecord {
     path: PathBuf,
     boot: BootId,
@@ -32,7 +32,8 @@ struct StartRecord {
 }
 
 impl StartKeeper {
-    /// Begins a start. Only those of a headset that visitors share are counted: who develops looks on.
+    /// Begins a start. Failed starts are only counted on a headset that visitors share (one with a folder of
+    /// its own), not for developers.
     pub(crate) fn begin(
         platform: &dyn Platform,
         options: &ShellOptions,
@@ -40,7 +41,7 @@ impl StartKeeper {
     ) -> Self {
         let path = options.folder.as_ref().map(|_| paths.failed_starts_file());
         let record = path.zip(platform.boot_id()).map(|(path, boot)| {
-            // What can't be read counts for nothing: no start is put off by mistake.
+            // An unreadable record is ignored, so that no start is delayed by mistake.
             let bytes = durable::read_regular_file_up_to(&path, FailedStarts::BYTES as u64);
             let row = bytes.ok().and_then(|bytes| FailedStarts::decode(&bytes).ok());
             StartRecord { path, boot, row }
@@ -51,7 +52,8 @@ impl StartKeeper {
         StartKeeper { start, record }
     }
 
-    /// Waits until this start is due, and counts it as failed until its first frame. Breaks if the app is to quit.
+    /// Waits until this start is due, and records it as failed until its first frame. Breaks if the app must
+    /// quit.
     pub(crate) fn wait_until_due(
         &mut self,
         platform: &mut dyn Platform,
@@ -82,16 +84,16 @@ impl StartKeeper {
         self.forget_failures();
     }
 
-    /// Forgets the starts that failed before, as this one has not.
+    /// Deletes the record of failed starts, as this one has succeeded.
     pub(crate) fn forget_failures(&self) {
         if let Some(record) = &self.record {
-            // If it stays, a start waits that need not.
+            // If it can't be deleted, the next start only waits needlessly.
             let _ = std::fs::remove_file(&record.path);
         }
     }
 
-    /// Shows an error in the headset, and counts the failed start; none that comes after the first frame. Where no
-    /// picture can be shown either, the log tells why.
+    /// Shows an error in the headset and records the failed start. Does nothing after the first frame. If no
+    /// picture can be shown, the reason is logged.
     pub(crate) fn show_failure(
         &mut self,
         error: &Error,
@@ -117,7 +119,7 @@ impl StartKeeper {
         self.note_failed(platform);
     }
 
-    /// Shows the start's notice until it is over, or waits for as long where no session can be had.
+    /// Shows the start's notice until it is over, or waits for the same time if there is no session.
     fn show_while_it_lasts(
         &mut self,
         session: Option<NoticeSession>,
@@ -143,7 +145,7 @@ impl StartKeeper {
         ControlFlow::Continue(())
     }
 
-    /// Notes that the start which was counted has failed just now.
+    /// Records that the current start has failed now.
     fn note_failed(&mut self, platform: &mut dyn Platform) {
         let now = platform.since_boot();
         self.keep_row(platform, |row, boot| {
@@ -168,7 +170,7 @@ impl StartKeeper {
     }
 }
 
-/// A session to show a notice in. Where none can be had, the log tells why.
+/// Creates a session to show a notice in. A failure is logged.
 fn create_notice_session(
     platform: &mut dyn Platform,
     options: &ShellOptions,

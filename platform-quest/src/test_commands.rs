@@ -1,6 +1,6 @@
-//! Commands from standard input, one a line, for tests: `say` prints the status, `shot PREFIX` writes the
-//! next frame's pictures to `PREFIX-left.png` and `PREFIX-right.png`, or the notice to `PREFIX-notice.png`, `quit` asks the runtime to end the
-//! session.
+//! Commands from standard input, one a line, for tests: `say` prints the status; `shot PREFIX` writes the
+//! next frame's pictures to `PREFIX-left.png` and `PREFIX-right.png`, or the notice to `PREFIX-notice.png`;
+//! `quit` requests the end of the session.
 
 use std::io::{self, BufRead};
 use std::path::{Path, PathBuf};
@@ -17,17 +17,17 @@ use crate::error::Error;
 pub(crate) enum TestCommand {
     /// Print the status.
     PrintStatus,
-    /// Write pictures of the next frame, to files that begin like this.
+    /// Write pictures of the next frame to files with this path prefix.
     CaptureFrame(PathBuf),
     /// End the session.
     Quit,
 }
 
-/// Commands that a thread reads from standard input.
+/// The queue of commands that a thread reads from standard input.
 pub(crate) struct CommandQueue(Receiver<TestCommand>);
 
 impl CommandQueue {
-    /// Starts the thread. Lines that are no commands are passed over.
+    /// Starts the thread. Lines that aren't commands are ignored.
     pub(crate) fn spawn_reader() -> Self {
         let (sender, commands) = channel();
         thread::spawn(move || {
@@ -42,16 +42,16 @@ impl CommandQueue {
         CommandQueue(commands)
     }
 
-    /// The next command, if one has arrived.
+    /// Returns the next command, if one has arrived.
     pub(crate) fn poll_next(&self) -> Option<TestCommand> {
         self.0.try_recv().ok()
     }
 }
 
-/// Writes a picture, red, green and blue of each pixel, to `PREFIX-NAME.png`.
+/// Writes a picture to `PREFIX-NAME.png`. `pixels` has red, green and blue of each pixel.
 ///
 /// # Errors
-/// [`Error::Input`] where the pixels are not as many as the extent says, or a file that can't be written.
+/// [`Error::Input`] if the number of pixels doesn't match the extent, or a file that can't be written.
 pub(crate) fn write_picture(
     prefix: &Path,
     name: &str,

@@ -40,7 +40,8 @@ fn the_stubs_are_what_the_table_says() {
                 describe_member(member)
             );
         }
-        // And nothing else, but the constructor that `javap` calls by the whole class name.
+        // There are no other members, except the constructor, which `javap` prints under the whole class
+        // name.
         let others = found.iter().filter(|told| !told.contains("android."));
         assert!(!is_android(class) || others.count() == members.len(), "{class}: {found:?}");
     }
@@ -105,7 +106,7 @@ fn check_batteries() {
     set_answer("BatteryManager.getIntProperty[4]", "I:-2147483648");
     assert_eq!(device.read_battery().expect("an answer").percent, None);
     take_calls();
-    // Older than the call that tells of charging.
+    // A device older than `isCharging`.
     assert_eq!(self::device_at_level(22).read_battery().expect("an answer"), unknown);
     assert!(!take_calls().contains("isCharging"));
 }
@@ -137,7 +138,7 @@ fn check_storage_folders() {
     set_answer("Context.getFilesDir", "P:/data/user/0/paros");
     let at = || device_at_level(29).find_storage_folder().expect("a folder");
     assert_eq!(at(), Path::new("/storage/emulated/0/paros"));
-    // A computer reads the one, and nobody else the other.
+    // A computer can read the storage folder, and no other app the private one.
     let private = || device_at_level(29).find_private_folder();
     assert_eq!(private().expect("a folder"), Path::new("/data/user/0/paros"));
     set_answer("Context.getExternalFilesDir[null]", "N:");
@@ -160,7 +161,7 @@ fn check_boot_counts() {
     assert_eq!(count(), None);
     set_answer(setting, "E:not yours");
     assert!(device_at_level(29).read_boot_count().is_err());
-    // Older than the call.
+    // A device older than the method.
     assert_eq!(self::device_at_level(16).read_boot_count().expect("an answer"), None);
 }
 
@@ -220,17 +221,17 @@ fn check_queries() {
     set_answer("Cursor.getString[0]", "N:");
     let rows = ["grüße \u{1f3db}", "more"].map(|text| vec![Some(text.to_owned()), None, None]);
     assert_eq!(ask(), rows);
-    // An answer that never ends.
+    // A result that never ends.
     set_answer("Cursor.moveToNext", "Z:true");
     assert_eq!(ask().len(), MAX_ROWS);
-    // A refusal in the middle still ends the answer.
+    // An error in the middle still closes the cursor.
     set_answer("Cursor.getString[7]", "E:closed");
     take_calls();
     assert!(device_at_level(29).query_first_content_rows("content://a/b", &["one"]).is_err());
     assert!(take_calls().ends_with("Cursor.close[]"));
 }
 
-/// A broker whose runtime has names of its own: one row, then the functions'.
+/// Checks a broker whose runtime renames functions: one row, then the functions' rows.
 fn check_brokers() {
     let runtimes = "content://org.khronos.openxr.runtime_broker/openxr/1/abi/arm64-v8a/runtimes";
     for table in ["active", "active/0"] {
@@ -262,11 +263,11 @@ fn check_brokers() {
         negotiate_symbol: Some("maker_negotiate".into()),
     };
     assert_eq!(name_first(), Ok(expected));
-    // The package may not be asked.
+    // The package may not query the broker.
     set_answer("ContentResolver.query", "E:not yours");
     let why = name_first().expect_err("it was thrown");
     assert!(why.contains("not yours"), "{why}");
-    // Its names alone may not be asked for.
+    // Only the query for the function names is refused.
     set_answer("ContentResolver.query", "O:android.database.Cursor\nE:not yours");
     set_answer("Cursor.moveToNext", "Z:true\nZ:false");
     let why = name_first().expect_err("it was thrown");
@@ -282,7 +283,7 @@ fn check_managed_configurations() {
     set_answer("RestrictionsManager.getApplicationRestrictions", "N:");
     assert_eq!(read().expect("an answer"), []);
     set_answer("RestrictionsManager.getApplicationRestrictions", "O:android.os.Bundle");
-    // Of a device that nobody manages the bundle is empty.
+    // The bundle of an unmanaged device is empty.
     set_answer("BaseBundle.keySet", "O:java.util.HashSet");
     assert_eq!(read().expect("an answer"), []);
     set_answer("BaseBundle.keySet", "K:submit_depth,mode,handover_seconds,languages,visits,none");
@@ -306,7 +307,7 @@ fn check_managed_configurations() {
     assert_eq!((settings.handover_after.as_secs(), settings.submit_depth), (120, true));
     let languages = settings.visits.map(|visits| visits.languages);
     assert_eq!(languages, Some(vec![Language::Greek, Language::English]));
-    // No reference is left behind by many entries: the machine would warn beyond its frame of 16.
+    // Many entries leak no reference: the VM would warn beyond its frame of 16.
     let many: Vec<_> = (0..300).map(|i| format!("mode{i}")).collect();
     set_answer("BaseBundle.keySet", &format!("K:{}", many.join(",")));
     set_answer("BaseBundle.get", "S:owl");
@@ -320,10 +321,10 @@ fn check_exceptions() {
     let why = device_at_level(29).read_thermal().expect_err("it was thrown").to_string();
     assert!(why.starts_with("android/content/Context.getSystemService: "), "{why}");
     assert!(why.contains("java.lang.SecurityException") && why.contains("not today"), "{why}");
-    // Nothing is pending.
+    // No exception is pending.
     set_answer("Context.getSystemService[power]", "O:android.os.PowerManager");
     assert!(device_at_level(29).read_thermal().is_ok());
-    // Polled all day, no reference is left behind: the machine would warn beyond its frame of 16.
+    // A day's polling leaks no reference: the VM would warn beyond its frame of 16.
     let device = device_at_level(30);
     (0..1000).for_each(|_| assert!(device.read_thermal().is_ok()));
 }
@@ -345,7 +346,7 @@ fn check_monitor() {
         assert!(begun.elapsed() < Duration::from_secs(60), "{:?}", monitor.latest());
         std::thread::sleep(Duration::from_millis(5));
     }
-    // It is over at once, not when it would ask again.
+    // The thread ends at once, not after its poll interval.
     let begun = Instant::now();
     drop(monitor);
     assert!(begun.elapsed() < Duration::from_secs(5));

@@ -1,5 +1,5 @@
-//! Tests of the headset's shell: its own program in sessions of Monado and on traces, its calls into Java, and how it finds
-//! a runtime.
+//! Tests of the headset's shell: its program in sessions of Monado and on traces, its calls into Java, and
+//! its search for a runtime.
 
 mod android;
 mod booth;

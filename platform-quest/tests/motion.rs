@@ -10,7 +10,7 @@ use paros_headset::frame_pacer::FramePacer;
 use paros_shaders::scene::{LatestInput, MeshId, SceneAssembler};
 use paros_shell::tick_runner::{TickRunner, with_fresh_world};
 
-/// Display times of three seconds of frames: `rate_hz` a second, each off by at most `jitter_ns`.
+/// Returns the display times of three seconds of frames: `rate_hz` a second, each off by at most `jitter_ns`.
 fn display_times_ns(rate_hz: i64, jitter_ns: i64) -> impl Iterator<Item = i64> {
     let mut dice = 12345u32;
     (0..rate_hz * 3).map(move |i| {
@@ -21,7 +21,7 @@ fn display_times_ns(rate_hz: i64, jitter_ns: i64) -> impl Iterator<Item = i64> {
     })
 }
 
-/// What a frame shows where.
+/// The positions that a frame shows.
 struct DrawnPositions {
     seconds: f32,
     tool_tip: Vec3,

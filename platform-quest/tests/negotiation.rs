@@ -1,4 +1,4 @@
-//! Negotiation with a real runtime's library: Monado's, from the tree that `monado-tree.sh` makes.
+//! Negotiation with the library of a real runtime, Monado, from the tree that `monado-tree.sh` makes.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -10,12 +10,12 @@ use paros_headset::runtime::{BROKERS, NEGOTIATE_FUNCTION, RuntimeSearch, query_b
 use paros_quest::runtime::LinkedCalls;
 use paros_shell::require::require_or_skip;
 
-/// Set to the library in the process that runs on the tree's libraries.
+/// Set to the library's path in the child process, which runs on the tree's libraries.
 const INSIDE: &str = "PAROS_INSIDE_RUNTIME";
 /// Set if the broker names another negotiation function.
 const RENAMED: &str = "PAROS_RENAMED";
 
-/// The folder `monado-tree` beside this build.
+/// Finds the folder `monado-tree` beside this build.
 fn find_tree() -> Result<PathBuf, String> {
     let root = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("monado-tree");
     let why = "platform-quest/tests/monado-tree.sh makes it";
@@ -39,7 +39,7 @@ fn the_library_that_a_broker_names_is_negotiated_with() {
     assert_eq!(check_negotiation(rerun(&renamed).env(RENAMED, "1")), Ok(()));
 }
 
-/// A command that runs this test again in a process on the tree's libraries.
+/// Returns a command that runs this test again in a process on the tree's libraries.
 fn rerun_on_tree(root: &Path, libraries: &Path, library: &Path) -> Command {
     let beside = ["", "pulseaudio", "blas", "lapack"].map(|name| libraries.join(name));
     let paths = beside.map(|path| path.display().to_string()).join(":");
@@ -50,14 +50,14 @@ fn rerun_on_tree(root: &Path, libraries: &Path, library: &Path) -> Command {
         "negotiation::the_library_that_a_broker_names_is_negotiated_with",
         "--nocapture",
     ]);
-    // No service is there to be met.
+    // No Monado service runs here.
     let empty = Path::new(env!("CARGO_TARGET_TMPDIR")).join("no-service");
     fs::create_dir_all(&empty).expect("room on the disk");
     again.env("XDG_RUNTIME_DIR", empty).env(INSIDE, library);
     again
 }
 
-/// Runs the command. An error is its output where the negotiation failed.
+/// Runs the command. An error contains its output if the negotiation failed.
 fn check_negotiation(again: &mut Command) -> Result<(), String> {
     let output = again.output().expect("it starts again");
     let told =

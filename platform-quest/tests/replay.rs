@@ -16,7 +16,7 @@ fn run_replay(folder: &Path, trace: &str) -> Output {
     quest.args(arguments).current_dir(folder).output().expect("it runs")
 }
 
-/// The same lines as those of `paros play`.
+/// The error has the same lines as that of `paros play`.
 #[test]
 fn a_replay_that_differs_stops_at_the_tick_and_names_the_part() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("replay");
@@ -29,7 +29,7 @@ fn a_replay_that_differs_stops_at_the_tick_and_names_the_part() {
         stage.end_recording_to_bytes().expect("a recording")
     });
     fs::write(folder.join("good.trace"), &bytes).expect("room on the disk");
-    // The digests of the second part and of the last, after a tick of those in the middle.
+    // Change the digests of the second and of the last part, in a tick in the middle.
     let digests = HEADER_BYTES + 20 * RECORD_BYTES + TickInput::BYTES;
     bytes[digests + 8] ^= 1;
     bytes[digests + 24] ^= 1;

@@ -1,4 +1,4 @@
-//! Frame pacing: ticks at their fixed rate, from the predicted display times of frames.
+//! Frame pacing: turns the predicted display times of frames into ticks at a fixed rate.
 
 use std::time::Duration;
 
@@ -16,18 +16,18 @@ pub struct FramePacer {
 /// The ticks that are due up to a frame's display time.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct DueTicks {
-    /// How many; at most [`TickClock::MAX_TICKS_PER_FRAME`].
+    /// The number of ticks; at most [`TickClock::MAX_TICKS_PER_FRAME`].
     pub count: u32,
-    /// How many more were due, and are dropped.
+    /// The number of further ticks that were due and are dropped.
     pub dropped: u32,
-    /// Where the display time lies between the last of them and the next, 0 to 1.
+    /// The position of the display time between the last of the ticks and the next one, 0 to 1.
     pub fraction: f32,
-    /// The time of the last of them.
+    /// The time of the last of the ticks.
     last_time_ns: i64,
 }
 
 impl FramePacer {
-    /// The ticks between the frame before and one with this display time.
+    /// Returns the ticks between the previous frame and one with this display time.
     #[must_use]
     pub fn take_due_ticks_until(&mut self, display_time_ns: i64) -> DueTicks {
         let last = self.last_display_time_ns;
@@ -41,14 +41,14 @@ impl FramePacer {
         DueTicks { count: due, dropped, fraction, last_time_ns: display_time_ns - ago as i64 }
     }
 
-    /// Frames have stopped: the time until the next one brings no ticks.
+    /// Pauses while no frames are made: the time until the next frame produces no ticks.
     pub fn pause(&mut self) {
         self.last_display_time_ns = None;
     }
 }
 
 impl DueTicks {
-    /// The time of each tick, the first one first.
+    /// Returns the time of each tick, the earliest first.
     pub fn tick_times_ns(&self) -> impl Iterator<Item = i64> + use<> {
         let DueTicks { count, last_time_ns, .. } = *self;
         let before = |ticks: u32| i64::from(ticks) * 1_000_000_000 / i64::from(TICK_RATE);
@@ -65,7 +65,7 @@ mod tests {
 
     const TICK: i64 = 1_000_000_000 / TICK_RATE as i64;
 
-    /// Display times of frames: `rate` a second, each off by at most `jitter` nanoseconds.
+    /// Returns display times of frames: `rate` a second, each off by at most `jitter` nanoseconds.
     fn display_times(rate: i64, jitter: i64) -> impl Iterator<Item = i64> {
         let mut dice = 12345u32;
         (0..rate * 3).map(move |i| {
@@ -108,10 +108,10 @@ mod tests {
             (due.count, due.dropped),
             (TickClock::MAX_TICKS_PER_FRAME, 20 - TickClock::MAX_TICKS_PER_FRAME)
         );
-        // What is made up are the latest.
+        // The ticks that are run are the latest ones.
         let first = due.tick_times_ns().next().expect("ticks");
         assert!((first - 17 * TICK).abs() < 2000);
-        // Time that goes backwards brings nothing, and is not counted twice.
+        // Time that goes backwards produces no ticks, and is not counted twice.
         assert_eq!(pacer.take_due_ticks_until(10 * TICK).count, 0);
         assert_eq!(pacer.take_due_ticks_until(21 * TICK + 1000).count, 1);
         pacer.pause();

@@ -1,8 +1,9 @@
-//! Decisions of the headset's shell that need no device: when ticks are due, where the room stands, how a start goes and
-//! what is seen of it, what a change of the session obliges to, and which library is the runtime.
-//! They take plain numbers and times, as a runtime or a device tells them. They call neither OpenXR nor Android.
+//! Decisions of the headset's shell that need no device: when ticks are due, where the room stands, how a
+//! start proceeds and which notice it shows, the duties of a session change, and the choice of the OpenXR
+//! runtime. They take plain numbers and times from a runtime or a device, and call neither OpenXR nor
+//! Android.
 //!
-//! What the exhibition, the settings or the package need too is in [`paros_shell::headset`].
+//! Decisions that the exhibition, the settings or the package also need are in [`paros_shell::headset`].
 #![forbid(unsafe_code)]
 
 pub mod frame_pacer;

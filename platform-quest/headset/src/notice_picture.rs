@@ -1,17 +1,17 @@
-//! The picture of a [`StartNotice`]: a panel that the processor draws, as there are no programs yet.
+//! The picture of a [`StartNotice`]: a panel that the CPU draws, as there are no shader programs yet.
 
 use crate::start_up::{RING_STEPS, StartNotice};
 use glam::Vec2;
 use paros_shaders::panel::{FontWeight, LINE_HEIGHT, Panel, PanelColor, TextAlign, TextStyle};
 use paros_shaders::render_panel_flat;
 
-/// Pixels across and down.
+/// The picture's width and height in pixels.
 pub const EXTENT: [u32; 2] = [1024, 512];
 
-/// Pixels of a metre where it hangs: the picture is as wide as a large screen at arm's length.
+/// The picture's resolution in pixels per metre: the picture is as wide as a large screen at arm's length.
 pub const PIXELS_PER_METRE: f32 = 900.0;
 
-/// Width and height in millimetres.
+/// The picture's width and height in millimetres.
 const SIZE_MM: [f32; 2] =
     [EXTENT[0] as f32 / PIXELS_PER_METRE * 1e3, EXTENT[1] as f32 / PIXELS_PER_METRE * 1e3];
 const MARGIN_MM: f32 = 62.0;
@@ -19,7 +19,7 @@ const MARGIN_MM: f32 = 62.0;
 /// The background, dark as the studio's floor at night: a bright picture in a dark headset blinds.
 const GROUND: [u8; 3] = [34, 38, 44];
 const INK: PanelColor = [226, 222, 214, 255];
-/// The ring's part that has been gone through, and all of it.
+/// The colours of the ring's finished part, and of the whole ring.
 const DONE: PanelColor = [232, 180, 110, 255];
 const RING: PanelColor = [66, 72, 82, 255];
 
@@ -27,11 +27,12 @@ const TITLE: TextStyle =
     TextStyle { weight: FontWeight::Bold, capital_mm: 48.0, color: INK, align: TextAlign::Left };
 const TEXT: TextStyle = TextStyle { weight: FontWeight::Regular, capital_mm: 27.0, ..TITLE };
 
-/// Lines of a cause that have room; and the letters of a word, so that the widest fits a line.
+/// The maximum number of lines of a cause, and the letters after which a word is broken, so that the widest
+/// letters fit a line.
 const CAUSE_LINES: usize = 6;
 const WORD_LETTERS: usize = 24;
 
-/// The picture's red, green, blue and alpha, row by row from the top left: sRGB, and all of it opaque.
+/// Draws a notice. Returns opaque sRGB pixels, as red, green, blue and alpha, row by row from the top left.
 #[must_use]
 pub fn draw_notice(notice: &StartNotice) -> Vec<u8> {
     let mut page = Page { panel: Panel::new(SIZE_MM), y: MARGIN_MM };
@@ -59,7 +60,7 @@ pub fn draw_notice(notice: &StartNotice) -> Vec<u8> {
     image.pixels.chunks_exact(3).flat_map(|rgb| [rgb[0], rgb[1], rgb[2], 255]).collect()
 }
 
-/// A panel that is written from the top.
+/// A panel whose text is added from the top down.
 struct Page {
     panel: Panel,
     /// The upper edge of the next line's capitals, in millimetres.
@@ -67,20 +68,20 @@ struct Page {
 }
 
 impl Page {
-    /// Writes a text in as many lines as it takes.
+    /// Writes a text, in several lines if necessary.
     fn write(&mut self, style: &TextStyle, text: &str) {
         let lines = add_text(&mut self.panel, style, text, self.y);
         self.y += (lines as f32 * LINE_HEIGHT + 0.5) * style.capital_mm;
     }
 }
 
-/// Adds a text below a height. Returns the lines that it takes.
+/// Adds a text below the height `y`. Returns its number of lines.
 fn add_text(panel: &mut Panel, style: &TextStyle, text: &str, y: f32) -> usize {
     let foot = Vec2::new(MARGIN_MM, y + style.capital_mm);
     panel.add_paragraph(text, foot, SIZE_MM[0] - 2.0 * MARGIN_MM, style)
 }
 
-/// Breaks words that are longer than a line, and leaves out what has no room: the log has it.
+/// Breaks words that are longer than a line, and cuts off the text that doesn't fit; the log has all of it.
 fn fit_cause(cause: &str) -> String {
     let mut fitting: String = cause.split_whitespace().flat_map(break_word).take(400).collect();
     while add_text(&mut Panel::default(), &TEXT, &fitting, 0.0) > CAUSE_LINES {
@@ -89,7 +90,7 @@ fn fit_cause(cause: &str) -> String {
     fitting
 }
 
-/// A word's letters, with a space before it and after each [`WORD_LETTERS`].
+/// Returns a word's letters, with a space before the word and after every [`WORD_LETTERS`] letters.
 fn break_word(word: &str) -> impl Iterator<Item = char> {
     let letters = word.chars().enumerate();
     letters
@@ -105,7 +106,7 @@ mod tests {
     const WIDTH: usize = EXTENT[0] as usize;
     const HEIGHT: usize = EXTENT[1] as usize;
 
-    /// The rows, top and bottom, and the columns, left and right, in which something is drawn.
+    /// Returns the top and bottom rows and the left and right columns of the drawn area.
     fn drawn_box(pixels: &[u8]) -> [usize; 4] {
         let [mut top, mut bottom, mut left, mut right] = [HEIGHT, 0, WIDTH, 0];
         for (i, pixel) in pixels.chunks_exact(4).enumerate() {

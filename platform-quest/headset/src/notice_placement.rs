@@ -1,36 +1,37 @@
-//! Where a notice hangs: upright, ahead of where the head first looked, at its height. It stays there, so that it can
-//! be looked at and away from, until the head has turned well away from it.
+//! The placement of a notice: upright, ahead of the head's first heading, at the head's height. It stays
+//! there, so that the reader can look away and back, until the head has turned well away from it.
 
 use glam::{Quat, Vec3};
 use paros_core::internals::RoomPose;
 
-/// How far away it hangs, in metres: beyond what the lenses focus on at arm's length, and near enough to be read.
+/// The distance from the head, in metres: farther than arm's length, for the lenses' focus, and near enough
+/// to be read.
 const DISTANCE: f32 = 1.6;
 
-/// The cosine of how far the head may turn away, 45 degrees, before the notice follows.
+/// The cosine of the angle by which the head may turn away (45 degrees) before the notice follows.
 const SEEN_COSINE: f32 = 0.7;
 
-/// How far the head may move, in metres, before the notice follows.
+/// The distance by which the head may move, in metres, before the notice follows.
 const NEAR: f32 = 0.5;
 
 /// Decides where a notice hangs.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct NoticePlacement {
     pose: RoomPose,
-    /// Where the head was when it was hung there; none before a head was seen.
+    /// The head's position when the notice was placed; `None` before a head was seen.
     head: Option<Vec3>,
 }
 
 impl Default for NoticePlacement {
-    /// Ahead in the space's own sense, until a head is seen.
+    /// Returns a placement ahead along the space's own -z axis, until a head is seen.
     fn default() -> Self {
         NoticePlacement { pose: (Vec3::NEG_Z * DISTANCE, Quat::IDENTITY), head: None }
     }
 }
 
 impl NoticePlacement {
-    /// Takes in where the head is, in a space whose y is up. Returns the pose of the notice's middle, whose z is to
-    /// the reader.
+    /// Observes the head's pose, in a space whose y is up. Returns the pose of the notice's middle, whose z
+    /// points to the reader.
     pub fn observe_head(&mut self, head: Option<RoomPose>) -> RoomPose {
         if let Some((position, rotation)) = head
             && !self.is_before(position, rotation)
@@ -46,7 +47,7 @@ impl NoticePlacement {
     fn is_before(&self, position: Vec3, rotation: Quat) -> bool {
         let Some(head) = self.head else { return false };
         let gaze = rotation * Vec3::NEG_Z;
-        // Who looks up or down finds it again by looking ahead.
+        // A reader who looks up or down finds the notice again by looking ahead.
         let level = |v: Vec3| Vec3::new(v.x, 0.0, v.z).normalize_or_zero();
         let ahead = level(self.pose.0 - position);
         let looked = level(gaze);
@@ -55,7 +56,8 @@ impl NoticePlacement {
     }
 }
 
-/// The level direction in which a head is turned. One that looks almost straight down or up is turned as its top says.
+/// Returns the horizontal heading of a head. If the head looks almost straight down or up, its top gives the
+/// heading.
 fn find_heading(rotation: Quat) -> Vec3 {
     let [gaze, top] = [Vec3::NEG_Z, Vec3::Y].map(|axis| rotation * axis);
     let level = |v: Vec3| Vec3::new(v.x, 0.0, v.z);

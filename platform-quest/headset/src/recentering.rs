@@ -1,22 +1,22 @@
-//! Recentring: the visitor redefines "ahead", and from the time that the runtime names all poses are
-//! in another reference space.
+//! Recentring: the visitor redefines "ahead". From the time that the runtime names, all poses are in another
+//! reference space.
 
-/// A change of the reference space that is pending (`XrEventDataReferenceSpaceChangePending`).
+/// A pending change of the reference space (`XrEventDataReferenceSpaceChangePending`).
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct PendingRecentering {
     change_time_ns: Option<i64>,
 }
 
 impl PendingRecentering {
-    /// Schedules a change: poses from `change_time_ns` on are in another space. Of
-    /// several pending changes the earliest counts.
+    /// Schedules a change: poses from `change_time_ns` on are in another space. The earliest of several
+    /// pending changes counts.
     pub fn schedule_change(&mut self, change_time_ns: i64) {
         self.change_time_ns =
             Some(self.change_time_ns.map_or(change_time_ns, |at| at.min(change_time_ns)));
     }
 
-    /// Whether the tick at `tick_time_ns` is the first after the change. Its hand poses must be left
-    /// out: a stroke would sweep from the old space to the new one.
+    /// Returns `true` if the tick at `tick_time_ns` is the first after the change. Its hand poses must be
+    /// left out: a stroke would sweep from the old space to the new one.
     #[must_use]
     pub fn take_change_due_at(&mut self, tick_time_ns: i64) -> bool {
         let due = self.change_time_ns.is_some_and(|at| at <= tick_time_ns);

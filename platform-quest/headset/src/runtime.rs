@@ -1,7 +1,7 @@
-//! The search for Android's OpenXR runtime where the system has no loader, as Khronos' loader does it (OpenXR
-//! loader specification, "Runtime Interaction"): the libraries that brokers and manifest files name are
-//! tried in turn, and the first that can be opened, initialised and negotiated with is the runtime.
-//! A package that holds Khronos' own loader has that tried first. The calls themselves are [`RuntimeCalls`].
+//! The search for Android's OpenXR runtime on systems without a loader, as Khronos' loader does it (OpenXR
+//! loader specification, "Runtime Interaction"): the libraries named by brokers and manifest files are tried
+//! in order. The first library that can be opened, initialised and negotiated with is the runtime. If the
+//! package holds Khronos' own loader, that is tried first. The calls themselves are [`RuntimeCalls`].
 
 mod broker;
 mod manifest;
@@ -15,39 +15,41 @@ pub use broker::{
 pub use manifest::{PARTITIONS, parse_manifest, read_manifests};
 pub use search::{Candidate, FoundRuntime, NoRuntime, RuntimeCalls, RuntimeSearch, Tried};
 
-/// The function by which a runtime's library is negotiated with.
+/// The function that negotiates with a runtime's library.
 pub const NEGOTIATE_FUNCTION: &str = "xrNegotiateLoaderRuntimeInterface";
 
-/// The function that tells a runtime of the Java VM and the activity (`XR_KHR_loader_init_android`).
+/// The function that passes the Java VM and the activity to a runtime (`XR_KHR_loader_init_android`).
 pub const INITIALIZE_FUNCTION: &str = "xrInitializeLoaderKHR";
 
-/// A library that gives OpenXR's functions.
+/// A library that provides OpenXR's functions.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct RuntimeLibrary {
-    /// Its file; within a package, as Android's linker has it: `base.apk!/lib/arm64-v8a/libx.so`.
+    /// The library's file; within a package, in the form of Android's linker:
+    /// `base.apk!/lib/arm64-v8a/libx.so`.
     pub path: PathBuf,
     /// The symbol of [`INITIALIZE_FUNCTION`].
     pub initialize_symbol: String,
-    /// The symbol of [`NEGOTIATE_FUNCTION`]; none for a loader, which exports `xrGetInstanceProcAddr`.
+    /// The symbol of [`NEGOTIATE_FUNCTION`]; `None` for a loader, which exports `xrGetInstanceProcAddr`.
     pub negotiate_symbol: Option<String>,
 }
 
 impl RuntimeLibrary {
-    /// A runtime's library whose symbols are OpenXR's names.
+    /// Creates a runtime's library whose symbols have OpenXR's names.
     #[must_use]
     pub fn runtime(path: PathBuf) -> Self {
         let negotiate_symbol = Some(NEGOTIATE_FUNCTION.into());
         RuntimeLibrary { negotiate_symbol, ..Self::loader(path) }
     }
 
-    /// A loader's library.
+    /// Creates a loader's library.
     #[must_use]
     pub fn loader(path: PathBuf) -> Self {
         let initialize_symbol = INITIALIZE_FUNCTION.into();
         RuntimeLibrary { path, initialize_symbol, negotiate_symbol: None }
     }
 
-    /// Renames a function as its source says. Other functions than those of the search keep their names.
+    /// Sets the symbol of a function, as its source requests. Functions that the search doesn't call are
+    /// ignored.
     pub fn rename_function(&mut self, function: &str, symbol: &str) {
         match function {
             NEGOTIATE_FUNCTION => self.negotiate_symbol = Some(symbol.into()),
@@ -57,8 +59,8 @@ impl RuntimeLibrary {
     }
 }
 
-/// The candidates in the order in which they are tried: a loader in the package, what the brokers name,
-/// what the manifest files of Android's partitions name. None is asked before it is its turn.
+/// Lists the candidates in the order in which they are tried: a loader in the package, the brokers' runtimes,
+/// the runtimes of the manifest files on Android's partitions. Each source is queried lazily.
 pub fn list_candidates(
     packaged_loader: &Path,
     mut query: impl FnMut(&str, &[&str]) -> QueryResult,
@@ -91,7 +93,7 @@ mod tests {
         assert!(next().is_some_and(|source| source.ends_with(" of /no/such/partition")));
         assert_eq!(next(), None);
         drop(candidates);
-        // For each of its tables.
+        // Each broker is queried for each of its tables.
         asked.dedup();
         assert_eq!(asked, BROKERS);
     }

@@ -1,5 +1,5 @@
-//! The life cycle of an OpenXR session: the phase that it is in after each session state, and what has
-//! to be done on the way. Nothing here calls OpenXR.
+//! The life cycle of an OpenXR session: its phase after each session state, and the resulting duties. Nothing
+//! here calls OpenXR.
 
 /// A change of the session's state, as the runtime reports it (`XrSessionState`).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -8,7 +8,7 @@ pub enum SessionEvent {
     Idle,
     /// READY: the session should begin.
     Ready,
-    /// SYNCHRONIZED: frames are to be submitted, but are not visible.
+    /// SYNCHRONIZED: frames must be submitted, but are not visible.
     Synchronized,
     /// VISIBLE: frames are visible; input goes to another application.
     Visible,
@@ -34,34 +34,34 @@ pub enum SessionPhase {
     Visible,
     /// Running and visible, with input focus.
     Focused,
-    /// Lost; another session is to be created.
+    /// Lost; another session must be created.
     Lost,
     /// Over for good.
     Exited,
 }
 
-/// What a session event obliges the application to do at once.
+/// The duty of the application that a session event requires at once.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SessionDuty {
     /// Begin the session.
     Begin,
-    /// Save: nobody knows when the session goes on.
+    /// Save, as the time of the session's resumption is unknown.
     Save,
     /// Save, and end the session.
     SaveAndEnd,
 }
 
-/// What a session event changes.
+/// The result of a session event.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct PhaseChange {
     /// The phase after the event.
     pub phase: SessionPhase,
-    /// The duty that comes with it, to be done in that phase.
+    /// The duty to fulfil in that phase, if any.
     pub duty: Option<SessionDuty>,
 }
 
 impl SessionPhase {
-    /// The phase after an event, and the duty that comes with it.
+    /// Returns the phase after an event, and the resulting duty.
     #[must_use]
     pub fn after_event(self, event: SessionEvent) -> PhaseChange {
         use SessionDuty::{Begin, Save, SaveAndEnd};
@@ -78,13 +78,13 @@ impl SessionPhase {
         PhaseChange { phase, duty }
     }
 
-    /// Whether the session is running: frames are to be waited for, begun and ended.
+    /// Returns `true` if the session is running: frames must be waited for, begun and ended.
     #[must_use]
     pub const fn is_running(self) -> bool {
         matches!(self, SessionPhase::Hidden | SessionPhase::Visible | SessionPhase::Focused)
     }
 
-    /// Whether input is ours. Without focus hands are neither drawn nor read.
+    /// Returns `true` if the application has input focus. Without focus hands are neither drawn nor read.
     #[must_use]
     pub const fn has_focus(self) -> bool {
         matches!(self, SessionPhase::Focused)
@@ -99,7 +99,7 @@ impl SessionPhase {
 mod tests {
     use super::{PhaseChange, SessionDuty, SessionEvent, SessionPhase};
 
-    /// The phase after a row of events, and the duties on the way.
+    /// Returns the phase after a sequence of events, and the duties on the way.
     fn run_events(events: &[SessionEvent]) -> (SessionPhase, Vec<SessionDuty>) {
         let mut duties = Vec::new();
         let phase = events.iter().fold(SessionPhase::default(), |phase, event| {

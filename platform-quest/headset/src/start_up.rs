@@ -1,8 +1,8 @@
-//! How the app starts: after failed starts it waits, then it loads, and it is ready with the first frame of the
-//! studio, or the failure is shown for as long as it takes to read it. Starts that failed one after the other, as where
-//! a kiosk's management launches the app again at once, are further and further apart.
+//! The start of the app. After failed starts it waits, then it loads, and it is ready with the first frame of
+//! the studio; a failure is shown long enough to be read. If starts fail repeatedly, for instance because a
+//! kiosk's management relaunches the app at once, the pauses between them grow.
 //!
-//! Times are those since boot, sleep included.
+//! All times are since boot, sleep included.
 
 mod failed_starts;
 
@@ -12,35 +12,35 @@ pub use failed_starts::FailedStarts;
 
 use paros_shell::last_use::BootId;
 
-/// For how long the cause of a failed start is shown.
+/// The time for which the cause of a failed start is shown.
 pub const FAILURE_SHOWN: Duration = Duration::from_secs(15);
 
-/// How long Android's destruction of the activity may wait for a studio to be saved and its session to be ended.
+/// The maximum delay of the activity's destruction, in which the studio is saved and its session ended.
 /// Android kills a program that takes five seconds.
 pub const DESTRUCTION_PATIENCE: Duration = Duration::from_secs(4);
 
-/// Steps in which the loading picture's ring turns round, and how long each is shown.
+/// The number of steps in a turn of the loading ring, and the time of each.
 pub const RING_STEPS: u32 = 12;
 const RING_STEP: Duration = Duration::from_millis(100);
 
-/// Where a start stands.
+/// The state of a start.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum StartUp {
-    /// Starts have failed a short while ago: the next one waits until then.
+    /// Starts have failed a short while ago: this start is delayed.
     Waiting {
-        /// When it begins.
+        /// The time at which it begins to load.
         until: Duration,
     },
-    /// Programs are compiled.
+    /// Shader programs are being compiled.
     Loading {
-        /// When it began.
+        /// The time at which loading began.
         since: Duration,
     },
-    /// The studio has been drawn.
+    /// The first frame of the studio has been drawn.
     Ready,
-    /// It has failed, which is shown until then.
+    /// The start has failed, and the cause is shown.
     Failed {
-        /// When it has been shown for long enough.
+        /// The time until which the cause is shown.
         until: Duration,
     },
     /// The failure has been shown: the app ends.
@@ -48,7 +48,7 @@ pub enum StartUp {
 }
 
 impl StartUp {
-    /// A start at a time, after those that have failed, if any did.
+    /// Begins a start at the time `now`; it is delayed if previous starts have failed.
     #[must_use]
     pub fn begin(failed: Option<FailedStarts>, boot: Option<BootId>, now: Duration) -> Self {
         match failed.and_then(|failed| failed.next_start(boot?, now)) {
@@ -57,7 +57,7 @@ impl StartUp {
         }
     }
 
-    /// Goes on to what comes with time alone.
+    /// Returns the state after the time `now` is reached, without other events.
     #[must_use]
     pub fn after_time(self, now: Duration) -> Self {
         match self {
@@ -67,7 +67,7 @@ impl StartUp {
         }
     }
 
-    /// Goes on after an error. One that comes after the first frame is none of the start's.
+    /// Returns the state after an error. An error after the first frame isn't a failed start.
     #[must_use]
     pub fn after_error(self, now: Duration) -> Self {
         match self {
@@ -78,12 +78,12 @@ impl StartUp {
         }
     }
 
-    /// The notice that is seen meanwhile. `cause` is that of the failure.
+    /// Returns the notice to show in this state. `cause` is the cause of the failure.
     #[must_use]
     pub fn notice(self, cause: &str, now: Duration) -> Option<StartNotice> {
         let seconds_until = |until: Duration| {
             let left = until.saturating_sub(now);
-            // The last second is told until it is over.
+            // Round up: the last second is shown until it is over.
             left.as_secs() + u64::from(left.subsec_nanos() > 0)
         };
         match self {
@@ -102,30 +102,31 @@ impl StartUp {
     }
 }
 
-/// What is seen before there is a studio.
+/// The notice that is shown before there is a studio.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum StartNotice {
-    /// The studio is on its way.
+    /// The studio is loading.
     Loading {
-        /// How far the ring has turned, below [`RING_STEPS`].
+        /// The step of the ring's turn, below [`RING_STEPS`].
         step: u32,
     },
     /// The start has failed.
     Failed {
-        /// Why.
+        /// The cause.
         cause: String,
         /// Seconds until the app ends.
         seconds: u64,
     },
-    /// The starts before have failed.
+    /// Previous starts have failed.
     Waiting {
-        /// Seconds until the next one.
+        /// Seconds until the next start.
         seconds: u64,
     },
 }
 
-/// Whether a destroyed activity's main function is to return, upon which the system's call does: at once while there
-/// is no studio, whatever is under way, else once it is saved (`has_ended`), or after a while.
+/// Returns `true` if a destroyed activity's main function may return, which lets Android's call return.
+/// Without a studio it may return at once; otherwise after the studio is saved (`has_ended`), or after
+/// [`DESTRUCTION_PATIENCE`].
 #[must_use]
 pub fn may_leave_destroyed(destroyed_for: Duration, has_studio: bool, has_ended: bool) -> bool {
     has_ended || !has_studio || destroyed_for >= DESTRUCTION_PATIENCE
@@ -150,7 +151,7 @@ mod tests {
     fn a_start_loads_and_is_ready() {
         let start = StartUp::begin(None, Some(BOOT), seconds(100));
         assert_eq!(start, StartUp::Loading { since: seconds(100) });
-        // Loading ends with its work, however long that takes.
+        // Loading has no timeout.
         assert_eq!(start.after_time(seconds(10_000)), start);
         assert_eq!(StartUp::Ready.after_error(seconds(200)), StartUp::Ready);
         assert_eq!(StartUp::Ready.notice("", seconds(200)), None);
@@ -170,7 +171,7 @@ mod tests {
         assert_eq!(again, StartUp::Waiting { until: until + seconds(1) });
         let loads = again.after_time(until + seconds(1));
         assert_eq!(loads, StartUp::Loading { since: until + seconds(1) });
-        // Without a boot nobody knows how long ago it was.
+        // Without a boot identifier the time since the failure is unknown.
         assert_eq!(StartUp::begin(Some(failed), None, until), StartUp::Loading { since: until });
     }
 

@@ -1,23 +1,24 @@
-//! Presses of the sticks: a short one mirrors, a long one swaps the hands. The core is told which it was.
+//! Presses of the sticks: a short press mirrors, a long one swaps the hands. The core receives the result.
 
 use paros_core::TickInput;
 use paros_core::session::{TICK_RATE, buttons, commands};
 
-/// Ticks for which a stick is held down to swap the hands: half a second.
+/// The number of ticks for which a stick is held down to swap the hands: half a second.
 const LONG_PRESS_TICKS: u32 = TICK_RATE / 2;
 
-/// A stick that is as far from its middle as this, of 127, turns or resizes, and its press is no long one.
+/// The deflection of a stick, of 127, from which it turns or resizes, so that its press isn't a long one.
 const LEANS_FROM: u8 = 48;
 
-/// For how many ticks each hand's stick has been held down in its middle.
+/// The number of ticks for which each hand's stick has been held down in its middle.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct StickPresses {
     held_ticks: [u32; 2],
 }
 
 impl StickPresses {
-    /// Replaces the sticks' presses in a tick's input: the button is down in the tick in which a short press ends, and
-    /// a long one gives the command to swap the hands, while it is still held. One that ends out of sight is none.
+    /// Replaces the sticks' presses in a tick's input. The button is down in the tick in which a short press
+    /// ends. A long press gives the command to swap the hands while the stick is still held. A press that
+    /// ends while the hand isn't tracked is ignored.
     pub fn replace_in_input(&mut self, input: &mut TickInput) {
         for (hand, held) in input.hands.iter_mut().zip(&mut self.held_ticks) {
             let is_down = hand.tracked && hand.buttons & buttons::STICK != 0;
@@ -45,8 +46,8 @@ mod tests {
 
     use super::{LONG_PRESS_TICKS, StickPresses};
 
-    /// Holds one hand's stick down for so many ticks and lets go. Returns the ticks in which the core is told of a
-    /// press, and those in which it is told to swap.
+    /// Holds one hand's stick down for `ticks` and releases it. Returns the ticks in which the core receives
+    /// a press, and the ticks in which it receives the command to swap.
     fn press(
         hand: usize,
         ticks: u32,
@@ -98,7 +99,8 @@ mod tests {
             let leaning = press(1, ticks, |_, hand| hand.stick = stick);
             assert_eq!(leaning, [vec![ticks], vec![]], "{stick:?}");
         }
-        // Straight for long enough all the same, and leaning just when it would be.
+        // First: the stick leans, but then stays straight for long enough. Second: it leans just before the
+        // press becomes long.
         let late = press(0, ticks, |tick, hand| hand.stick[0] = if tick < 20 { 90 } else { 5 });
         assert_eq!(late, [vec![], vec![LONG_PRESS_TICKS + 18]]);
         let at_last = press(0, ticks, |tick, hand| {

@@ -1,4 +1,4 @@
-//! The package's file: the manifest, the libraries, the start volumes.
+//! The package's file: manifest, libraries and start volumes.
 
 use std::fs::{self, File};
 use std::io::{Cursor, Read, Write};
@@ -16,17 +16,17 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 use crate::elf::PAGE;
 use crate::error::PackageError;
 
-/// What a package may take, but for a loader and figures that it was given: a visitor's headset fetches it over a museum's
-/// network.
+/// The maximum size of a package without a given loader and figures: a visitor's headset downloads it over a
+/// museum's network.
 pub(crate) const MAX_BYTES: u64 = 8 << 20;
 
-/// Where the libraries of arm64 lie.
+/// The folder of the libraries for arm64.
 const LIBRARIES: &str = "lib/arm64-v8a";
 
-/// Puts everything beside a compiled manifest into a package that has yet to be signed.
+/// Adds everything else to a compiled manifest, and writes the unsigned package.
 ///
-/// Entries have no dates, so the same input makes the same bytes. The libraries lie unpacked at
-/// multiples of a page, to be mapped from where they are.
+/// Entries have no dates, so the same input makes the same bytes. The libraries are stored uncompressed and
+/// aligned to pages, so that Android can map them from the package.
 ///
 /// # Errors
 /// A file can't be read or written.
@@ -70,16 +70,16 @@ pub(crate) fn write_package(
 /// A package's entries.
 #[derive(Debug)]
 pub(crate) struct PackageInspection {
-    /// What keeps them from being mapped or installed.
+    /// The faults that keep entries from being mapped or installed.
     pub(crate) faults: Vec<String>,
-    /// A line for each: bytes in the package, bytes, name.
+    /// A line for each entry: compressed bytes, bytes, name.
     pub(crate) listing: String,
 }
 
-/// Lists a package's entries, and what keeps them from being mapped or installed.
+/// Lists a package's entries, and the faults that keep them from being mapped or installed.
 ///
 /// # Errors
-/// It can't be read.
+/// The package can't be read.
 pub(crate) fn inspect_package(package: &Path) -> Result<PackageInspection, PackageError> {
     let (mut faults, mut listing) = (Vec::new(), String::new());
     let file = File::open(package).map_err(PackageError::failure)?;
@@ -122,7 +122,7 @@ fn add_entry(
     package.write_all(bytes).map_err(PackageError::failure)
 }
 
-/// The start volumes of a size, with the names that the shell asks for.
+/// Encodes the start volumes of a size, with the asset names that the shell uses.
 fn encode_start_volumes<const N: usize>() -> Vec<(String, Vec<u8>)>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,

@@ -1,5 +1,5 @@
-//! What an operator gives a package: settings for all its headsets, the booth at which they enrol, and hidden figures. All of it is checked before
-//! anything is built.
+//! The operator's content of a package: settings for all its headsets, the fleet file by which they enrol at
+//! a booth, and hidden figures. All of it is checked before anything is built.
 
 use std::path::{Path, PathBuf};
 
@@ -20,13 +20,13 @@ use paros_upload::enrolment::FleetFile;
 
 use crate::error::PackageError;
 
-/// What was given, read and checked.
+/// The operator's content, read and checked.
 #[derive(Debug)]
 pub(crate) struct OperatorContent {
     settings: Option<Vec<u8>>,
     fleet: Option<Vec<u8>>,
     names: Vec<String>,
-    /// In the order of the names.
+    /// The figures, in the order of their names.
     figures: Vec<OwnMesh>,
 }
 
@@ -39,10 +39,10 @@ struct OwnMesh {
 }
 
 impl OperatorContent {
-    /// Reads and checks it.
+    /// Reads and checks the content.
     ///
     /// # Errors
-    /// All that is wrong with the settings, or what is with the fleet's file or a figure, and what was expected.
+    /// All faults of the settings, or the fault of the fleet file or of a figure, with the expected value.
     pub(crate) fn read(
         settings: Option<&Path>,
         fleet: Option<&Path>,
@@ -57,15 +57,15 @@ impl OperatorContent {
         Ok(OperatorContent { settings, fleet, names, figures })
     }
 
-    /// The names of the figures.
+    /// Returns the names of the figures.
     pub(crate) fn figure_names(&self) -> &[String] {
         &self.names
     }
 
-    /// The assets that it becomes, with their names.
+    /// Converts the content to assets, with their names.
     ///
     /// # Errors
-    /// A figure of which nothing is left once it is baked.
+    /// A figure that is empty after it is baked.
     pub(crate) fn into_assets(self) -> Result<Vec<(String, Vec<u8>)>, PackageError> {
         let mut assets = Vec::new();
         assets.extend(self.settings.map(|bytes| (SETTINGS_ASSET.to_owned(), bytes)));
@@ -90,7 +90,7 @@ impl OwnMesh {
         Ok(OwnMesh { path: path.to_owned(), mesh, up })
     }
 
-    /// The figure and its stone at a size.
+    /// Bakes the figure and its stone at a size.
     fn bake<const N: usize>(&self, name: &str) -> Result<[(String, Vec<u8>); 2], PackageError>
     where
         Grid<N>: Size + Resident<N, INTERVALS>,
@@ -116,12 +116,12 @@ impl OwnMesh {
     }
 }
 
-/// The name of a figure, as modes have it: that of its file, without the extension.
+/// Returns the name of a figure, which is also that of its mode: the file's name without the extension.
 fn figure_name(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// The bytes of a file of settings with which nothing is wrong.
+/// Reads the bytes of a settings file that has no faults.
 fn read_settings(path: &Path, own_figures: &[String]) -> Result<Vec<u8>, PackageError> {
     let shown = path.display().to_string();
     let bytes = durable::read_regular_file_up_to(path, MAX_BYTES)
@@ -135,7 +135,7 @@ fn read_settings(path: &Path, own_figures: &[String]) -> Result<Vec<u8>, Package
     if faults.is_empty() { Ok(bytes) } else { Err(PackageError::Input(faults.join("\n"))) }
 }
 
-/// The bytes of a fleet's file with which nothing is wrong.
+/// Reads the bytes of a fleet file that has no faults.
 fn read_fleet_file(path: &Path) -> Result<Vec<u8>, PackageError> {
     FleetFile::read(path).map_err(PackageError::input)?;
     let bytes = durable::read_regular_file(path);

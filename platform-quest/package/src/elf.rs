@@ -1,4 +1,4 @@
-//! Whether a library is one that Android loads: what it wants and what it has.
+//! Checks that Android can load a library: its dependencies, entry point and layout.
 
 use object::elf::DT_NEEDED;
 use object::read::elf::ElfFile64;
@@ -6,14 +6,13 @@ use object::{Architecture, Object, ObjectKind, ObjectSegment, ObjectSymbol};
 
 use crate::symbols::Symbols;
 
-/// The page size that segments are laid out for; devices of 4 KiB load these as well.
+/// The page size for which segments are aligned; devices with pages of 4 KiB load them as well.
 pub(crate) const PAGE: u64 = 16 << 10;
 
-/// What the activity calls first.
+/// The entry point that the activity calls first.
 pub(crate) const ENTRY: &str = "ANativeActivity_onCreate";
 
-/// Finds all that keeps the bytes of the shell's library from being loaded and started by Android at
-/// an API level. Empty if nothing does.
+/// Finds all faults that keep the shell's library from being loaded and started by Android at an API level.
 pub(crate) fn find_library_faults(bytes: &[u8], symbols: &Symbols, api_level: u32) -> Vec<String> {
     let file = match parse_library(bytes) {
         Ok(file) => file,
@@ -28,12 +27,12 @@ pub(crate) fn find_library_faults(bytes: &[u8], symbols: &Symbols, api_level: u3
     faults
 }
 
-/// What keeps any other library from being loaded on a device with pages of 16 KiB.
+/// Finds a fault that keeps any other library from being loaded on a device with pages of 16 KiB.
 pub(crate) fn find_layout_fault(bytes: &[u8]) -> Option<String> {
     parse_library(bytes).map_or_else(Some, |file| find_misalignment(&file))
 }
 
-/// A library for arm64, or why these bytes are none.
+/// Parses a library for arm64. An error is the reason why the bytes are not one.
 fn parse_library(bytes: &[u8]) -> Result<ElfFile64<'_>, String> {
     match ElfFile64::parse(bytes) {
         Ok(file) if file.architecture() != Architecture::Aarch64 => {
@@ -47,7 +46,7 @@ fn parse_library(bytes: &[u8]) -> Result<ElfFile64<'_>, String> {
     }
 }
 
-/// What it wants and Android hasn't. A weak symbol may be missing.
+/// Returns the dependencies that Android does not provide. A weak symbol may be missing.
 fn find_unavailable_dependencies(
     file: &ElfFile64<'_>,
     symbols: &Symbols,
@@ -95,7 +94,7 @@ mod tests {
     #[test]
     fn what_android_would_not_load_is_found() {
         let (symbols, folder) = (Symbols::load_all(), scratch_folder("elf"));
-        // Linked against what a later Android has.
+        // Linked against the symbols of a later Android.
         let needed: &[&str] = &["AInputEvent_release", "dlopen", "getrandom"];
         let names = LibraryNames { defined: &[ENTRY], needed };
         let Some(library) = link_library_if_toolchain(&symbols, 31, names, &folder) else { return };

@@ -1,5 +1,5 @@
-//! The app's icon: the owl of the hidden figures, seen from the front, on a disc of dusk. It is drawn from a range map
-//! alone, which has for each line of sight where the stone begins.
+//! The app's icon: the owl of the hidden figures, seen from the front, on a disc of dusk. It is drawn from a
+//! range map alone, which gives the depth of the surface for each line of sight.
 
 use paros_core::RangeMaps;
 use paros_core::limits::INTERVALS;
@@ -8,23 +8,23 @@ use paros_shell::figures::Figure;
 
 use crate::error::PackageError;
 
-/// The icon's side in pixels: that of a launcher's at the highest density.
+/// The icon's side in pixels: the size of a launcher icon at the highest density.
 const SIDE: usize = 192;
 
 /// The figure's grid.
 const GRID: usize = 128;
 
-/// Pixels along a pixel's side that are averaged.
+/// The number of samples along a pixel's side that are averaged.
 const SAMPLES: usize = 3;
 
-/// Colours, in sRGB: of the disc above and below, and of marble in light and in shade.
+/// The sRGB colours of the disc's top and bottom, and of marble in light and in shade.
 const DUSK: [[f32; 3]; 2] = [[58.0, 74.0, 104.0], [24.0, 30.0, 46.0]];
 const MARBLE: [[f32; 3]; 2] = [[246.0, 240.0, 229.0], [96.0, 88.0, 92.0]];
 
 /// Draws the icon as PNG, with a transparent rim.
 ///
 /// # Errors
-/// It can't be encoded.
+/// The icon can't be encoded.
 pub(crate) fn draw_png() -> Result<Vec<u8>, PackageError> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, SIDE as u32, SIDE as u32);
@@ -36,7 +36,7 @@ pub(crate) fn draw_png() -> Result<Vec<u8>, PackageError> {
     Ok(bytes)
 }
 
-/// The pixels, row by row from the top, in RGBA.
+/// Returns the pixels as RGBA, row by row from the top.
 fn draw_pixels() -> Vec<u8> {
     let depths = FrontDepths::of_owl();
     let mut pixels = Vec::with_capacity(SIDE * SIDE * 4);
@@ -52,14 +52,14 @@ fn draw_pixels() -> Vec<u8> {
             }
         }
         let all = (SAMPLES * SAMPLES) as f32;
-        // Without samples there is nothing to divide.
+        // Avoid a division by zero where no sample is covered.
         pixels.extend(sum.map(|part: f32| (part / f32::max(covered, 1.0)).round() as u8));
         pixels.push((255.0 * covered / all).round() as u8);
     }
     pixels
 }
 
-/// The colour at a place of the picture, 0 to 1 from its left upper corner; none outside the disc.
+/// Returns the colour at a point of the picture, 0 to 1 from its upper left corner; `None` outside the disc.
 fn shade(depths: &FrontDepths, x: f32, y: f32) -> Option<[f32; 3]> {
     let (dx, dy) = (x - 0.5, y - 0.5);
     if dx * dx + dy * dy > 0.25 {
@@ -70,7 +70,7 @@ fn shade(depths: &FrontDepths, x: f32, y: f32) -> Option<[f32; 3]> {
     let (column, row) = (0.5 + dx * 1.2, (0.89 - y) * 1.2);
     let at = [column, row].map(|part| part * GRID as f32 - 0.5);
     let Some(normal) = depths.normal(at) else { return Some(sky) };
-    // From above at the left, as a lamp over the shoulder.
+    // The light comes from the upper left, like a lamp over the shoulder.
     let light = [-0.45, 0.62, 0.64];
     let lit: f32 = normal.iter().zip(light).map(|(n, l)| n * l).sum();
     Some(mix(MARBLE[1], MARBLE[0], (0.18 + 0.82 * lit.max(0.0)).min(1.0)))
@@ -80,7 +80,8 @@ fn mix(a: [f32; 3], b: [f32; 3], share: f32) -> [f32; 3] {
     core::array::from_fn(|k| a[k] + (b[k] - a[k]) * share)
 }
 
-/// How far the figure reaches towards who looks at it, in voxels, for each line of sight; none beside it.
+/// The depth of the figure's front, in voxels towards the viewer, for each line of sight; `None` beside the
+/// figure.
 struct FrontDepths(Vec<Option<f32>>);
 
 impl FrontDepths {
@@ -96,7 +97,8 @@ impl FrontDepths {
         FrontDepths(depths.collect())
     }
 
-    /// The depth at whole coordinates, averaged with those around it, so that steps of voxels don't show.
+    /// Returns the depth at integer coordinates, averaged with its neighbours, so that voxel steps don't
+    /// show.
     fn smooth_depth(&self, x: isize, y: isize) -> Option<f32> {
         let at = |x: isize, y: isize| {
             let within = |part: isize| usize::try_from(part).ok().filter(|part| *part < GRID);
@@ -105,7 +107,7 @@ impl FrontDepths {
         let middle = at(x, y)?;
         let (mut sum, mut weight) = (0.0, 0.0);
         for (dy, dx) in (0..25).map(|i| (i / 5 - 2, i % 5 - 2)) {
-            // What lies far behind is another part of the figure.
+            // A surface far behind belongs to another part of the figure.
             if let Some(depth) = at(x + dx, y + dy).filter(|depth| (depth - middle).abs() < 6.0) {
                 let near = 1.0 / (1.0 + (dx * dx + dy * dy) as f32);
                 sum += depth * near;
@@ -115,12 +117,12 @@ impl FrontDepths {
         Some(sum / weight)
     }
 
-    /// The normal of the surface that is seen at a place in voxels; none beside the figure.
+    /// Returns the normal of the visible surface at a point in voxels; `None` beside the figure.
     fn normal(&self, [x, y]: [f32; 2]) -> Option<[f32; 3]> {
         let (x, y) = (x.round() as isize, y.round() as isize);
         let middle = self.smooth_depth(x, y)?;
         let slope = |before: Option<f32>, after: Option<f32>| {
-            // Beside the figure it falls off steeply.
+            // Beside the figure the surface falls off steeply.
             let (before, after) = (before.unwrap_or(middle - 4.0), after.unwrap_or(middle - 4.0));
             (0.5 * (before - after)).clamp(-4.0, 4.0)
         };
@@ -137,7 +139,7 @@ mod tests {
 
     #[test]
     fn the_icon_is_a_light_figure_on_a_dark_disc() {
-        // To be looked at.
+        // Written for visual inspection.
         let path = std::env::temp_dir().join("paros-icon.png");
         std::fs::write(path, draw_png().expect("a picture")).expect("room on the disk");
         let pixels = draw_pixels();

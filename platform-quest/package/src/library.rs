@@ -1,4 +1,4 @@
-//! Builds the library: with an NDK where one is named, else with Rust's own linker and stubs.
+//! Builds the library: with an NDK if one is named, otherwise with Rust's own linker and stub libraries.
 
 use std::env;
 use std::ffi::OsString;
@@ -10,11 +10,11 @@ use crate::stubs;
 use crate::symbols::Symbols;
 use crate::tools::{TARGET, Toolchain};
 
-/// The file's name, as `System.loadLibrary` makes it of the manifest's `paros_quest`.
+/// The library's file name, which `System.loadLibrary` derives from `paros_quest` in the manifest.
 pub(crate) const NAME: &str = "libparos_quest.so";
 
-/// What the linker is told besides where Android's libraries lie: every name must be found, nothing
-/// outside replaces ours, segments lie for pages of 16 KiB, and one build has one identity.
+/// The linker's arguments besides the library folders: every symbol must be resolved, no other library
+/// replaces own symbols, segments are aligned for pages of 16 KiB, and the file has a build ID.
 pub(crate) const LINK_ARGUMENTS: [&str; 6] = [
     "-zdefs",
     "-Bsymbolic",
@@ -24,21 +24,21 @@ pub(crate) const LINK_ARGUMENTS: [&str; 6] = [
     "-soname=libparos_quest.so",
 ];
 
-/// The folder of the whole project.
+/// Returns the folder of the whole project.
 fn workspace_folder() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).unwrap_or(Path::new("/"))
 }
 
-/// Where cargo builds: `CARGO_TARGET_DIR`, or `target` in the project.
+/// Returns cargo's build folder: `CARGO_TARGET_DIR`, or `target` in the project.
 pub(crate) fn target_folder() -> PathBuf {
     let folder = env::var_os("CARGO_TARGET_DIR").map_or_else(|| "target".into(), PathBuf::from);
     workspace_folder().join(folder)
 }
 
-/// Builds the library in release for an API level, and says where it lies.
+/// Builds the library in release mode for an API level. Returns its path.
 ///
 /// # Errors
-/// Something is missing, or it does not compile or link.
+/// A tool is missing, or the library does not compile or link.
 pub(crate) fn build_library(symbols: &Symbols, api_level: u32) -> Result<PathBuf, PackageError> {
     let target = target_folder();
     let stubs = target.join("android/stubs");
@@ -57,7 +57,7 @@ pub(crate) fn build_library(symbols: &Symbols, api_level: u32) -> Result<PathBuf
         .args(["rustc", "--release", "--package", "paros-quest", "--lib", "--crate-type", "cdylib"])
         .args(["--target", TARGET, "--target-dir"])
         .arg(&target)
-        // Generic code of several crates is made once, for a package that stays within its size.
+        // Generic code of several crates is compiled once, so that the package stays within its size limit.
         .env("CARGO_PROFILE_RELEASE_LTO", "fat")
         .env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "1")
         .env("CARGO_ENCODED_RUSTFLAGS", linker.compiler_flags().join("\u{1f}".as_ref()))
@@ -74,12 +74,12 @@ pub(crate) fn build_library(symbols: &Symbols, api_level: u32) -> Result<PathBuf
 enum Linker {
     /// The NDK's compiler for an API level, which knows where its libraries are.
     Ndk(PathBuf),
-    /// Rust's own, and the folder of the stubs.
+    /// Rust's own linker, and the folder of the stub libraries.
     Rust { lld: PathBuf, stubs: PathBuf },
 }
 
 impl Linker {
-    /// The flags of the compiler. No path of this machine stays in the library.
+    /// Returns the compiler's flags, which also keep this machine's paths out of the library.
     fn compiler_flags(&self) -> Vec<OsString> {
         let mut flags: Vec<OsString> = vec!["-Cstrip=symbols".into()];
         let mut flag = |name: &str, value: &Path| {
@@ -110,7 +110,7 @@ impl Linker {
     }
 }
 
-/// The NDK's compiler driver for an API level.
+/// Finds the NDK's compiler driver for an API level.
 fn find_clang(ndk: &Path, api_level: u32) -> Result<PathBuf, PackageError> {
     let name = format!("{TARGET}{api_level}-clang");
     let hosts = ndk.join("toolchains/llvm/prebuilt");

@@ -1,5 +1,5 @@
-//! Makes the package for a Quest, with cargo and Debian's tools alone: no SDK, no Gradle, and an NDK
-//! only where `ANDROID_NDK_HOME` names one.
+//! Makes the package for a Quest with only cargo and Debian's tools: no SDK, no Gradle, and an NDK only if
+//! `ANDROID_NDK_HOME` names one.
 
 mod apk;
 mod content;
@@ -114,7 +114,7 @@ fn make_package(args: &PackageArgs) -> Result<String, PackageError> {
     Ok(format!("{report}\n{}\n{}", output.display(), tools::adb_install_commands(&output)))
 }
 
-/// The bytes of the library, built or given, once Android is sure to load it.
+/// Returns the bytes of the library, which is built or given, after checking that Android can load it.
 fn obtain_library(args: &PackageArgs) -> Result<Vec<u8>, PackageError> {
     let symbols = Symbols::load_all();
     let path = match &args.library {
@@ -130,7 +130,7 @@ fn obtain_library(args: &PackageArgs) -> Result<Vec<u8>, PackageError> {
     }
 }
 
-/// The bytes of a loader that was given.
+/// Reads a given loader, and checks its layout.
 fn read_loader(path: &Path) -> Result<Vec<u8>, PackageError> {
     let bytes = read_file(path)?;
     match elf::find_layout_fault(&bytes) {
@@ -139,7 +139,7 @@ fn read_loader(path: &Path) -> Result<Vec<u8>, PackageError> {
     }
 }
 
-/// What the finished package holds and who signed it, once nothing is wrong with it.
+/// Checks the finished package. Returns its contents and its signer.
 fn check_and_describe_package(package: &Path) -> Result<String, PackageError> {
     let PackageInspection { mut faults, listing } = apk::inspect_package(package)?;
     faults.extend(manifest::find_unmet_demands(package)?);

@@ -1,5 +1,5 @@
-//! The manifest: compiled by `aapt2`, read back from the package, and held against what a Quest
-//! demands of it.
+//! The manifest: compiled by `aapt2`, read back from the package, and checked against the requirements of a
+//! Quest.
 
 use std::path::Path;
 use std::process::Command;
@@ -8,26 +8,28 @@ use crate::error::PackageError;
 use crate::resources::Resources;
 use crate::tools::{self, FRAMEWORK, Scratch};
 
-/// The manifest as it was written.
+/// The manifest's source.
 pub(crate) const MANIFEST: &str = include_str!("AndroidManifest.xml");
 
-/// The first Android that the package runs on: a Quest's of 2021.
+/// The lowest API level that the package runs on: a Quest's of 2021.
 pub(crate) const MIN_API_LEVEL: u32 = 29;
 
-/// The Android whose behaviour it is made for.
+/// The API level whose behaviour the app is made for.
 const TARGET_API_LEVEL: u32 = 32;
 
-/// Stands in a demand for any reference to a resource.
+/// The wildcard in a demand for any reference to a resource.
 const ANY_REFERENCE: &str = "@";
 
-/// What a manifest must not hold: an element's path, and an attribute with a value.
+/// An attribute that a manifest must not have: the element's path, and the attribute with its value.
 type Refusal = (&'static str, (&'static str, &'static str));
 
-/// What Meta's pages refuse, as of 2026-11: a build for a debugger, and an activity that is forgotten.
+/// The attributes that Meta's pages refuse, as of 2026-11: a debuggable build, and an activity without
+/// history.
 const REFUSALS: [Refusal; 2] =
     [("manifest/application", ("debuggable", "true")), (ACTIVITY, ("noHistory", "true"))];
 
-/// The permissions that are asked for: what another brings in is told, as Meta refuses many.
+/// The requested permissions. Any other permission, for instance from a merged manifest, is reported, as Meta
+/// refuses many.
 const PERMISSIONS: [&str; 5] = [
     "org.khronos.openxr.permission.OPENXR",
     "org.khronos.openxr.permission.OPENXR_SYSTEM",
@@ -36,15 +38,16 @@ const PERMISSIONS: [&str; 5] = [
     "android.permission.INTERNET",
 ];
 
-/// An element that the manifest must hold: its path, and the values of its attributes.
+/// An element that the manifest must have: its path, and the values of its attributes.
 type Demand = (&'static str, &'static [(&'static str, &'static str)]);
 
 const ACTIVITY: &str = "manifest/application/activity";
 const CATEGORY: &str = "manifest/application/activity/intent-filter/category";
 const PERMISSION: &str = "manifest/uses-permission";
 
-/// What Meta and Khronos' loader ask for, and Android of an app that is managed. Held against Meta's pages "Android
-/// Manifest Settings" and "Application Manifests for Release Builds" (of 2026-03-05) as they were in 2026-11.
+/// The requirements of Meta, of Khronos' loader, and of Android for a managed app. Checked against Meta's
+/// pages "Android Manifest Settings" and "Application Manifests for Release Builds" (of 2026-03-05) as they
+/// were in 2026-11.
 const DEMANDS: [Demand; 20] = [
     ("manifest", &[("installLocation", "0")]),
     ("manifest/uses-sdk", &[("minSdkVersion", "29"), ("targetSdkVersion", "32")]),
@@ -57,7 +60,7 @@ const DEMANDS: [Demand; 20] = [
     (PERMISSION, &[("name", "org.khronos.openxr.permission.OPENXR_SYSTEM")]),
     (PERMISSION, &[("name", "com.oculus.permission.HAND_TRACKING")]),
     (PERMISSION, &[("name", "android.permission.ACCESS_NETWORK_STATE")]),
-    // The way to the booth, which needn't lead to the Internet.
+    // For the connection to the booth, which needn't reach the internet.
     (PERMISSION, &[("name", "android.permission.INTERNET")]),
     (
         "manifest/queries/provider",
@@ -67,12 +70,12 @@ const DEMANDS: [Demand; 20] = [
         )],
     ),
     ("manifest/queries/intent/action", &[("name", "org.khronos.openxr.OpenXRRuntimeService")]),
-    // The library is mapped as it lies in the package; there is no Java code; nothing is backed up.
+    // The library is mapped directly from the package; there is no Java code; nothing is backed up.
     (
         "manifest/application",
         &[("extractNativeLibs", "false"), ("hasCode", "false"), ("allowBackup", "false")],
     ),
-    // 3: pictures, of Android's categories the nearest.
+    // 3 is images, the nearest of Android's categories.
     ("manifest/application", &[("label", "Paros"), ("icon", ANY_REFERENCE), ("appCategory", "3")]),
     (
         "manifest/application/meta-data",
@@ -82,7 +85,7 @@ const DEMANDS: [Demand; 20] = [
         "manifest/application/meta-data",
         &[("name", "com.oculus.supportedDevices"), ("value", "quest2|questpro|quest3|quest3s")],
     ),
-    // singleTask, landscape, and none of the fourteen changes of configuration starts it again.
+    // singleTask, landscape, and no restart on any of the fourteen configuration changes.
     (
         ACTIVITY,
         &[
@@ -102,10 +105,10 @@ const DEMANDS: [Demand; 20] = [
     (CATEGORY, &[("name", "android.intent.category.LAUNCHER")]),
 ];
 
-/// Makes a package of a manifest and the resources that it refers to.
+/// Makes a package from a manifest and the resources that it refers to.
 ///
 /// # Errors
-/// `aapt2` refuses it.
+/// `aapt2` rejects the manifest.
 pub(crate) fn compile_manifest(
     manifest_xml: &str,
     resources: &Resources,
@@ -117,7 +120,7 @@ pub(crate) fn compile_manifest(
     std::fs::write(&xml, manifest_xml).map_err(PackageError::failure)?;
     let (least, target) = (MIN_API_LEVEL.to_string(), TARGET_API_LEVEL.to_string());
     let mut link = Command::new("aapt2");
-    // It knows no `<queries>`, but writes it down.
+    // `aapt2` doesn't know `<queries>`, but writes it nevertheless.
     link.args(["link", "--warn-manifest-validation", "-I", FRAMEWORK, "--manifest"]).arg(&xml);
     link.args(["--min-sdk-version", &least, "--target-sdk-version", &target]);
     link.args(["--version-name", env!("CARGO_PKG_VERSION")]);
@@ -129,7 +132,7 @@ pub(crate) fn compile_manifest(
 /// Finds the demands that a package's manifest does not meet.
 ///
 /// # Errors
-/// `aapt2` can't read it.
+/// `aapt2` can't read the package.
 pub(crate) fn find_unmet_demands(package: &Path) -> Result<Vec<String>, PackageError> {
     let mut dump = Command::new("aapt2");
     dump.args(["dump", "xmltree", "--file", "AndroidManifest.xml"]).arg(package);
@@ -152,7 +155,7 @@ pub(crate) fn find_unmet_demands(package: &Path) -> Result<Vec<String>, PackageE
     Ok(missed.chain(find_refused(&elements)).collect())
 }
 
-/// What of a manifest's elements is refused.
+/// Finds the refused attributes and permissions of a manifest's elements.
 fn find_refused(elements: &[Element]) -> Vec<String> {
     let mut refused = Vec::new();
     for Element { path, attributes } in elements {
@@ -168,7 +171,7 @@ fn find_refused(elements: &[Element]) -> Vec<String> {
     refused
 }
 
-/// A number that grows with the version: two digits for each part after the first.
+/// Returns the version code, a number that grows with the version: two digits for each part after the first.
 fn version_code(version: &str) -> String {
     let parts = version.split('.').map(|part| part.parse().unwrap_or(0));
     parts.fold(0u32, |code, part| code * 100 + part).to_string()
@@ -177,15 +180,15 @@ fn version_code(version: &str) -> String {
 /// An element of a compiled manifest.
 #[derive(Debug, PartialEq, Eq)]
 struct Element {
-    /// The names from the root on, parted by slashes.
+    /// The element names from the root on, separated by slashes.
     path: String,
     attributes: Vec<(String, String)>,
 }
 
-/// The elements of what `aapt2 dump xmltree` says.
+/// Parses the elements in the output of `aapt2 dump xmltree`.
 fn parse_elements(dump: &str) -> Vec<Element> {
     let mut elements: Vec<Element> = Vec::new();
-    // How far each open element is indented.
+    // The indentation and name of each open element.
     let mut open: Vec<(usize, String)> = Vec::new();
     for line in dump.lines() {
         let text = line.trim_start();

@@ -1,4 +1,4 @@
-//! The resources of the package: its icon, and what a console that manages headsets may set.
+//! The resources of the package: its icon, and the settings that a management console may set.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ pub(crate) struct Resources {
 }
 
 impl Resources {
-    /// The resources of a package with these figures of the operator's own.
+    /// Creates the resources of a package with these figures of the operator's own.
     ///
     /// # Errors
     /// The icon can't be written as PNG.
@@ -26,10 +26,10 @@ impl Resources {
         Ok(Resources { restrictions: write_restrictions(own_figures), icon: icon::draw_png()? })
     }
 
-    /// Compiles them, into a file for `aapt2 link`.
+    /// Compiles the resources into a file for `aapt2 link`.
     ///
     /// # Errors
-    /// The disk or `aapt2` refuses.
+    /// A file can't be written, or `aapt2` fails.
     pub(crate) fn compile(&self, scratch: &Scratch) -> Result<PathBuf, PackageError> {
         let (folder, compiled) = (scratch.at("res"), scratch.at("res.zip"));
         let write = |name: &str, bytes: &[u8]| {

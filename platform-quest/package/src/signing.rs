@@ -1,4 +1,4 @@
-//! Signs the package: with a key of the user's, or with one for trying it out.
+//! Signs the package with the user's own key or with a debug key.
 
 use std::env;
 use std::fs;
@@ -9,12 +9,13 @@ use crate::error::PackageError;
 use crate::manifest::MIN_API_LEVEL;
 use crate::tools;
 
-/// A key and how its store is opened.
+/// A key, and the data to open its store.
 #[derive(Debug)]
 pub(crate) struct SigningKey {
     store: PathBuf,
     alias: Option<String>,
-    /// `env:NAME` or `file:PATH`, as `apksigner` takes it. None for the key that everyone knows.
+    /// `env:NAME` or `file:PATH`, in the format of `apksigner`. `None` for the debug key, whose password is
+    /// public.
     password: Option<String>,
 }
 
@@ -22,14 +23,15 @@ pub(crate) struct SigningKey {
 const DEBUG_PASSWORD: &str = "android";
 const DEBUG_ALIAS: &str = "androiddebugkey";
 
-/// Where `apksigner` looks for a debug key's password.
+/// The environment variable in which `apksigner` finds a debug key's password.
 const DEBUG_VARIABLE: &str = "PAROS_DEBUG_KEY_PASSWORD";
 
 impl SigningKey {
-    /// A key of the user's own. The password is named, not given: arguments are seen by everybody.
+    /// Loads a key of the user's own. The password is named, not given, as everybody can see the arguments of
+    /// a process.
     ///
     /// # Errors
-    /// The store is no file, or the password is not given by `env:` or `file:`.
+    /// The store is not a file, or the password is not given by `env:` or `file:`.
     pub(crate) fn load_release(
         store: &Path,
         alias: Option<&str>,
@@ -52,11 +54,11 @@ impl SigningKey {
         Ok(SigningKey { store: store.to_owned(), alias, password })
     }
 
-    /// The debug key that Android's own tools keep in `~/.android`, made if it is missing. A headset
-    /// installs a new package over an older one only if both were signed with one key.
+    /// Loads the debug key that Android's own tools keep in `~/.android`, and creates it if it is missing. A
+    /// headset installs a new package over an older one only if both have the same key.
     ///
     /// # Errors
-    /// There is no home, or `keytool` fails.
+    /// There is no home folder, or `keytool` fails.
     pub(crate) fn load_or_create_debug() -> Result<Self, PackageError> {
         let home = env::home_dir()
             .ok_or_else(|| PackageError::failure("no home folder for a debug key"))?;
@@ -70,10 +72,10 @@ impl SigningKey {
         Ok(SigningKey { store, alias: Some(DEBUG_ALIAS.into()), password: None })
     }
 
-    /// Signs a package by the schemes of Android 7 and later.
+    /// Signs a package by the signature schemes of Android 7 and later.
     ///
     /// # Errors
-    /// The password is wrong, say: what `apksigner` says.
+    /// The output of `apksigner`, for instance for a wrong password.
     pub(crate) fn sign(&self, package: &Path, output: &Path) -> Result<(), PackageError> {
         let mut sign = Command::new("apksigner");
         sign.args(["sign", "--min-sdk-version", &MIN_API_LEVEL.to_string()]);
@@ -90,10 +92,10 @@ impl SigningKey {
     }
 }
 
-/// What `apksigner` says of a signed package's signer.
+/// Verifies a signed package. Returns the line of `apksigner` that names the signer.
 ///
 /// # Errors
-/// The signature is not one.
+/// The signature is invalid.
 pub(crate) fn verify_and_describe_signer(package: &Path) -> Result<String, PackageError> {
     let mut verify = Command::new("apksigner");
     verify.args(["verify", "--min-sdk-version", &MIN_API_LEVEL.to_string(), "--print-certs", "-v"]);
@@ -102,7 +104,7 @@ pub(crate) fn verify_and_describe_signer(package: &Path) -> Result<String, Packa
     Ok(signer.unwrap_or_default().to_owned())
 }
 
-/// Makes a debug key: RSA, since its signatures of one package are always the same bytes.
+/// Creates a debug key: RSA, whose signatures of one package are always the same bytes.
 fn create_debug_key(store: &Path) -> Result<(), PackageError> {
     let mut make = Command::new("keytool");
     make.args([

@@ -1,4 +1,4 @@
-//! Stub libraries: Android's symbols without code, to link against where there is no NDK.
+//! Stub libraries: Android's symbols without code, to link against if there is no NDK.
 
 use std::fs;
 use std::path::Path;
@@ -13,10 +13,10 @@ use crate::error::PackageError;
 use crate::symbols::Symbols;
 use crate::tools;
 
-/// Writes the stub libraries of an API level into a folder, and the empty `libunwind.a` that `std` names.
+/// Writes the stub libraries of an API level into a folder, and the empty `libunwind.a` that `std` links to.
 ///
 /// # Errors
-/// The disk refuses, or the linker.
+/// A file can't be written, or the linker fails.
 pub(crate) fn write_stub_libraries(
     symbols: &Symbols,
     api_level: u32,
@@ -38,7 +38,7 @@ pub(crate) fn write_stub_libraries(
     fs::write(folder.join("libunwind.a"), "!<arch>\n").map_err(fail)
 }
 
-/// An object file that defines these names and nothing else.
+/// Writes an object file that defines only these symbols.
 pub(crate) fn object_defining<'a>(
     names: impl Iterator<Item = &'a str>,
 ) -> Result<Vec<u8>, PackageError> {
@@ -86,7 +86,7 @@ mod tests {
             .expect("as before")
             .expect_err("one is missing");
         assert!(why.contains("undefined symbol: dlopen") && !why.contains("getrandom"), "{why}");
-        // Not there yet at that level.
+        // The symbol doesn't exist at that level yet.
         let why =
             link_library_if_toolchain(&Symbols::load_all(), 27, names, &folder).expect("as before");
         assert!(why.expect_err("it came with 28").contains("undefined symbol: getrandom"));

@@ -1,23 +1,22 @@
-//! The symbols that Android's libraries export, and the API levels that they came with.
+//! The symbols that Android's libraries export, and the API levels that introduced them.
 
 use std::collections::BTreeMap;
 
-/// The list of `symbols.txt`: by a symbol's name the library that has it, and the API level it came
-/// with.
+/// The list of `symbols.txt`: maps a symbol's name to its library and the API level that introduced it.
 #[derive(Debug, Clone)]
 pub(crate) struct Symbols(BTreeMap<&'static str, SymbolOrigin>);
 
 /// The library and the API level that a symbol comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct SymbolOrigin {
-    /// The library, `libc` say.
+    /// The library, for instance `libc`.
     pub(crate) library: &'static str,
-    /// The first API level that has it; 21 stands for all before.
+    /// The first API level that has the symbol; 21 also stands for all earlier ones.
     pub(crate) since: u32,
 }
 
 impl Symbols {
-    /// The whole list.
+    /// Loads the whole list.
     pub(crate) fn load_all() -> Self {
         let mut symbols = BTreeMap::new();
         let mut origin = SymbolOrigin { library: "", since: 0 };
@@ -31,12 +30,12 @@ impl Symbols {
         Symbols(symbols)
     }
 
-    /// The origin of a symbol, if Android has it.
+    /// Returns the origin of a symbol, if Android has it.
     pub(crate) fn find_origin(&self, name: &str) -> Option<SymbolOrigin> {
         self.0.get(name).copied()
     }
 
-    /// The libraries' names.
+    /// Returns the libraries' names.
     pub(crate) fn libraries(&self) -> Vec<&'static str> {
         let mut names: Vec<_> = self.0.values().map(|origin| origin.library).collect();
         names.sort_unstable();
@@ -44,7 +43,7 @@ impl Symbols {
         names
     }
 
-    /// The symbols that a library exports at an API level.
+    /// Returns the symbols that a library exports at an API level.
     pub(crate) fn exported_by(
         &self,
         library: &str,
@@ -55,7 +54,7 @@ impl Symbols {
         self.0.iter().filter(move |(_, origin)| offered(origin)).map(|(name, _)| *name)
     }
 
-    /// The list without a symbol.
+    /// Returns the list without one symbol.
     #[cfg(test)]
     pub(crate) fn without(mut self, name: &str) -> Self {
         assert!(self.0.remove(name).is_some(), "{name} is not listed");

@@ -1,4 +1,4 @@
-//! What the packager's tests share: scratch folders, and libraries linked as the package's is.
+//! Support for the packager's tests: scratch folders, and libraries that are linked like the package's.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -15,15 +15,15 @@ use crate::stubs::{dynamic_symbol, object_defining, write_stub_libraries};
 use crate::symbols::Symbols;
 use crate::tools::{Scratch, Toolchain};
 
-/// What a library defines, and what it needs of others.
+/// The symbols that a library defines, and the ones that it imports.
 #[derive(Clone, Copy)]
 pub(crate) struct LibraryNames<'a> {
     pub(crate) defined: &'a [&'a str],
     pub(crate) needed: &'a [&'a str],
 }
 
-/// Links a library as the package's library is linked: its path, or what the linker says. None where the
-/// toolchain is missing.
+/// Links a library in the same way as the package's library. Returns its path, or the linker's error; `None`
+/// if the toolchain is missing.
 pub(crate) fn link_library_if_toolchain(
     symbols: &Symbols,
     api_level: u32,
@@ -47,7 +47,7 @@ pub(crate) fn link_library_if_toolchain(
     Some(if output.status.success() { Ok(library) } else { Err(said) })
 }
 
-/// An object file whose data are the addresses of names that it does not define.
+/// Writes an object file whose data are the addresses of undefined symbols with these names.
 fn object_needing(names: &[&str]) -> Vec<u8> {
     let mut object = Object::new(BinaryFormat::Elf, Architecture::Aarch64, Endianness::Little);
     let data = object.add_section(Vec::new(), b".data".to_vec(), SectionKind::Data);
@@ -62,7 +62,7 @@ fn object_needing(names: &[&str]) -> Vec<u8> {
     object.write().expect("an object")
 }
 
-/// An empty folder of a test's own.
+/// Creates an empty folder for a test.
 pub(crate) fn scratch_folder(name: &str) -> Scratch {
     Scratch::within(&env::temp_dir(), &format!("paros-{name}")).expect("room on the disk")
 }

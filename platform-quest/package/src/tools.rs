@@ -1,4 +1,4 @@
-//! The programs of other packages that this one needs: found, asked for by name, run.
+//! The external programs that the packager needs: looks for them, names the missing ones, and runs them.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use std::{env, fs};
 
 use crate::error::PackageError;
 
-/// What Debian calls the package that brings a file or a program.
+/// The required files and programs, each with the Debian package that provides it.
 const PACKAGES: [(&str, &str); 5] = [
     ("aapt2", "aapt"),
     ("zipalign", "zipalign"),
@@ -16,16 +16,17 @@ const PACKAGES: [(&str, &str); 5] = [
     (FRAMEWORK, "android-framework-res"),
 ];
 
-/// What the manifest's names are looked up in.
+/// The framework's resources, in which the manifest's names are looked up.
 pub(crate) const FRAMEWORK: &str = "/usr/share/android-framework-res/framework-res.apk";
 
-/// The target of the library.
+/// The compilation target of the library.
 pub(crate) const TARGET: &str = "aarch64-linux-android";
 
-/// Whether all is there that packing and signing take, and building the library if that is to be.
+/// Checks that everything needed for packing and signing is installed, and, if `builds_library`, for building
+/// the library.
 ///
 /// # Errors
-/// All that is missing, and the commands that bring it, each in a line.
+/// All missing parts, and the commands that install them, one a line.
 pub(crate) fn check_tools(builds_library: bool) -> Result<(), PackageError> {
     let missing: Vec<_> = PACKAGES
         .iter()
@@ -42,8 +43,8 @@ pub(crate) fn check_tools(builds_library: bool) -> Result<(), PackageError> {
     Err(PackageError::Failure(format!("something is missing; on Debian:\n{}", lines.join("\n"))))
 }
 
-/// The commands that install a package on a headset: first the one that brings `adb`, if there is
-/// none.
+/// Returns the commands that install a package on a headset, preceded by the one that installs `adb` if it is
+/// missing.
 pub(crate) fn adb_install_commands(package: &Path) -> String {
     let adb = if is_installed("adb") { "" } else { "apt install adb\n" };
     format!("{adb}adb install -r {}", package.display())
@@ -59,10 +60,10 @@ fn contains_program(program: &str) -> impl Fn(PathBuf) -> bool {
     move |folder| folder.join(program).is_file()
 }
 
-/// Runs a program, says so before on standard error, and hands back what it wrote.
+/// Logs `step` on standard error, runs a program, and returns its standard output.
 ///
 /// # Errors
-/// It won't start or ends in an error: what it said.
+/// The program can't be started or fails; the error contains its output.
 pub(crate) fn run_tool(step: &str, command: &mut Command) -> Result<String, PackageError> {
     eprintln!("{step}");
     let program = command.get_program().to_owned();
@@ -84,10 +85,10 @@ pub(crate) struct Toolchain {
 }
 
 impl Toolchain {
-    /// The one of the compiler at hand.
+    /// Finds the toolchain of the current Rust compiler.
     ///
     /// # Errors
-    /// The command that brings what is missing.
+    /// The command that installs the missing part.
     pub(crate) fn find() -> Result<Self, String> {
         let add = format!("rustup target add {TARGET}");
         let rustup = |why: String| format!("{add}  # {why}: by rustup, from https://rustup.rs");
@@ -108,15 +109,15 @@ impl Toolchain {
     }
 }
 
-/// An empty folder that goes with the value. Nothing in it outlives the program.
+/// A temporary folder, which is deleted when the value is dropped.
 #[derive(Debug)]
 pub(crate) struct Scratch(PathBuf);
 
 impl Scratch {
-    /// A folder of this process's own within another, which is made.
+    /// Creates an empty folder for this process within another one.
     ///
     /// # Errors
-    /// The disk refuses.
+    /// The folder can't be created or emptied.
     pub(crate) fn within(folder: &Path, name: &str) -> Result<Self, PackageError> {
         let path = folder.join(format!("{name}-{}", std::process::id()));
         let fail = |e| PackageError::Failure(format!("{}: {e}", path.display()));
@@ -127,7 +128,7 @@ impl Scratch {
         Ok(Scratch(path))
     }
 
-    /// A place in it.
+    /// Returns a path in the folder.
     pub(crate) fn at(&self, name: impl AsRef<OsStr>) -> PathBuf {
         self.0.join(name.as_ref())
     }
@@ -135,7 +136,7 @@ impl Scratch {
 
 impl Drop for Scratch {
     fn drop(&mut self) {
-        // What stays is rubbish in the target folder, no more.
+        // A leftover is only rubbish in the target folder.
         let _ = fs::remove_dir_all(&self.0);
     }
 }

@@ -1,4 +1,4 @@
-//! A package that brings a fleet's file.
+//! A package that contains a fleet file.
 
 use std::fs;
 use std::io::Read as _;
@@ -10,7 +10,7 @@ use paros_upload::enrolment::FleetFile;
 
 use crate::library::find_built_library;
 
-/// A file that is no library.
+/// A file that is not a library.
 const TEXT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml");
 
 fn folder(name: &str) -> PathBuf {

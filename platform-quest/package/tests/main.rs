@@ -1,4 +1,4 @@
-//! Runs the program that makes the headset's package as its users do.
+//! Tests of the packager, run as its users run it.
 
 mod fleet;
 mod library;

@@ -1,5 +1,4 @@
-//! The program that makes the package, run as its users run it. What it makes is looked at with the
-//! tools of others.
+//! The packager, run as its users run it. Its packages are inspected with other tools.
 
 use std::fs;
 use std::io::Read;
@@ -23,7 +22,7 @@ use crate::library::find_built_library;
 
 const PASSWORD: (&str, &str) = ("PAROS_TEST_KEY", "a secret of tests");
 
-/// A file that is no library.
+/// A file that is not a library.
 const TEXT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml");
 
 fn run_packager(arguments: &[&str]) -> Output {
@@ -31,19 +30,19 @@ fn run_packager(arguments: &[&str]) -> Output {
     command.env(PASSWORD.0, PASSWORD.1).args(arguments).output().expect("it starts")
 }
 
-/// Processors' numbers in ELF.
+/// The machine numbers of ELF.
 const AARCH64: u16 = 183;
 const X86_64: u16 = 62;
 
-/// What may stand for a loader: the header of a shared library, with one segment to be loaded that
-/// is aligned to so many bytes.
+/// Builds a stand-in for a loader: the header of a shared library, with one loadable segment of this
+/// alignment in bytes.
 fn stand_in_library(machine: u16, align: u64) -> Vec<u8> {
     let mut bytes = b"\x7fELF\x02\x01\x01".to_vec();
     bytes.resize(16, 0);
     for half in [3, machine, 1, 0] {
         bytes.extend(half.to_le_bytes());
     }
-    // The entry, where the segments' table is, and where that of the sections isn't.
+    // The entry point, the offset of the program header table, and no section header table.
     for word in [0u64, 64, 0] {
         bytes.extend(word.to_le_bytes());
     }
@@ -115,7 +114,7 @@ fn the_same_input_makes_the_same_package() {
     check_operator_assets::<256>(&one);
 }
 
-/// What an operator gives a package.
+/// The operator's content of a package.
 struct OperatorFiles {
     settings: PathBuf,
     lion: PathBuf,
@@ -150,7 +149,7 @@ fn write_operator_files(name: &str) -> OperatorFiles {
     OperatorFiles { settings, lion, hand }
 }
 
-/// The package's figures and settings, as a headset finds them.
+/// Checks the package's figures and settings as a headset loads them.
 fn check_operator_assets<const N: usize>(package: &Path)
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
@@ -178,7 +177,7 @@ where
     let hidden = volumes.hidden_figures();
     assert_eq!(hidden.len(), usize::from(figure) + 2);
     let heights = hidden[usize::from(figure)..].iter().map(|hidden| {
-        // One grid for both: two would be more than a thread's stack.
+        // One grid for both: two would overflow the thread's stack.
         let mut bits = Grid::<N>::lock_bit_grid();
         let top = |bits: &BitGrid<N>| {
             (0..N).rfind(|y| bits.layer(*y).iter().any(|row| !row.is_empty())).expect("voxels")
@@ -193,15 +192,16 @@ where
             figure.iter().zip(stone).all(|(figure, stone)| *figure & stone == *figure),
             "it lies in its stone"
         );
-        // 20 mm over the top of it, and nothing at the box's sides.
+        // The stone is 20 mm thick above the figure, and doesn't touch the box's sides.
         assert!((5 * N / 128..=6 * N / 128).contains(&(top(&bits) - top_of_figure)));
         assert!((0..N).all(|i| bits.row(i, 0).is_empty() && !bits.contains([0, i, N / 2])));
         top_of_figure
     });
     let heights: Vec<_> = heights.collect();
-    // Up is y in an OBJ, z in an STL: a third as high as it is long, and the longest of it.
+    // Up is y in an OBJ and z in an STL: one figure stands a third as high as it is long, the other on its
+    // longest axis.
     assert!(heights[1] > 2 * heights[0], "{heights:?}");
-    // A session of it begins.
+    // A session of this mode begins.
     world.clear();
     let mut runner = TickRunner::new(world, volumes.start_volumes(&hidden));
     runner.run_tick(&TickInput { start: settings.mode, ..TickInput::default() });
@@ -238,7 +238,8 @@ fn what_aapt_and_apksigner_say() {
         &["dump", "xmltree", "--file", "res/xml/app_restrictions.xml"],
     ));
     let listed = ask("aapt", &["list"]);
-    // The lump, the toy, and four figures, each with its stones near and half as thick as the lump.
+    // The lump, the toy, and four figures, each with its two stones: near the figure, and half as thick as
+    // the lump.
     let starts = listed.lines().filter(|line| line.starts_with("assets/starts/128/")).count();
     assert_eq!(starts, 2 + 4 * 3);
     assert!(listed.lines().any(|line| line == "lib/arm64-v8a/libopenxr_loader.so"), "{listed}");
@@ -248,7 +249,7 @@ fn what_aapt_and_apksigner_say() {
     assert!(fs::metadata(&path).expect("it was made").len() < 8 << 20);
 }
 
-/// The settings of a headset are what a console offers, with bounds that it can show, and nothing else.
+/// Checks that a console offers exactly the settings of a headset, with bounds that it can show.
 fn check_restrictions(dump: &str) {
     let attribute = |name: &str| {
         let values = dump.lines().filter(|line| line.contains(&format!(":{name}(")));
@@ -257,7 +258,7 @@ fn check_restrictions(dump: &str) {
     let headsets = SETTINGS.iter().filter(|setting| setting.scope.is_for_headset());
     let names: Vec<_> = headsets.map(|setting| setting.name).chain([FLEET_FILE_KEY]).collect();
     assert_eq!(attribute("key"), names, "{dump}");
-    // Title and description of each, and the entries of size, mode, foveation and samples.
+    // Each has a title and a description; size, mode, foveation and samples have entries.
     let references = |name: &str| dump.matches(&format!(":{name}(")).count();
     assert_eq!(["title", "description"].map(references), [names.len(); 2], "{dump}");
     assert_eq!(["entries", "entryValues"].map(references), [4; 2], "{dump}");
@@ -297,11 +298,11 @@ fn what_is_wrong_is_told_and_nothing_is_left() {
         path.to_str().expect("UTF-8").to_owned()
     };
     let [settings, lion] = [&given.settings, &given.lion].map(|path| path.to_str().expect("UTF-8"));
-    // With a library that is none: nothing is built for what is taken wrongly.
+    // The library is invalid, to show that nothing is built before the arguments are checked.
     let refused = |arguments: &[&str], why: &str| {
         fails(&[arguments, &["--library", TEXT]].concat(), 2, why);
     };
-    // The lion's mode without the lion.
+    // The mode of the lion without the lion's file.
     refused(
         &["--settings", settings],
         "zoo.toml:2:8: mode = \"lion\", expected free, creative or one of",
@@ -333,7 +334,7 @@ fn what_is_wrong_is_told_and_nothing_is_left() {
     fails(&wrong, 1, "apksigner failed");
 }
 
-/// A compiler whose folder has these parts, for who asks it where that is.
+/// Creates a fake compiler that reports a sysroot with these parts.
 fn create_fake_compiler(name: &str, parts: &[&str]) -> PathBuf {
     let root = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = fs::remove_dir_all(&root);
@@ -345,7 +346,8 @@ fn create_fake_compiler(name: &str, parts: &[&str]) -> PathBuf {
     let [draft, rustc] = ["draft", "rustc"].map(|name| root.join(name));
     let answers = format!("case $1 in -vV) echo host: here;; *) echo {};; esac", root.display());
     fs::write(&draft, format!("#!/bin/sh\n{answers}\n")).expect("room on the disk");
-    // A process of its own writes it: a child that another test starts would inherit this one's descriptor ("text file busy").
+    // A separate process writes the file: otherwise a child that another test starts could inherit this
+    // process's descriptor ("text file busy").
     let installed = Command::new("install").arg(draft).arg(&rustc).status();
     assert!(installed.expect("install").success());
     rustc
@@ -372,11 +374,11 @@ fn all_that_is_missing_is_named_at_once() {
     let linker = "here/bin/rust-lld";
     let bare = create_fake_compiler("bare-compiler", &[linker]);
     assert_eq!(says(&bare, &[]), [target]);
-    // Nothing is built then.
+    // With a given library nothing is built.
     assert_eq!(says(&bare, &["--library", TEXT]), [""; 0]);
     let whole = create_fake_compiler("whole-compiler", &[linker, "aarch64-linux-android/lib"]);
     assert_eq!(says(&whole, &[]), [""; 0]);
-    // What no rustup brought.
+    // A compiler that was not installed by rustup.
     for rustc in [create_fake_compiler("other-compiler", &["here/lib"]), "/no/such/rustc".into()] {
         let line = says(&rustc, &[]).concat();
         assert!(line.starts_with(&format!("{target}  # ")), "{line}");

@@ -1,4 +1,5 @@
-//! Android's way to a booth. Token, certificate and parcels lie in the app's internal folder, which nobody else reads.
+//! Android's connection to a booth. Token, certificate and parcels lie in the app's internal folder, which no
+//! other app can read.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -11,25 +12,26 @@ use crate::device::AndroidDevice;
 use crate::fleet::{AgainClock, Enroller, FleetSources, HeadsetNames, follow_fleet_file};
 use crate::log::write_log_line;
 
-/// Where what belongs to the booth lies, and the thread that enrols the headset, if one does.
+/// The folder of the booth's data, and the thread that enrols the headset, if one runs.
 pub(super) struct BoothWay {
-    /// None where Android tells of no internal folder: then nothing is sent.
+    /// `None` if Android reports no internal folder: then nothing is sent.
     folder: Option<PathBuf>,
     enroller: Option<Enroller>,
-    /// By what it may enrol anew, as which device.
+    /// The sources of fleet files for a re-enrolment; `name` is the device's name.
     sources: FleetSources,
     name: String,
     again: AgainClock,
 }
 
 impl BoothWay {
-    /// No way.
+    /// Creates a value without a folder: nothing is sent.
     pub(super) fn none() -> Self {
         let (sources, name, again) = (FleetSources::default(), String::new(), AgainClock::new());
         BoothWay { folder: None, enroller: None, sources, name, again }
     }
 
-    /// Looks for a fleet's file, and does what it asks, as the device of this name. What stands in the way is logged.
+    /// Applies the first fleet file that is found, for a device of this name, and starts to enrol if
+    /// necessary. Errors are logged.
     pub(super) fn open(device: &AndroidDevice, sources: FleetSources, name: &str) -> Self {
         let private = device.find_private_folder();
         let private = private.map_err(|why| write_log_line(format_args!("{why}"))).ok();
@@ -48,7 +50,7 @@ impl BoothWay {
 
     /// See [`Platform::enrol_again`](crate::platform::Platform::enrol_again).
     pub(super) fn enrol_again(&mut self, device: &AndroidDevice) {
-        // One that is at work finds a new file by itself.
+        // A running thread finds a new file by itself.
         if let Some(private) = &self.folder
             && !self.enroller.as_ref().is_some_and(Enroller::is_asking)
             && self.again.take(Instant::now())

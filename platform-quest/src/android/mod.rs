@@ -1,4 +1,5 @@
-//! Android's side of the shell: the activity's entry point and events, and what [`Platform`] needs.
+//! Android's side of the shell: the activity's entry point and events, and the implementation of
+//! [`Platform`].
 
 mod booth;
 mod replay;
@@ -39,14 +40,14 @@ use crate::runtime::{AndroidContext, LinkedCalls, find_runtime_once};
 use crate::shell::{run_shell, show_failed_start};
 use booth::BoothWay;
 
-/// How often it is seen whether the shell has ended, where nothing else happens.
+/// The interval at which the end of the shell is checked while no event arrives.
 const POLL_TIMEOUT: Duration = Duration::from_millis(50);
 
-/// The application of the first activity, which the runtime was told of.
+/// The application of the first activity, which was passed to the OpenXR runtime.
 static KEPT_APP: OnceLock<AndroidApp> = OnceLock::new();
 
-/// The activity's main function. It polls the activity's events, which Java's callbacks wait for, and nothing else:
-/// whatever takes long (files, a driver, a runtime) happens on the shell's thread.
+/// The activity's main function. It only polls the activity's events, as Java's callbacks wait for it.
+/// Anything slow (files, a driver, a runtime) runs on the shell's thread.
 #[unsafe(no_mangle)]
 fn android_main(app: AndroidApp) {
     app.set_window_flags(WindowManagerFlags::KEEP_SCREEN_ON, WindowManagerFlags::empty());
@@ -54,7 +55,7 @@ fn android_main(app: AndroidApp) {
     let (its_app, its_activity) = (app.clone(), Arc::clone(&activity));
     let shell = thread::Builder::new().name("shell".into()).spawn(move || {
         let waker = its_app.create_waker();
-        // What is written to standard error goes to the device's log.
+        // Standard error goes to the device's log.
         if let Err(why) = run_app(its_app, its_activity) {
             write_log_line(format_args!("{}", why.message_with_remedy()));
         }
@@ -66,17 +67,18 @@ fn android_main(app: AndroidApp) {
     }
 }
 
-/// What the activity's thread and the shell's tell each other.
+/// The state shared by the activity's thread and the shell's.
 #[derive(Default)]
 struct ActivityState {
     is_destroyed: AtomicBool,
-    /// There is a studio that is to be saved before the activity may go.
+    /// `true` while there is a studio that must be saved before the activity ends.
     has_studio: AtomicBool,
 }
 
 impl ActivityState {
-    /// Polls the activity's events until the shell has ended, or the activity is destroyed and nothing is to be saved.
-    /// The shell may then go on for as long as a driver holds it; another activity's shell waits for it.
+    /// Polls the activity's events until the shell has ended, or the activity is destroyed and there is
+    /// nothing to save. The shell may then run for as long as a driver call takes; the shell of the next
+    /// activity waits for it.
     fn poll_until_over(&self, app: &AndroidApp, shell: &JoinHandle<()>) {
         let mut destroyed_at: Option<Instant> = None;
         loop {
@@ -126,7 +128,7 @@ fn run_app(app: AndroidApp, activity: Arc<ActivityState>) -> Result<(), Error> {
         write_log_line(format_args!("{why}; the managed configuration is left out"));
         Vec::new()
     });
-    // It is no setting.
+    // The fleet file is not a setting.
     let (fleet, managed): (Vec<_>, Vec<_>) =
         managed.into_iter().partition(|entry| entry.key == FLEET_FILE_KEY);
     let loaded = load_settings(&app, &folder, &managed, &own_figures);
@@ -142,14 +144,15 @@ fn run_app(app: AndroidApp, activity: Arc<ActivityState>) -> Result<(), Error> {
     let way = BoothWay::open(&device, sources, &name);
     let mut options =
         ShellOptions { folder: Some(folder), ..ShellOptions::from_settings(&loaded.settings) };
-    // A token lies where nobody else reads, whatever a setting says.
+    // The token always lies in the internal folder, whatever a setting says.
     options.booth.enrolment = None;
     let monitor = DeviceMonitor::start_polling(device);
     let platform = AndroidPlatform { app, monitor, activity, way };
     with_size!(size, N => run_with_size::<N>(platform, &options, &own_figures))
 }
 
-/// Loads the settings: the package's, those of a file in the folder of the sessions, and the managed ones.
+/// Loads the settings from the package, from a file in the sessions' folder, and from the managed
+/// configuration.
 fn load_settings(
     app: &AndroidApp,
     folder: &Path,
@@ -169,7 +172,7 @@ fn load_settings(
     loaded
 }
 
-/// The names of the operator's own figures in the package. A list that is none counts for nothing.
+/// Reads the names of the operator's own figures in the package. An invalid list is logged and ignored.
 fn read_own_figure_names(app: &AndroidApp) -> Vec<String> {
     package::read_own_figure_names(|name| open_asset(app, name)).unwrap_or_else(|why| {
         write_log_line(format_args!("{why}; there are no figures of one's own"));
@@ -177,7 +180,7 @@ fn read_own_figure_names(app: &AndroidApp) -> Vec<String> {
     })
 }
 
-/// The bytes of an asset of the package.
+/// Reads an asset of the package; `None` if it is missing.
 fn open_asset(app: &AndroidApp, name: &str) -> Option<Vec<u8>> {
     let mut asset = app.asset_manager().open(&CString::new(name).ok()?)?;
     Some(asset.buffer().ok()?.to_vec())
@@ -195,8 +198,8 @@ where
     run_shell::<N>(&mut platform, options).map(drop)
 }
 
-/// Loads the start volumes and the operator's own figures from the package's assets. Start volumes that are missing
-/// are computed; without figures of their own, sessions of these don't start.
+/// Loads the start volumes and the operator's own figures from the package's assets. Missing start volumes
+/// are computed. Without their figure, sessions of an own figure don't start.
 fn load_start_volumes<const N: usize>(app: &AndroidApp, own_figures: &[String])
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
@@ -204,7 +207,7 @@ where
     let open = |name: &str| open_asset(app, name);
     let volumes = &mut Grid::<N>::lock_world().start_volumes;
     if volumes.has_volumes() {
-        // An activity of this process has loaded them before.
+        // An earlier activity of this process has loaded them.
         return;
     }
     if let Err(why) = package::load_start_volumes(volumes, open) {
@@ -232,7 +235,7 @@ impl AndroidPlatform {
 
 impl Platform for AndroidPlatform {
     fn load_openxr(&mut self) -> Result<xr::Entry, Error> {
-        // A runtime is told of the activity once in a process, and may come back to it.
+        // A runtime receives the activity once in a process, and may use it again later.
         let kept = KEPT_APP.get_or_init(|| self.app.clone());
         let (vm, activity) = (kept.vm_as_ptr(), kept.activity_as_ptr());
         // SAFETY: the application holds both, and is kept. The loader comes with the package; brokers and manifest files are part of the system, or were installed in its place.
@@ -265,7 +268,7 @@ impl Platform for AndroidPlatform {
             write_log_line(format_args!("{why}"));
             None
         });
-        // The kernel's own ID is no documented interface of Android's.
+        // The kernel's own boot ID is not a documented interface of Android.
         count.map(BootId::from_count).or_else(BootId::read_from_kernel)
     }
 
@@ -295,7 +298,7 @@ impl Platform for AndroidPlatform {
     }
 }
 
-/// Drains the activity's input queue. Input comes through OpenXR; but Android ends a process that leaves a
+/// Drains the activity's input queue. Input comes through OpenXR, but Android kills a process that leaves a
 /// volume key unread for five seconds.
 fn drain_input(app: &AndroidApp) {
     if let Ok(mut events) = app.input_events_iter() {

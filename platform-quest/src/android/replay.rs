@@ -1,4 +1,4 @@
-//! [`paros_shell::replay`] for a C program that has loaded this library.
+//! A C interface to [`paros_shell::replay`], for a program that has loaded this library.
 
 use std::ffi::{CStr, OsStr, c_char, c_int};
 use std::os::unix::ffi::OsStrExt;
@@ -6,8 +6,8 @@ use std::path::Path;
 
 use paros_shell::replay::write_replay_digests;
 
-/// Plays the trace of the first path and writes its digests to the second; 0, or 1 after a line on
-/// standard error.
+/// Replays the trace at the first path and writes its digests to the second. Returns 0, or 1 after an error
+/// message on standard error.
 ///
 /// # Safety
 /// Both are C strings.

@@ -1,4 +1,4 @@
-//! The flags by which tests hold visits.
+//! The flags with which tests enable visits.
 
 use clap::Args;
 use paros_core::visit::{PlanSetting, VisitPlan};

@@ -1,5 +1,5 @@
-//! JNI calls of the table's members. A member that is newer than the device's API level is not called; a
-//! Java exception becomes an error.
+//! JNI calls of the table's members. A member that is newer than the device's API level is not called. A Java
+//! exception becomes an error.
 
 use std::fmt;
 
@@ -15,18 +15,18 @@ use super::table::{JavaMember, MemberKind, SDK_INT};
 /// A call into Java that failed.
 #[derive(Debug)]
 pub struct JavaError {
-    /// The member that was called; none where the thread could not be attached to the VM.
+    /// The member that was called; `None` if the thread could not be attached to the VM.
     pub member: Option<JavaMember>,
-    /// The class of the exception that was thrown, where one was: `java.net.SocketTimeoutException`, say.
+    /// The class of the exception that was thrown, if any, for instance `java.net.SocketTimeoutException`.
     pub thrown: Option<Box<str>>,
-    /// Whether that, or what caused it, is about keys and certificates.
+    /// `true` if the exception or one of its causes is about keys and certificates.
     pub is_about_trust: bool,
-    /// Why it failed: the exception's class and message, say.
+    /// The reason, for instance the exception's class and message.
     pub why: String,
 }
 
 impl JavaError {
-    /// A member whose value is null where there must be one.
+    /// Returns the error for a member whose value must not be null, but is.
     pub(super) fn null(member: JavaMember) -> Self {
         JavaError { member: Some(member), thrown: None, is_about_trust: false, why: "null".into() }
     }
@@ -49,10 +49,10 @@ impl From<JniError> for JavaError {
     }
 }
 
-/// What exceptions about keys and certificates are, whoever checks them.
+/// The superclass of all exceptions about keys and certificates, whichever provider checks them.
 const SECURITY_EXCEPTION: &str = "java/security/GeneralSecurityException";
 
-/// Causes that are looked at: a bound, as one may be its own.
+/// The maximum number of causes that are examined: a bound, as an exception may be its own cause.
 const MAX_CAUSES: usize = 8;
 
 /// The JNI environment of an attached thread, with the device's API level.
@@ -62,21 +62,21 @@ pub(super) struct JavaCaller<'env, 'local> {
 }
 
 impl<'env, 'local> JavaCaller<'env, 'local> {
-    /// A caller for a device of an API level.
+    /// Creates a caller for a device of this API level.
     pub(super) fn new(env: &'env mut Env<'local>, device_api_level: i32) -> Self {
         JavaCaller { env, api_level: device_api_level }
     }
 
     /// Reads the device's API level.
     pub(super) fn read_api_level(env: &'env mut Env<'local>) -> Result<i32, JavaError> {
-        // Every Android that this runs on has it.
+        // Every supported version of Android has this field.
         let mut caller = JavaCaller::new(env, SDK_INT.since);
         caller
             .call_or_read_static_if_available(SDK_INT, &[])?
             .map_or(Ok(0), |value| read_int(SDK_INT, value))
     }
 
-    /// Calls a method of an object. None if the device is older than the method.
+    /// Calls a method of an object. Returns `None` if the device is older than the method.
     pub(super) fn call_method_if_available(
         &mut self,
         member: JavaMember,
@@ -94,7 +94,7 @@ impl<'env, 'local> JavaCaller<'env, 'local> {
         self.catch_exception(member, called).map(Some)
     }
 
-    /// Calls a method of a class, or reads a field. None if the device is older than it.
+    /// Calls a static method or reads a static field. Returns `None` if the device is older than the member.
     pub(super) fn call_or_read_static_if_available(
         &mut self,
         member: JavaMember,
@@ -116,7 +116,8 @@ impl<'env, 'local> JavaCaller<'env, 'local> {
         self.catch_exception(member, called).map(Some)
     }
 
-    /// Calls a method that returns an object. None if that is null, or the device older than the method.
+    /// Calls a method that returns an object. Returns `None` if the object is null, or the device is older
+    /// than the method.
     pub(super) fn call_object_method_if_available(
         &mut self,
         member: JavaMember,
@@ -148,7 +149,7 @@ impl<'env, 'local> JavaCaller<'env, 'local> {
         Ok(array.into())
     }
 
-    /// Converts a member's value to a text; none if it is null.
+    /// Converts a member's value to a string; `None` if it is null.
     pub(super) fn read_string(
         &mut self,
         member: JavaMember,
@@ -171,7 +172,7 @@ impl<'env, 'local> JavaCaller<'env, 'local> {
         self.env.delete_local_ref(object);
     }
 
-    /// Calls a method of an object, whatever it returns.
+    /// Calls a method of an object and ignores its result.
     pub(super) fn call_method(
         &mut self,
         member: JavaMember,
@@ -196,7 +197,7 @@ impl<'env, 'local> JavaCaller<'env, 'local> {
         object.ok_or_else(|| JavaError::null(member))
     }
 
-    /// Calls a method of a class that returns an object, or reads a field that holds one, which is never null.
+    /// Calls a static method or reads a static field whose value is an object and never null.
     pub(super) fn call_or_read_static_object(
         &mut self,
         member: JavaMember,
@@ -208,7 +209,7 @@ impl<'env, 'local> JavaCaller<'env, 'local> {
         object.filter(|object| !object.is_null()).ok_or_else(|| JavaError::null(member))
     }
 
-    /// Creates an object by a constructor.
+    /// Creates an object with a constructor.
     pub(super) fn new_object(
         &mut self,
         member: JavaMember,
@@ -228,7 +229,7 @@ impl<'env, 'local> JavaCaller<'env, 'local> {
         array.map_err(|error| self.take_exception(None, &error))
     }
 
-    /// Copies the first bytes of an array, which has so many.
+    /// Copies the first `count` bytes of an array, which must have that many.
     pub(super) fn read_first_bytes(
         &mut self,
         array: &JByteArray<'_>,
@@ -239,7 +240,7 @@ impl<'env, 'local> JavaCaller<'env, 'local> {
         Ok(bytes.into_iter().map(i8::cast_unsigned).collect())
     }
 
-    /// A reference that other threads may use.
+    /// Creates a global reference, which other threads may use.
     pub(super) fn new_global(
         &mut self,
         object: &JObject<'_>,
@@ -256,7 +257,8 @@ impl<'env, 'local> JavaCaller<'env, 'local> {
         called.map_err(|error| self.take_exception(Some(member), &error))
     }
 
-    /// The error of a call that failed, with the exception that it threw. Where it threw none, the crate's.
+    /// Returns the error of a failed call, with the exception that it threw. Without an exception, the `jni`
+    /// crate's error is used.
     fn take_exception(&mut self, member: Option<JavaMember>, error: &JniError) -> JavaError {
         let thrown = self.env.exception_occurred().inspect(|_| self.env.exception_clear());
         let Some(thrown) = thrown else {
@@ -265,7 +267,7 @@ impl<'env, 'local> JavaCaller<'env, 'local> {
         };
         let told = self.describe_exception(&thrown);
         let is_about_trust = self.is_about_trust(thrown);
-        // What can't be read of it threw, too.
+        // Reading the exception may have thrown another one.
         self.env.exception_clear();
         let is_about_trust = is_about_trust.unwrap_or(false);
         match told {
@@ -280,8 +282,8 @@ impl<'env, 'local> JavaCaller<'env, 'local> {
         }
     }
 
-    /// Whether an exception, or one that caused it, is about keys and certificates. TLS throws one of the same class
-    /// where it was cut off.
+    /// Returns `true` if an exception or one of its causes is about keys and certificates. The outer class
+    /// alone doesn't tell: TLS throws the same class when a connection is cut off.
     fn is_about_trust(&mut self, mut thrown: JThrowable<'local>) -> Result<bool, JniError> {
         for _ in 0..MAX_CAUSES {
             let is_security = self.env.is_instance_of(&thrown, JNIString::from(SECURITY_EXCEPTION));
@@ -298,7 +300,8 @@ impl<'env, 'local> JavaCaller<'env, 'local> {
         Ok(false)
     }
 
-    /// An exception's class and message. The call stack isn't read: each of its frames would be a local reference.
+    /// Returns an exception's class and message. The call stack isn't read: each of its frames would be a
+    /// local reference.
     fn describe_exception(
         &mut self,
         thrown: &JThrowable<'_>,

@@ -1,4 +1,5 @@
-//! The managed configuration of the app: what a console that manages headsets sets, by `RestrictionsManager`.
+//! The managed configuration of the app: settings from a management console, read through
+//! `RestrictionsManager`.
 
 use jni::JValue;
 use jni::objects::JObject;
@@ -9,21 +10,21 @@ use super::{AndroidDevice, system_service};
 
 const RESTRICTIONS_SERVICE: &str = "restrictions";
 
-/// The most entries that are read of a configuration: a bound against a faulty console.
+/// The maximum number of entries that are read: a bound against a faulty console.
 const MAX_ENTRIES: usize = 256;
 
-/// An entry of a managed configuration, its value as a text.
+/// An entry of a managed configuration, with its value as text.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ManagedEntry {
-    /// The key: the name of a setting, if it is one.
+    /// The key, usually the name of a setting.
     pub key: String,
-    /// The value: a text, the digits of a number, `true` or `false`.
+    /// The value: a string, the digits of a number, `true` or `false`.
     pub value: String,
 }
 
 impl AndroidDevice {
-    /// Reads the managed configuration, in the order of its keys; empty on a device that nobody manages. A key without a
-    /// value is left out.
+    /// Reads the managed configuration, sorted by key; empty on an unmanaged device. A key without a value is
+    /// left out.
     ///
     /// # Errors
     /// A call into Java that failed.
@@ -54,14 +55,14 @@ impl AndroidDevice {
                 let value = read_value(caller, &bundle, &key)?;
                 entries.extend(value.map(|value| ManagedEntry { key, value }));
             }
-            // A bundle has its keys in no order.
+            // A bundle's keys have no order.
             entries.sort_by(|a, b| a.key.cmp(&b.key));
             Ok(entries)
         })
     }
 }
 
-/// The value of a bundle's key as a text; none if it is null.
+/// Reads the value of a bundle's key as text; `None` if it is null.
 fn read_value(
     caller: &mut JavaCaller<'_, '_>,
     bundle: &JObject<'_>,

@@ -1,5 +1,6 @@
 //! The device's state that only Android's Java classes report: battery, thermal state, model, boots, storage
-//! folders, network, content providers, managed configuration, and HTTPS. Calls go through JNI, to the members of [`table`] only.
+//! folders, network, content providers, managed configuration, and HTTPS. Calls go through JNI, and only to
+//! the members in [`table`].
 //!
 //! The screen is kept on without Java: `ANativeActivity_setWindowFlags` may be called from any thread,
 //! the methods of `View` only from the activity's own.
@@ -32,7 +33,7 @@ use table::{
     THERMAL_HEADROOM, THERMAL_STATUS,
 };
 
-/// An Android device, by a Java context.
+/// An Android device, accessed through a Java context.
 #[derive(Debug)]
 pub struct AndroidDevice {
     vm: JavaVM,
@@ -40,10 +41,10 @@ pub struct AndroidDevice {
     api_level: i32,
 }
 
-/// The most rows that are read of a query's result: a bound against a faulty content provider.
+/// The maximum number of rows that are read from a query's result: a bound against a faulty content provider.
 pub const MAX_ROWS: usize = 256;
 
-/// Constants of Android, by the reference pages of the classes that take them.
+/// Constants of Android, from the reference pages of the classes that take them.
 const BATTERY_SERVICE: &str = "batterymanager";
 const POWER_SERVICE: &str = "power";
 const CONNECTIVITY_SERVICE: &str = "connectivity";
@@ -54,18 +55,17 @@ const ANDROID_ID: &str = "android_id";
 /// `Settings.Global.BOOT_COUNT`, since API level 24.
 const BOOT_COUNT: &str = "boot_count";
 
-/// How far ahead the thermal headroom is forecast, in seconds: beyond it the forecast is unreliable.
+/// The forecast time of the thermal headroom, in seconds: a longer forecast is unreliable.
 const FORECAST_SECONDS: i32 = 10;
 
 impl AndroidDevice {
-    /// The device of an activity, or of another `android.content.Context`.
+    /// Creates the device from an activity, or from another `android.content.Context`.
     ///
     /// # Safety
-    /// The first is the process's Java VM, the second a reference to a context that is valid during
-    /// this call.
+    /// `vm` is the process's Java VM, and `context` a reference to a context that is valid during this call.
     ///
     /// # Errors
-    /// The thread can't be attached, or this is no Android.
+    /// The thread can't be attached, or this is not Android.
     pub unsafe fn from_raw(vm: *mut c_void, context: *mut c_void) -> Result<Self, JavaError> {
         // SAFETY: the caller says that it is one.
         let vm = unsafe { JavaVM::from_raw(vm.cast()) };
@@ -79,13 +79,13 @@ impl AndroidDevice {
         Ok(AndroidDevice { vm, context, api_level })
     }
 
-    /// The device's API level.
+    /// Returns the device's API level.
     #[must_use]
     pub const fn api_level(&self) -> i32 {
         self.api_level
     }
 
-    /// Reads manufacturer and model, separated by a blank.
+    /// Reads manufacturer and model, separated by a space.
     ///
     /// # Errors
     /// A call into Java that failed.
@@ -115,7 +115,7 @@ impl AndroidDevice {
             if let Some(value) =
                 caller.call_method_if_available(BATTERY_PROPERTY, &manager, &which)?
             {
-                // A device that does not know answers with the least number there is.
+                // A device that doesn't know the capacity returns the smallest integer.
                 let percent = read_int(BATTERY_PROPERTY, value)?;
                 battery.percent = u8::try_from(percent).ok().filter(|percent| *percent <= 100);
             }
@@ -150,11 +150,11 @@ impl AndroidDevice {
         })
     }
 
-    /// Finds the folder for saved files: the external one, which a computer reads over USB, else the
-    /// internal one.
+    /// Finds the folder for saved files: the external one, which a computer reads over USB, or, if there is
+    /// none, the internal one.
     ///
     /// # Errors
-    /// A call into Java that failed, or there is neither folder.
+    /// A call into Java that failed, or neither folder exists.
     pub fn find_storage_folder(&self) -> Result<PathBuf, JavaError> {
         self.call_java(|caller, context| {
             let own = JObject::null();
@@ -172,7 +172,7 @@ impl AndroidDevice {
         })
     }
 
-    /// Finds the internal folder, which no other app and no computer reads: for secrets.
+    /// Finds the internal folder for secrets, which no other app and no computer can read.
     ///
     /// # Errors
     /// A call into Java that failed.
@@ -183,7 +183,7 @@ impl AndroidDevice {
         })
     }
 
-    /// Reads how many times the device has booted since it was set up. None if it does not count.
+    /// Reads how many times the device has booted since it was set up; `None` if it doesn't count.
     ///
     /// # Errors
     /// A call into Java that failed.
@@ -202,7 +202,7 @@ impl AndroidDevice {
         })
     }
 
-    /// Whether the active network has reached the internet (`NET_CAPABILITY_VALIDATED`).
+    /// Returns `true` if the active network has reached the internet (`NET_CAPABILITY_VALIDATED`).
     ///
     /// # Errors
     /// A call into Java that failed.
@@ -228,8 +228,8 @@ impl AndroidDevice {
         })
     }
 
-    /// Reads `ANDROID_ID`: what the device is called to this app, until it is set to factory settings. It outlives the
-    /// app's data. None if it has no such name.
+    /// Reads `ANDROID_ID`, the device's identifier for this app, which lasts until a factory reset, even if
+    /// the app's data are deleted. Returns `None` if there is no such identifier.
     ///
     /// # Errors
     /// A call into Java that failed.
@@ -248,14 +248,14 @@ impl AndroidDevice {
         })
     }
 
-    /// What makes what asks booths over HTTPS by Java, in any thread: see [`HttpsCaller::new`].
+    /// Returns a function that creates HTTPS callers for booths, on any thread: see [`HttpsCaller::new`].
     pub fn booth_connector(&self) -> impl Fn(&str, &[u8]) -> HttpsCaller + Send + use<> {
         let vm = self.vm.clone();
         move |url, ca| HttpsCaller::new(vm.clone(), url, ca)
     }
 
-    /// A link to a booth, which isn't connected yet. Whether the network is said to reach the Internet is nobody's
-    /// business: a booth's needn't.
+    /// Creates a link to a booth, which isn't connected yet. The network's internet access isn't checked: a
+    /// booth's network needs none.
     #[must_use]
     pub fn open_booth_link(&self, address: &BoothAddress, times: LinkTimes) -> ThreadedLink {
         let [of_puts, of_heartbeats] =
@@ -263,11 +263,11 @@ impl AndroidDevice {
         ThreadedLink::start(address.token, times, of_puts, of_heartbeats)
     }
 
-    /// Queries the content provider at a `content://` address for these columns. Returns at most
-    /// [`MAX_ROWS`] rows, and none if there is no such provider.
+    /// Queries these columns of the content provider at a `content://` address. Returns at most [`MAX_ROWS`]
+    /// rows, and none if there is no such provider.
     ///
     /// # Errors
-    /// A call into Java that failed: a refused permission, say.
+    /// A call into Java that failed, for instance for a refused permission.
     pub fn query_first_content_rows(
         &self,
         address: &str,
@@ -310,14 +310,14 @@ impl AndroidDevice {
     }
 }
 
-/// The absolute path of a file.
+/// Reads the absolute path of a Java file.
 fn read_path(caller: &mut JavaCaller<'_, '_>, file: &JObject<'_>) -> Result<PathBuf, JavaError> {
     let path = caller.call_method_if_available(ABSOLUTE_PATH, file, &[])?;
     let path = path.map(|path| caller.read_string(ABSOLUTE_PATH, path)).transpose()?.flatten();
     path.map(PathBuf::from).ok_or_else(|| JavaError::null(ABSOLUTE_PATH))
 }
 
-/// Finds a system service by its name; none if the device lacks it.
+/// Finds a system service by its name; `None` if the device lacks it.
 fn system_service<'local>(
     caller: &mut JavaCaller<'_, 'local>,
     context: &JObject<'_>,

@@ -1,4 +1,4 @@
-//! A polling thread for thermal state and battery: a call into Java may take longer than a frame.
+//! A thread that polls thermal state and battery, as a call into Java may take longer than a frame.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,14 +13,14 @@ use crate::log::write_log_line;
 /// The polling interval. Android computes a new headroom at most once a second.
 const POLL_INTERVAL: Duration = Duration::from_secs(10);
 
-/// Polls a device until it is dropped.
+/// The handle of the polling thread, which ends when the handle is dropped.
 #[derive(Debug)]
 pub struct DeviceMonitor {
     shared: Arc<MonitorState>,
     thread: Option<JoinHandle<()>>,
 }
 
-/// What the polling thread and the monitor share.
+/// The state that the polling thread and the monitor share.
 #[derive(Debug)]
 struct MonitorState {
     device: AndroidDevice,
@@ -40,13 +40,13 @@ impl DeviceMonitor {
         DeviceMonitor { shared, thread: thread.ok() }
     }
 
-    /// The device.
+    /// Returns the device.
     #[must_use]
     pub fn device(&self) -> &AndroidDevice {
         &self.shared.device
     }
 
-    /// The health that was read last.
+    /// Returns the health that was read last.
     #[must_use]
     pub fn latest(&self) -> DeviceHealth {
         *self.shared.latest.lock().unwrap_or_else(PoisonError::into_inner)
@@ -58,7 +58,7 @@ impl Drop for DeviceMonitor {
         self.shared.stop.store(true, Ordering::Release);
         if let Some(thread) = self.thread.take() {
             thread.thread().unpark();
-            // It returns nothing; a panic has been printed.
+            // The thread returns nothing; a panic has been printed.
             let _ = thread.join();
         }
     }

@@ -1,4 +1,4 @@
-//! A headset that enrols, with booths that answer as they are told.
+//! Enrolment of a headset at scripted booths.
 
 use std::fs;
 use std::path::PathBuf;
@@ -11,7 +11,8 @@ use super::*;
 
 type Answer = Result<HttpAnswer, LinkFault>;
 
-/// Gives these answers, then that the booth can't be reached, and keeps what it was asked.
+/// A scripted booth: returns these responses, then reports the booth as unreachable, and records the
+/// requests.
 #[derive(Clone)]
 struct Booth(Arc<Mutex<Exchange>>);
 
@@ -75,9 +76,9 @@ fn what_a_console_set_counts_before_the_file_and_that_before_the_package() {
     fs::write(folder.join(FLEET_FILE_NAME), in_folder).expect("room on the disk");
     assert_eq!(find(None, Some(&baked)).as_deref(), Some("https://f"));
     assert_eq!(find(Some(&managed), Some(&baked)).as_deref(), Some("https://m"));
-    // A form that was left empty.
+    // An empty field of the console's form.
     assert_eq!(find(Some(" \n"), None).as_deref(), Some("https://f"));
-    // One that is none leaves the others.
+    // An invalid file is skipped, and the next source counts.
     assert_eq!(find(Some("no"), None).as_deref(), Some("https://f"));
     assert_eq!(told.len(), 1, "{told:?}");
     assert!(told[0].starts_with("managed configuration: "), "{told:?}");
@@ -103,7 +104,7 @@ fn a_headset_enrols_once_and_moves_with_its_booth() {
     assert!(!is_due(&fleet("https://elsewhere")));
     let moved = Enrolment::read(&file).expect("whole").expect("it was kept");
     assert_eq!(moved, Enrolment { address: "https://elsewhere".into(), ..kept });
-    // Another site's fleet takes it over, and what can't be read counts for nothing.
+    // A fleet file of another site causes a new enrolment, and an unreadable enrolment is ignored.
     assert!(is_due(&FleetFile { site: SiteId([1; 16]), ..first.clone() }));
     fs::write(&file, "token = 1").expect("room on the disk");
     assert!(is_due(&first));
@@ -135,17 +136,19 @@ fn a_booth_that_is_off_is_asked_again_and_again_for_the_same() {
         true
     };
     assert!(enrol_with_patience(way, &device, &file, pause));
-    // After a refusal ten minutes, in which it looks for another file each minute.
+    // After a refusal the pause is ten minutes, with a check for another file each minute.
     assert_eq!(pauses[..3], [2, 4, 8]);
     assert_eq!((&pauses[3..13], &pauses[13..]), (&[60; 10][..], &[32, 60, 60][..]));
     let (_, asked) = &*booth.0.lock().expect("nobody panicked");
     assert_eq!(asked.len(), count);
-    // The booth may have taken one whose answer was lost: another token would be another headset.
+    // The booth may have accepted a request whose response was lost: another token would enrol another
+    // headset.
     assert!(asked.iter().all(|body| *body == asked[0]));
     fs::remove_dir_all(folder).expect("it is ours");
 }
 
-/// A restore takes all enrolment tokens back: staff put a file with another one there, and perhaps another address.
+/// A restore revokes all enrolment tokens: staff provide a file with another token, and perhaps another
+/// address.
 #[test]
 fn a_file_that_is_put_there_meanwhile_is_what_it_asks_by() {
     let folder = folder("meanwhile");
@@ -166,7 +169,7 @@ fn a_file_that_is_put_there_meanwhile_is_what_it_asks_by() {
     let mut pauses = 0;
     let pause = |_| {
         pauses += 1;
-        // There is none at first.
+        // At first there is no file.
         let address = match pauses {
             3 => "https://old",
             7 => "https://new",
@@ -201,7 +204,7 @@ fn the_thread_tells_once_and_is_not_waited_for() {
     }
     assert!(!enroller.poll_enrolled());
     assert!(Enrolment::read(&file).expect("whole").is_some());
-    // One whose booth is gone.
+    // A headset whose booth is gone.
     let gone = Booth(Arc::new(Mutex::new((Vec::new(), Vec::new()))));
     let asked = Arc::clone(&gone.0);
     let enroller = spawn(gone);
@@ -210,7 +213,7 @@ fn the_thread_tells_once_and_is_not_waited_for() {
     }
     drop(enroller);
     let begun = Instant::now();
-    // The thread has gone once it holds the booth no more, long before its pause is over.
+    // The thread has ended once it has released the booth, long before its pause is over.
     while Arc::strong_count(&asked) > 1 {
         assert!(begun.elapsed() < Duration::from_millis(1500), "it goes on");
         thread::sleep(Duration::from_millis(5));
@@ -222,7 +225,7 @@ fn the_thread_tells_once_and_is_not_waited_for() {
 fn a_headset_that_is_forgotten_again_and_again_asks_once_an_hour() {
     let (mut clock, start) = (AgainClock::new(), Instant::now());
     assert!(clock.take(start));
-    // Each frame asks.
+    // The clock is queried in each frame.
     assert!(!(0..36_000).any(|tenths| clock.take(start + Duration::from_millis(100 * tenths))));
     assert!(clock.take(start + PAUSE_BEFORE_AGAIN));
     assert!(!clock.take(start + PAUSE_BEFORE_AGAIN));

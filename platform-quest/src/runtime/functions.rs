@@ -1,6 +1,6 @@
-//! A runtime's functions, asked for as Khronos' loader asks for them. Before there is an instance that is for
-//! two of them only, as the loader answers for the layers itself; a forwarding runtime of a headset is reported
-//! to break off at others.
+//! The functions of a runtime, looked up as Khronos' loader does. Without an instance only two functions are
+//! requested, as the loader answers layer queries itself; a forwarding runtime of a headset is reported to
+//! abort on other requests.
 
 use std::ffi::{CStr, c_char};
 use std::sync::{Mutex, PoisonError, RwLock};
@@ -9,24 +9,24 @@ use openxr as xr;
 use openxr::sys::pfn::{GetInstanceProcAddr, VoidFunction};
 use openxr::sys::{Handle as _, Instance, Result as XrResult};
 
-/// What a loader asks a runtime for without an instance.
+/// The functions that a loader requests from a runtime without an instance.
 const BEFORE_INSTANCE: [&CStr; 2] =
     [c"xrEnumerateInstanceExtensionProperties", c"xrCreateInstance"];
 
-/// The process's runtime, which [`get_instance_proc_addr`] asks: a C function has no other place for it.
+/// The process's runtime, which [`get_instance_proc_addr`] forwards to: a C function can't carry state.
 static RUNTIME: RwLock<Option<GetInstanceProcAddr>> = RwLock::new(None);
 
-/// Held while an entry point is made, whose functions are to be of one runtime.
+/// Locked while an entry point is made, as all its functions must come from one runtime.
 static MAKING: Mutex<()> = Mutex::new(());
 
-/// Makes the entry point of a runtime. One serves a process: functions of an instance are always those of the
-/// runtime that came last.
+/// Makes the entry point of a runtime. A process can use one runtime: functions of an instance always come
+/// from the last one.
 ///
 /// # Errors
-/// The runtime lacks a function that each has.
+/// The runtime lacks a function that every runtime must have.
 ///
 /// # Safety
-/// This is the `xrGetInstanceProcAddr` of a runtime that stays open.
+/// `runtime` is the `xrGetInstanceProcAddr` of a runtime that stays open.
 pub(super) unsafe fn make_runtime_entry(
     runtime: GetInstanceProcAddr,
 ) -> Result<xr::Entry, XrResult> {
@@ -36,7 +36,7 @@ pub(super) unsafe fn make_runtime_entry(
     unsafe { xr::Entry::from_get_instance_proc_addr(get_instance_proc_addr, &()) }
 }
 
-/// `xrGetInstanceProcAddr` as a loader has it.
+/// Implements `xrGetInstanceProcAddr` as a loader does.
 unsafe extern "system" fn get_instance_proc_addr(
     instance: Instance,
     name: *const c_char,

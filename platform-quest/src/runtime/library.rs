@@ -13,16 +13,16 @@ use paros_headset::runtime::{INITIALIZE_FUNCTION, RuntimeCalls, RuntimeLibrary};
 use super::functions::make_runtime_entry;
 use super::negotiation::{NegotiationError, negotiate_interface};
 
-/// The function by which a loader gives all others.
+/// The function through which a loader provides all others.
 const PROC_ADDR_FUNCTION: &str = "xrGetInstanceProcAddr";
 
-/// Why a library is no use.
+/// The reason why a library is unusable.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum LibraryError {
-    /// It can't be opened, for the linker's reason.
+    /// The linker could not open the library, for this reason.
     #[error("can't be opened: {0}")]
     Open(String),
-    /// It lacks this function, and so is no runtime or loader.
+    /// The library lacks this function, and so is neither a runtime nor a loader.
     #[error("is no OpenXR runtime: it has no {0}")]
     NoFunction(String),
     /// [`INITIALIZE_FUNCTION`] failed.
@@ -31,12 +31,12 @@ pub enum LibraryError {
     /// The negotiation failed.
     #[error("{0}")]
     Refused(NegotiationError),
-    /// It lacks a function that every runtime has.
+    /// The library lacks a function that every runtime must have.
     #[error("lacks a function of OpenXR: {0:?}")]
     Call(XrResult),
 }
 
-/// What [`INITIALIZE_FUNCTION`] takes.
+/// The arguments of [`INITIALIZE_FUNCTION`].
 #[derive(Clone, Copy, Debug)]
 pub struct AndroidContext {
     /// The `JavaVM`.
@@ -45,24 +45,25 @@ pub struct AndroidContext {
     pub activity: *mut c_void,
 }
 
-/// The calls into libraries, by the system's linker.
+/// Calls into libraries through the system's linker.
 #[derive(Clone, Copy, Debug)]
 pub struct LinkedCalls {
     context: Option<AndroidContext>,
 }
 
 impl LinkedCalls {
-    /// Calls that initialise for a context; where there is none, as on Linux, no library is initialised.
+    /// Creates calls that initialise libraries for a context. Without a context, as on Linux, no library is
+    /// initialised.
     ///
     /// # Safety
-    /// The context is valid while this is used. Every library that is opened may be run in this process,
-    /// and has functions as OpenXR has them.
+    /// The context is valid while this value is used. Every opened library may run in this process, and its
+    /// functions have OpenXR's types.
     #[must_use]
     pub const unsafe fn new(context: Option<AndroidContext>) -> Self {
         LinkedCalls { context }
     }
 
-    /// Initialises, if there is a context.
+    /// Calls a library's initialisation function, if there is a context.
     fn initialize(&self, function: InitializeLoaderKHR) -> Result<(), LibraryError> {
         let Some(AndroidContext { vm, activity }) = self.context else { return Ok(()) };
         let info = LoaderInitInfo {
@@ -79,7 +80,7 @@ impl LinkedCalls {
     }
 }
 
-/// `XrLoaderInitInfoAndroidKHR`, which the crate has on Android alone.
+/// The struct `XrLoaderInitInfoAndroidKHR`, which the `openxr` crate only defines on Android.
 #[repr(C)]
 struct LoaderInitInfo {
     ty: StructureType,
@@ -88,15 +89,15 @@ struct LoaderInitInfo {
     application_context: *mut c_void,
 }
 
-/// A library that was opened. It is never closed: a runtime has threads of its own, and none is made to
-/// be unloaded.
+/// An opened library. It is never closed: a runtime has threads of its own, and isn't designed to be
+/// unloaded.
 #[derive(Clone, Copy, Debug)]
 pub struct OpenedLibrary {
     initialize: Option<InitializeLoaderKHR>,
     source: FunctionSource,
 }
 
-/// Where a library's functions come from.
+/// The exported function through which a library's functions are found.
 #[derive(Clone, Copy, Debug)]
 enum FunctionSource {
     Negotiation(NegotiateLoaderRuntimeInterface),
@@ -112,7 +113,7 @@ impl FunctionSource {
     }
 }
 
-/// One library has one address.
+/// Equal addresses mean the same library.
 impl PartialEq for OpenedLibrary {
     fn eq(&self, other: &Self) -> bool {
         self.source.address() == other.source.address()
@@ -122,9 +123,9 @@ impl PartialEq for OpenedLibrary {
 /// The functions of a library.
 #[derive(Clone, Copy, Debug)]
 pub enum LibraryFunctions {
-    /// A runtime's, negotiated.
+    /// A runtime's functions, from the negotiation.
     Runtime(GetInstanceProcAddr),
-    /// A loader's, exported.
+    /// A loader's functions, from its export.
     Loader(GetInstanceProcAddr),
 }
 
@@ -181,7 +182,7 @@ impl RuntimeCalls for LinkedCalls {
         // SAFETY: no instance is needed for this name, which is a C string; there is room for a function.
         let result = unsafe { find(xr::sys::Instance::NULL, name.as_ptr(), &mut found) };
         if result.into_raw() < 0 {
-            // Not every runtime has a wish to hear of the activity before an instance is made.
+            // The function is optional: not every runtime needs the activity before an instance is created.
             return Ok(());
         }
         let function = found.ok_or_else(|| LibraryError::NoFunction(INITIALIZE_FUNCTION.into()))?;

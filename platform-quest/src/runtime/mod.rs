@@ -1,5 +1,5 @@
-//! Android's OpenXR runtime where the system has no loader: the calls into the libraries among which
-//! [`paros_headset::runtime`] searches, and the process's one search.
+//! Android's OpenXR runtime on systems without a loader: the calls into the libraries that
+//! [`paros_headset::runtime`] searches, and the process's only search.
 
 mod functions;
 mod library;
@@ -19,11 +19,11 @@ static SEARCH: Mutex<RuntimeSearch<LinkedCalls>> = Mutex::new(RuntimeSearch::new
 /// Finds the runtime once in this process: see [`RuntimeSearch::find_once`].
 ///
 /// # Errors
-/// [`NoRuntime`], with all that was tried.
+/// [`NoRuntime`], with all candidates that were tried.
 pub fn find_runtime_once(
     calls: &mut LinkedCalls,
     candidates: impl IntoIterator<Item = Candidate>,
 ) -> Result<FoundRuntime<xr::Entry>, NoRuntime> {
-    // A search that was broken off by a panic has found nothing yet.
+    // A search that ended in a panic has found nothing yet.
     SEARCH.lock().unwrap_or_else(PoisonError::into_inner).find_once(calls, candidates)
 }

@@ -3,10 +3,10 @@
 use openxr::sys::pfn::{GetInstanceProcAddr, NegotiateLoaderRuntimeInterface};
 use openxr::sys::{NegotiateLoaderInfo, NegotiateRuntimeRequest, Result as XrResult, Version};
 
-/// The only version of the interface between loader and runtime so far.
+/// The only version of the interface between loader and runtime that exists so far.
 const INTERFACE_VERSION: u32 = 1;
 
-/// Why a negotiation failed.
+/// The reason why a negotiation failed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum NegotiationError {
     /// The runtime returned this result: it needs another interface or version.
@@ -29,7 +29,7 @@ pub enum NegotiationError {
 /// [`NegotiationError`].
 ///
 /// # Safety
-/// The function is a runtime's `xrNegotiateLoaderRuntimeInterface`.
+/// `function` is a runtime's `xrNegotiateLoaderRuntimeInterface`.
 pub unsafe fn negotiate_interface(
     function: NegotiateLoaderRuntimeInterface,
 ) -> Result<GetInstanceProcAddr, NegotiationError> {
@@ -75,8 +75,8 @@ mod tests {
 
     use super::{NegotiationError, negotiate_interface};
 
-    /// What the runtime below answers: a result, its interface, its version, whether it has
-    /// functions.
+    /// The answer of the runtime below: its result, interface version and major version of OpenXR, and `true`
+    /// if it returns functions.
     static ANSWER: Mutex<(XrResult, u32, u16, bool)> = Mutex::new((XrResult::SUCCESS, 1, 1, true));
 
     unsafe extern "system" fn runtime(

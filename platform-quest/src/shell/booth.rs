@@ -1,4 +1,4 @@
-//! The headset's way to a booth.
+//! The headset's connection to a booth.
 
 use std::mem;
 use std::sync::Arc;
@@ -22,9 +22,10 @@ use crate::boot_clock::read_since_boot;
 use crate::options::ShellOptions;
 use crate::platform::Platform;
 
-/// Has a studio's sculptures brought to the booth at which the device is enrolled, if it is at one, and with them parcels
-/// that the one before had no room for. Returns the courier that brings them. What stands in the way is logged, the studio
-/// goes on without, and the parcels stay where they are.
+/// Connects a studio to the booth at which the device is enrolled, if any, and returns the courier that sends
+/// its sculptures. The courier also takes over the parcels in `without_room`, for which the previous courier
+/// had no room. On an error, which is logged, the studio works without a booth, and `without_room` is
+/// unchanged.
 pub(super) fn bring_to_booth<const N: usize>(
     studio: &mut Studio<'_, N>,
     options: &ShellOptions,
@@ -61,23 +62,25 @@ impl<const N: usize> HeadsetShell<'_, N>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    /// Carries out what the booth asks, tells it how the headset is, and logs what has become of sculptures.
+    /// Carries out the booth's requests, reports the headset's status, and logs the upload status of
+    /// sculptures.
     pub(super) fn follow_booth(&mut self, is_awake: bool, platform: &mut dyn Platform) {
-        // What is finished already stays here: nothing was kept for the booth of how it came about.
+        // A finished sculpture isn't sent to a new booth: its making wasn't recorded for the booth.
         let is_finished = self.studio.world().session_state() == SessionState::Finished;
         self.is_enrolled_anew |= platform.poll_enrolled();
         let is_forgotten = self.courier.as_ref().is_some_and(|courier| courier.is_forgotten());
         if is_forgotten && !self.is_enrolled_anew {
             platform.enrol_again();
         }
-        // Another courier reads all that is in the outbox: nobody carves meanwhile.
+        // Opening another courier reads the whole outbox: do it only while nobody carves.
         let phase = self.studio.world().visit().phase();
         let is_between = matches!(phase, VisitPhase::Closed | VisitPhase::Attract);
         let is_idle = !is_awake || self.host.is_some() && is_between;
         let is_time = !is_finished && (is_idle || self.courier.is_none());
         if is_time && self.is_enrolled_anew {
             self.is_enrolled_anew = false;
-            // It has the outbox's folder. What waits there goes as the new headset's.
+            // Close the old courier first: both use the same outbox folder. Its parcels are sent under the
+            // new enrolment.
             self.studio.set_receiver(None);
             let ended = self.courier.take().and_then(Arc::into_inner).map(Courier::close);
             self.without_room.extend(ended.unwrap_or_default());
@@ -101,7 +104,8 @@ where
     }
 }
 
-/// What the booth is told of a headset's battery and heat; `runtime_thermal` is what the runtime says of the heat.
+/// Returns the battery and heat status for the booth. `runtime_thermal` is the thermal state that the OpenXR
+/// runtime reports.
 fn device_status(health: DeviceHealth, runtime_thermal: ThermalState) -> DeviceStatus {
     DeviceStatus {
         battery_percent: health.battery.percent,

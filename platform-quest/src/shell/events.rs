@@ -67,7 +67,7 @@ where
         Ok(())
     }
 
-    /// Moves the session's phase on by an event, and fulfils the duty that comes with it.
+    /// Advances the session's phase by an event, and fulfils the resulting duty.
     fn on_session_event(
         &mut self,
         event: SessionEvent,
@@ -98,7 +98,7 @@ where
         Ok(())
     }
 
-    /// Prints the status line of the test command `say`, of a session that runs on this device and runtime.
+    /// Prints the status line of the test command `say`, for a session on this device and runtime.
     pub(super) fn print_status(&self, phase: &str, gpu: &Gpu, runtime: &Runtime) {
         let world = self.studio.world();
         let held =
@@ -108,7 +108,7 @@ where
         let room = self.placement.room();
         let UndoCounts { undoable: undo, redoable: redo } = world.undo_counts();
         let mut out = io::stdout().lock();
-        // Nobody may be listening there.
+        // Standard output may be closed.
         let _ = writeln!(
             out,
             "life {phase}; session {:?}; mode {:?}; voxels {}; holds {held:?}; tracked {tracked:?}; \
@@ -132,7 +132,7 @@ where
     }
 }
 
-/// The event for a session state (`XrSessionState`); none for one that a later OpenXR adds.
+/// Returns the event for a session state (`XrSessionState`); `None` for states of later OpenXR versions.
 pub(crate) fn session_event(state: xr::SessionState) -> Option<SessionEvent> {
     Some(match state {
         xr::SessionState::IDLE => SessionEvent::Idle,
@@ -147,7 +147,7 @@ pub(crate) fn session_event(state: xr::SessionState) -> Option<SessionEvent> {
     })
 }
 
-/// The thermal state for a notification level of `XR_EXT_performance_settings`.
+/// Returns the thermal state for a notification level of `XR_EXT_performance_settings`.
 fn thermal_state(level: xr::PerfSettingsNotificationLevelEXT) -> ThermalState {
     match level {
         xr::PerfSettingsNotificationLevelEXT::NORMAL => ThermalState::Normal,

@@ -69,7 +69,7 @@ where
         let session = &resources.session;
         let mut grips = [None; 2];
         if has_focus && !is_moved {
-            // Newer than any tick's.
+            // These grip poses are newer than any tick's.
             for (hand, reader) in self.hand_readers.iter().enumerate() {
                 grips[hand] = session.locate_grip(hand, reader.source(), display_time)?;
             }
@@ -84,7 +84,7 @@ where
             show_mirror: true,
             light_targets: has_focus && !is_moved,
         };
-        // As late as can be: the later, the better the prediction.
+        // Locate the eyes as late as possible: a later prediction is better.
         let [left, right] = session.locate_eyes(display_time)?;
         let seen = Viewpoint {
             eyes: &[left.eye, right.eye],

@@ -1,4 +1,4 @@
-//! Visits: what their host is told of head and hands, and what it wants of the room.
+//! Visits: passes head and hands to the visit host, and applies its requests to the room.
 
 use std::fmt;
 use std::time::Duration;
@@ -21,7 +21,8 @@ use super::HeadsetShell;
 use crate::options::ShellOptions;
 use crate::platform::Platform;
 
-/// The host of visits, if any are held. A recording starts anew, whatever visit was found.
+/// Returns the host of visits, if visits are enabled. A recording begins a new visit, even if one was found
+/// on the disk.
 pub(super) fn open_host(
     options: &ShellOptions,
     start_anew: bool,
@@ -38,7 +39,7 @@ impl<const N: usize> HeadsetShell<'_, N>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    /// Tells the host of a visit that was found on the disk for how long nobody had used the headset.
+    /// Passes to the host a visit that was found on the disk, and for how long the headset was unused.
     pub(super) fn resume_visit(&mut self, last_use: Option<LastUse>, platform: &mut dyn Platform) {
         let visit = self.studio.world().visit();
         let Some(host) = self.host.as_mut().filter(|_| visit.phase() != VisitPhase::Closed) else {
@@ -56,7 +57,7 @@ where
         }
     }
 
-    /// Puts a visit's part into a tick's input, where visits are held.
+    /// Adds the visit's part to a tick's input. Without a host all visits are closed.
     pub(super) fn fill_visit_input(
         &mut self,
         (now, head, hands, is_menu_down): (Duration, Option<RoomPose>, &[HandSample; 2], bool),
@@ -77,7 +78,8 @@ where
         host.fill_headset_input(self.studio.world(), &tick, input);
     }
 
-    /// Tells the host what a tick did. A visitor who is welcome has the room placed anew.
+    /// Passes the result of a tick to the host. If the host requests it, as for a new visitor, the room is
+    /// placed again.
     pub(super) fn follow_visit_tick(&mut self) {
         let Some(host) = &mut self.host else { return };
         let export = ExportState::of_studio(&self.studio, self.courier.as_deref());
@@ -87,14 +89,14 @@ where
         }
     }
 
-    /// Gives the pictures of a choice that are ready to a renderer.
+    /// Passes the finished preview pictures of a choice to the renderer.
     pub(super) fn hand_over_previews(&mut self, renderer: &mut Renderer) {
         if let Some(host) = &mut self.host {
             host.hand_over_previews(|cell, picture| renderer.set_panel_picture(cell, picture));
         }
     }
 
-    /// What hands feel of the last tick.
+    /// Returns the haptics of both hands for the last tick.
     pub(super) fn felt_of_last_tick(&self) -> [TickHaptics; 2] {
         let world = self.studio.world();
         let mut felt = TickHaptics::of_last_tick(world);
@@ -104,17 +106,17 @@ where
         felt
     }
 
-    /// Whether hands in the world are nobody's.
+    /// Returns `true` if the host moves the hands in the world, so that the visitor's must be hidden.
     pub(super) fn host_moves_hands(&self) -> bool {
         self.host.is_some() && VisitHost::moves_hands(self.studio.world().visit())
     }
 
-    /// The panels of the visit.
+    /// Returns the panels of the visit.
     pub(super) fn visit_panels(&self) -> &[Panel] {
         self.host.as_ref().map_or(&[], VisitHost::panels)
     }
 
-    /// The visit in the status line for tests.
+    /// Returns the visit's part of the status line for tests.
     pub(super) fn visit_status(&self) -> VisitStatus<'_> {
         VisitStatus { visit: self.studio.world().visit(), host: self.host.as_ref() }
     }

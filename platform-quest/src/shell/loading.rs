@@ -21,7 +21,8 @@ impl<const N: usize> HeadsetShell<'_, N>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    /// Has the renderer's programs compiled, and goes on with the session meanwhile. Breaks if the session ends.
+    /// Compiles the renderer's programs on a thread, and runs the session meanwhile. Breaks if the session
+    /// ends.
     pub(super) fn compile_in_session(
         &mut self,
         opened: &mut OpenedSession,
@@ -57,7 +58,7 @@ where
         }
     }
 
-    /// How the session has ended, if its phase says that it has.
+    /// Returns how the session has ended, if its phase is an end.
     pub(super) fn session_end(&self) -> Option<SessionEnd> {
         match self.phase {
             SessionPhase::Exited => Some(SessionEnd::Exited),

@@ -1,4 +1,5 @@
-//! A session whose world is drawn: events, frames, and what the operating system reports, until it ends.
+//! The loop of a session whose world is drawn: events, frames, and the operating system's status, until the
+//! session ends.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -57,8 +58,8 @@ where
         }
     }
 
-    /// Asks the runtime to end the session, once, if the app is to quit. Returns how the session ends where the runtime
-    /// need not or does not end it.
+    /// Requests the end of the session once, if the app must quit. Returns the end if the session isn't
+    /// running, or if the runtime doesn't end it within [`EXIT_TIMEOUT`].
     pub(super) fn follow_exit_request(
         &mut self,
         session: &HeadsetSession,
@@ -76,7 +77,7 @@ where
         is_late.then_some(SessionEnd::Exited)
     }
 
-    /// Takes in thermal state and battery, and logs a warning once.
+    /// Updates thermal state and battery, and logs a new warning once.
     pub(super) fn note_health_and_log_warning(
         &mut self,
         health: DeviceHealth,
@@ -91,8 +92,8 @@ where
         self.charger.follow_health(&health);
     }
 
-    /// Sets the foveation level that thermal state and battery call for; not in the middle of a stroke.
-    /// Where the runtime refuses, frames go on as they are.
+    /// Sets the foveation level that thermal state and battery require, but not during a stroke. If the
+    /// runtime refuses, the level stays as it is.
     fn update_foveation(
         &self,
         resources: &mut SessionResources<N>,
@@ -113,7 +114,7 @@ where
         Ok(())
     }
 
-    /// Runs a command of a test, if one has arrived. Breaks if the session is to end.
+    /// Runs a test command, if one has arrived. Breaks if the session must end.
     fn run_test_command(
         &mut self,
         resources: &SessionResources<N>,

@@ -42,7 +42,7 @@ where
         }
         let (now, mut room, mut has_recentred) = (platform.since_boot(), None, false);
         for tick_time in due.tick_times_ns() {
-            // Until the room is moved after these ticks, hands would be where it lay in the old space.
+            // The room is moved only after these ticks: until then, hand poses would refer to its old place.
             has_recentred |= self.recentering.take_change_due_at(tick_time);
             let has_jumped = core::mem::take(&mut self.has_room_moved) || has_recentred;
             let profiles = (has_focus && !has_jumped).then_some(profiles);
@@ -69,7 +69,7 @@ where
             self.haptics.add_tick(self.felt_of_last_tick());
         }
         for (hand, change) in self.haptics.take_changes().into_iter().enumerate() {
-            // Without focus the runtime has silenced them.
+            // Without focus the runtime has stopped all vibrations.
             if has_focus {
                 session.actions.change_haptics(&session.raw, hand, change)?;
             }
@@ -77,7 +77,7 @@ where
         self.move_room(&mut resources.session, room, has_recentred, platform)
     }
 
-    /// Adds to a tick's input what it has without visits: the session's start and finish; and the hands' string.
+    /// Adds the hands' string to a tick's input, and, if no visits are held, the session's start and finish.
     fn add_session_and_string(&mut self, is_menu_down: bool, input: &mut TickInput) {
         if self.host.is_none() {
             self.visit.add_session_start_or_finish(
@@ -90,7 +90,7 @@ where
                 input.start = self.options.mode;
             }
         }
-        // Each start takes the string away.
+        // Each start of a session resets the string.
         let string_mm = self.options.string_mm;
         if input.start == SessionMode::None && self.studio.world().string_mm() != string_mm {
             input.pointer = PointerCommand::Steady { string_mm };
@@ -112,8 +112,8 @@ where
     }
 }
 
-/// Head and hands at a time, as the core takes them and as they were read. Without interaction profiles, as without input focus, hands
-/// are left out.
+/// Reads head and hands at a time. Returns the core's input and the hand samples. Without interaction
+/// profiles, as without input focus, hands are left out.
 fn read_tick_input(
     session: &HeadsetSession,
     head: Option<RoomPose>,

@@ -1,4 +1,5 @@
-//! Who uses the headset: what the visit policy and the room's placement are told, and what they decide is carried out.
+//! The users of the headset: passes observations to the visit policy and the room placement, and carries out
+//! their decisions.
 
 use std::time::Duration;
 
@@ -22,15 +23,15 @@ impl<const N: usize> HeadsetShell<'_, N>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    /// Tells whose session was found on the disk, if any was: in a folder of the headset's own it is a former
-    /// visitor's, unless it was left a short while ago. In the user's own folders it is the user's.
+    /// Decides whose session was found on the disk, if any. On a shared headset it belongs to a former
+    /// visitor, unless it was left a short while ago. In the user's own folders it belongs to the user.
     pub(super) fn resume_session(&mut self, platform: &mut dyn Platform) {
         let world = self.studio.world();
         if world.session_state() == SessionState::Waiting {
             return;
         }
         let (tick, digest) = (world.tick(), world.digest());
-        // A recording starts anew, and leaves what was found.
+        // A recording starts a new session and ignores the one that was found.
         if self.is_shared() && !self.start_anew {
             let last_use = self.studio.read_last_use().map_err(|why| {
                 platform.log(format_args!("{why}"));
@@ -50,12 +51,12 @@ where
         platform.log(format_args!("a session goes on from tick {tick}, digest {digest:016x}"));
     }
 
-    /// Whether visitors share the headset: its folder is its own, or visits are held.
+    /// Returns `true` if visitors share the headset: it has a folder of its own, or visits are held.
     fn is_shared(&self) -> bool {
         self.options.folder.is_some() || self.host.is_some()
     }
 
-    /// Tells the visit policy that the headset was put on or off (`XR_EXT_user_presence`).
+    /// Reports to the visit policy that the headset was put on or taken off (`XR_EXT_user_presence`).
     pub(super) fn on_user_presence_changed(
         &mut self,
         is_present: bool,
@@ -68,7 +69,7 @@ where
         }
     }
 
-    /// Tells the visit policy what a tick's input shows.
+    /// Passes a tick's input to the visit policy.
     pub(super) fn observe_visitor(
         &mut self,
         input: &TickInput,
@@ -85,20 +86,21 @@ where
             && !self.studio.has_unfinished_sculpture();
         match change {
             VisitorChange::NextVisitor => platform.log(format_args!("another visitor")),
-            // Somebody held it before, who may have been the staff.
+            // The staff may have held the headset before: place the room again.
             VisitorChange::PutOnAgain if is_untouched => {}
             VisitorChange::PutOnAgain | VisitorChange::None => return,
         }
         self.placement.request(PlacementNeed::Anyhow);
     }
 
-    /// Tells the room's placement where the head is in the room. Returns where the room is to lie, if that changes.
+    /// Passes the head's pose to the room placement. Returns the room's new place if it must move.
     pub(super) fn observe_head(&mut self, head: Option<RoomPose>) -> Option<RoomTransform> {
         let worn_head = head.filter(|_| self.visit.presence() != Presence::Off);
         self.placement.observe_head(worn_head)
     }
 
-    /// Moves the room after a frame's ticks: to where it was decided, or back to where the runtime's new space has it.
+    /// Moves the room after a frame's ticks: to the decided place, or, after a recentring, to its default
+    /// place in the new space.
     pub(super) fn move_room(
         &mut self,
         session: &mut HeadsetSession,
@@ -121,13 +123,13 @@ where
         Ok(())
     }
 
-    /// Has the time of the last use kept on the disk, each time that the one there has become old.
+    /// Stores the time of the last use on the disk, if the stored one is too old.
     pub(super) fn keep_due_last_use(&mut self) {
         let due = self.visit.take_due_stamp();
         self.keep_last_use(due);
     }
 
-    /// Has the time of the last use kept on the disk, as the process may sleep or end next.
+    /// Stores the time of the last use on the disk, as the process may sleep or end next.
     pub(super) fn keep_last_use_before_pause(&mut self) {
         let last = self.visit.take_last_stamp();
         self.keep_last_use(last);
@@ -139,13 +141,13 @@ where
         }
     }
 
-    /// Saves the core's session and when it was last used, and waits until both are written.
+    /// Saves the core's session and the time of its last use, and waits until both are written.
     pub(super) fn save_session_before_pause(&mut self) {
         self.keep_last_use_before_pause();
         self.studio.save_session_and_wait();
     }
 
-    /// As [`Self::save_session_before_pause`], and tries what could not be written once more: the headset may stay off
+    /// Saves like [`Self::save_session_before_pause`], after retrying failed writes: the headset may stay off
     /// from now on.
     pub(super) fn save_studio_and_wait(&mut self) {
         self.studio.retry_failed_writes();

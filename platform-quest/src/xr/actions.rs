@@ -1,4 +1,5 @@
-//! Controllers by OpenXR's actions: poses, buttons and haptics. A runtime may have bare hands drive them, too.
+//! Controllers through OpenXR's actions: poses, buttons and haptics. A runtime may also drive the actions by
+//! bare hands.
 
 use openxr as xr;
 use paros_core::internals::RoomPose;
@@ -94,8 +95,8 @@ impl ControllerActions {
         session.sync_actions(&[(&self.set).into()]).could_not("ask the controllers")
     }
 
-    /// What both hands' current interaction profiles are about, which change with
-    /// [`ControllerActions::sync_actions`] alone.
+    /// Returns the kind of each hand's current interaction profile. Profiles change only in
+    /// [`ControllerActions::sync_actions`].
     ///
     /// # Errors
     /// A lost session.
@@ -161,7 +162,7 @@ impl ControllerActions {
         locate_tracked(&self.hands[hand].grip, room, time)
     }
 
-    /// Whether the menu button is down, as of the last sync.
+    /// Returns `true` if the menu button was down at the last [`ControllerActions::sync_actions`].
     ///
     /// # Errors
     /// A lost session.

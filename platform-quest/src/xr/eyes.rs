@@ -1,5 +1,5 @@
-//! The render targets of both eyes: a colour swapchain of two array layers, a depth swapchain where that
-//! is wanted, and the projection layer that submits them to the compositor.
+//! The render targets of both eyes: a colour swapchain of two array layers, a depth swapchain if requested,
+//! and the projection layer that submits them to the compositor.
 
 use std::sync::Arc;
 
@@ -16,20 +16,20 @@ use crate::foveation::Foveation;
 /// Both eyes' images, and the surface that the renderer draws into.
 pub(crate) struct EyeTargets {
     gpu: Arc<Gpu>,
-    // Dropped before the images that it is made of.
+    // Declared first, as it must be dropped before its images.
     pub(crate) surface: RenderTarget,
     color: EyeSwapchain,
     depth: Option<EyeSwapchain>,
     extent: [u32; 2],
     format: vk::Format,
     layout: vk::ImageLayout,
-    /// The level that was set last.
+    /// The foveation that was set last.
     foveation: Option<Foveation>,
-    /// The pixels that the runtime recommends for the next frame, where it does.
+    /// The extent in pixels that the runtime recommends for the next frame, if it does.
     recommended: Option<[u32; 2]>,
 }
 
-/// Swapchains without a renderer yet.
+/// The swapchains of both eyes, before there is a renderer.
 pub(crate) struct EyeImages {
     color: EyeSwapchain,
     depth: Option<EyeSwapchain>,
@@ -47,10 +47,10 @@ pub(crate) struct FrameCapture {
 /// The sRGB formats that the renderer draws in.
 const SRGB_FORMATS: [vk::Format; 2] = [vk::Format::R8G8B8A8_SRGB, vk::Format::B8G8R8A8_SRGB];
 
-/// Chooses the format of pictures that are no eye's, as [`EyeTargets::choose_format`] does.
+/// Chooses the colour format of the notice's pictures, in the same way as [`EyeTargets::choose_format`].
 ///
 /// # Errors
-/// [`Error::Unavailable`] where there is no such format, or a call that failed.
+/// [`Error::Unavailable`] if the runtime offers no sRGB format, or a call that failed.
 pub(super) fn choose_color_format(session: &xr::Session<xr::Vulkan>) -> Result<vk::Format, Error> {
     find_srgb_format(&session.enumerate_swapchain_formats().could_not("list image formats")?)
 }
@@ -64,7 +64,8 @@ fn find_srgb_format(formats: &[u32]) -> Result<vk::Format, Error> {
 }
 
 impl EyeImages {
-    /// Creates swapchains of the recommended extent and a format; `capturable` ones can be read back.
+    /// Creates swapchains of the recommended extent and this format. `capturable` images can be read back,
+    /// unless they are subsampled.
     ///
     /// # Errors
     /// A call that failed.
@@ -101,12 +102,12 @@ impl EyeImages {
         Ok(EyeImages { color, depth, extent: runtime.extent })
     }
 
-    /// Whether the runtime gave the images density maps.
+    /// Returns `true` if the runtime provided density maps for the images.
     pub(crate) const fn have_density_maps(&self) -> bool {
         self.color.has_density_maps()
     }
 
-    /// Whether the images are subsampled by them.
+    /// Returns `true` if the images are subsampled by their density maps.
     pub(crate) const fn are_subsampled(&self) -> bool {
         self.color.is_subsampled
     }
@@ -114,10 +115,10 @@ impl EyeImages {
 
 impl EyeTargets {
     /// Chooses the renderer's format for a session: the first sRGB format in the runtime's order of
-    /// preference. Depth is submitted with one sample a pixel only, as multisampled depth can't be resolved.
+    /// preference. If depth is submitted, pixels have one sample, as multisampled depth can't be resolved.
     ///
     /// # Errors
-    /// [`Error::Unavailable`] where there is no such format, or a call that failed.
+    /// [`Error::Unavailable`] if the runtime offers no sRGB format, or a call that failed.
     pub(crate) fn choose_format(
         session: &xr::Session<xr::Vulkan>,
         gpu: &Gpu,
@@ -144,7 +145,7 @@ impl EyeTargets {
         })
     }
 
-    /// Makes images a target of a renderer of their format.
+    /// Creates the render target from images, for a renderer of the same format.
     ///
     /// # Errors
     /// A call that failed.
@@ -182,13 +183,13 @@ impl EyeTargets {
         })
     }
 
-    /// Whether foveation is to be set: the images have density maps, and the last one was another. Before the
-    /// first one the level is the runtime's own, which needn't be NONE.
+    /// Returns `true` if foveation must be set: the images have density maps, and `wanted` differs from the
+    /// last setting. Before the first setting the level is the runtime's own, which needn't be NONE.
     pub(crate) fn needs_foveation(&self, wanted: Foveation) -> bool {
         self.color.has_density_maps() && self.foveation != Some(wanted)
     }
 
-    /// Sets the foveation of the frames to come. One that failed is not set again.
+    /// Sets the foveation of the following frames. A level that failed isn't tried again.
     ///
     /// # Errors
     /// A call that failed.
@@ -201,7 +202,7 @@ impl EyeTargets {
         self.color.set_foveation(session, wanted)
     }
 
-    /// Has so much of the images drawn from the next frame on as a policy or the runtime says.
+    /// Sets the extent that is drawn from the next frame on, by the policy or the runtime's recommendation.
     pub(crate) fn choose_drawn_extent(&mut self, policy: &ResolutionPolicy) {
         self.surface.set_drawn_extent(policy.drawn_extent(self.extent, self.recommended));
     }
@@ -218,7 +219,7 @@ impl EyeTargets {
         }
     }
 
-    /// Releases the images, drawn, to the compositor.
+    /// Releases the drawn images to the compositor.
     ///
     /// # Errors
     /// A lost session.
@@ -230,7 +231,7 @@ impl EyeTargets {
         }
     }
 
-    /// Reads back what was drawn of the last image, before it is released.
+    /// Reads back the drawn part of the last image, before it is released.
     ///
     /// # Errors
     /// Subsampled images, which can't be read back, or a lost device.
@@ -254,7 +255,8 @@ impl EyeTargets {
         Ok(FrameCapture { extent: drawn, eyes: [eye(0)?, eye(1)?] })
     }
 
-    /// Ends a frame with a projection layer of these views, and asks how many pixels the next one should have.
+    /// Ends a frame with a projection layer of these views, and queries the recommended extent of the next
+    /// frame.
     ///
     /// # Errors
     /// A lost session.
@@ -300,7 +302,7 @@ impl EyeTargets {
         }
     }
 
-    /// Depth is reversed, 1 on the near plane: the compositor is told so by swapping the planes.
+    /// Returns the depth info of an eye. Depth is reversed, 1 on the near plane, so near and far are swapped.
     fn depth_info(
         &self,
         depth: &EyeSwapchain,
@@ -319,8 +321,8 @@ impl EyeTargets {
     }
 }
 
-/// The pixels that the runtime recommends for the next frame's layer (`XR_META_recommended_layer_resolution`); none
-/// where it has no such extension, or no recommendation at the time.
+/// Returns the extent that the runtime recommends for the next frame's layer, in pixels
+/// (`XR_META_recommended_layer_resolution`); `None` without the extension or without a recommendation.
 fn recommended_extent(
     session: &xr::Session<xr::Vulkan>,
     layer: &xr::CompositionLayerProjection<'_, xr::Vulkan>,

@@ -18,7 +18,7 @@ const FIST_TIPS: [xr::HandJoint; 3] =
     [xr::HandJoint::MIDDLE_TIP, xr::HandJoint::RING_TIP, xr::HandJoint::LITTLE_TIP];
 
 impl HandTrackers {
-    /// Creates the trackers, where the system supports hand tracking.
+    /// Creates the trackers, if the system supports hand tracking.
     pub(crate) fn create(runtime: &Runtime, session: &xr::Session<xr::Vulkan>) -> Option<Self> {
         let has = runtime.extensions.ext_hand_tracking
             && runtime.instance.supports_hand_tracking(runtime.system).unwrap_or(false);
@@ -30,7 +30,7 @@ impl HandTrackers {
         Some(HandTrackers { trackers: [left, right] })
     }
 
-    /// Samples a bare hand at a time; none while its joints are not tracked.
+    /// Samples a bare hand at a time; `None` while its joints are not tracked.
     ///
     /// # Errors
     /// A lost session.

@@ -16,27 +16,28 @@ use crate::platform::Platform;
 /// Vulkan 1.1 has multiview in its core.
 const VULKAN_VERSION: xr::Version = xr::Version::new(1, 1, 0);
 
-/// An instance and the system that it found.
+/// An OpenXR instance and its head-mounted system.
 pub(crate) struct Runtime {
     pub(crate) instance: xr::Instance,
     pub(crate) system: xr::SystemId,
-    /// The extensions that are enabled.
+    /// The enabled extensions.
     pub(crate) extensions: xr::ExtensionSet,
-    /// Its name and version, for messages.
+    /// The runtime's name and version, for messages.
     pub(crate) name: String,
     /// The recommended extent of an eye's image, in pixels.
     pub(crate) extent: [u32; 2],
     /// The environment blend mode.
     pub(crate) blend_mode: xr::EnvironmentBlendMode,
-    /// `xrSetAndroidApplicationThreadKHR`, where the runtime has it.
+    /// `xrSetAndroidApplicationThreadKHR`, if the runtime has it.
     pub(crate) set_thread_type: Option<SetThreadType>,
 }
 
-/// `PFN_xrSetAndroidApplicationThreadKHR`, which the crate has on Android alone.
+/// The type `PFN_xrSetAndroidApplicationThreadKHR`, which the `openxr` crate only defines on Android.
 pub(crate) type SetThreadType =
     unsafe extern "system" fn(xr::sys::Session, xr::AndroidThreadTypeKHR, u32) -> xr::sys::Result;
 
-/// OPAQUE where it is offered, as the room hides all that lies behind it; else what the runtime likes best.
+/// Returns OPAQUE if it is offered, as the virtual room hides the real one; otherwise the runtime's first
+/// preference.
 fn choose_blend_mode(offered: &[xr::EnvironmentBlendMode]) -> xr::EnvironmentBlendMode {
     let opaque = xr::EnvironmentBlendMode::OPAQUE;
     match offered.first() {
@@ -48,7 +49,7 @@ fn choose_blend_mode(offered: &[xr::EnvironmentBlendMode]) -> xr::EnvironmentBle
 const THREAD_SETTINGS: &[u8] = b"XR_KHR_android_thread_settings\0";
 
 impl Runtime {
-    /// Creates an instance by the platform's loader, and finds its head-mounted system.
+    /// Creates an instance through the platform's loader, and finds its head-mounted system.
     ///
     /// # Errors
     /// [`Error::Unavailable`] with what is missing, or a call that failed.
@@ -84,12 +85,12 @@ impl Runtime {
         Ok(Runtime { instance, system, extensions, name, extent, blend_mode, set_thread_type })
     }
 
-    /// Whether swapchains may be asked for subsampled images.
+    /// Returns `true` if swapchains may be requested with subsampled images.
     pub(crate) fn can_subsample(&self) -> bool {
         self.extensions.names().contains(&xr::sys::META_VULKAN_SWAPCHAIN_CREATE_INFO_EXTENSION_NAME)
     }
 
-    /// Which of some extensions are not enabled, by name.
+    /// Returns the names of those extensions that are not enabled.
     pub(crate) fn find_disabled_extensions<'a>(&self, names: &[&'a str]) -> Vec<&'a str> {
         let asked = self.extensions.names();
         let has = |name: &str| {
@@ -170,8 +171,8 @@ impl Runtime {
     }
 }
 
-/// All extensions that the shell enables where they are offered. Thread settings matter on Android alone,
-/// and only there does the crate name them.
+/// Returns all extensions that the shell enables if they are offered. Thread settings matter only on Android,
+/// and only there does the `openxr` crate name them.
 fn wanted_extensions(options: &ShellOptions) -> xr::ExtensionSet {
     let mut names = vec![THREAD_SETTINGS];
     if options.foveation != Some(FoveationLevel::Off) {
@@ -215,7 +216,7 @@ fn find_set_thread_type(
     })
 }
 
-/// The recommended extent of an eye's image, which both eyes share.
+/// Returns the recommended extent of an eye's image, which both eyes share.
 fn recommended_eye_extent(
     instance: &xr::Instance,
     system: xr::SystemId,
@@ -230,7 +231,7 @@ fn recommended_eye_extent(
             views.len()
         )));
     };
-    // Both are layers of one image.
+    // Both eyes are layers of one image: take the larger extent.
     let size = |view: &xr::ViewConfigurationView| {
         [view.recommended_image_rect_width, view.recommended_image_rect_height]
     };
@@ -252,7 +253,7 @@ fn vulkan_could_not(action: &'static str) -> impl Fn(i32) -> Error {
     move |result| Error::Gpu(gpu::Error::Call { action, result: vk::Result::from_raw(result) })
 }
 
-/// The function by which the runtime finds Vulkan's functions.
+/// Returns `vkGetInstanceProcAddr`, through which the runtime finds Vulkan's functions.
 fn vulkan_proc_addr(entry: &ash::Entry) -> xr::sys::platform::VkGetInstanceProcAddr {
     let from = entry.static_fn().get_instance_proc_addr;
     // SAFETY: both are the type of `vkGetInstanceProcAddr`, as two crates spell it.

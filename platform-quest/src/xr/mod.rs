@@ -1,7 +1,6 @@
 //! The calls of OpenXR: instance, session, spaces, actions, hand tracking, swapchains, and the Vulkan device
-//! that is created through them.
-//! They take handles and times, and give poses, samples and images to draw into.
-//! They know nothing of ticks, visits or files: what is decided is decided elsewhere.
+//! that is created through them. They take handles and times, and return poses, samples and images to draw
+//! into. They know nothing of ticks, visits or files, and make no decisions.
 
 mod actions;
 mod eyes;
@@ -29,13 +28,13 @@ use paros_shell::headset::hand_sample::{ReportedPose, Tracking};
 pub(crate) const VIEW_CONFIGURATION: xr::ViewConfigurationType =
     xr::ViewConfigurationType::PRIMARY_STEREO;
 
-/// Converts a pose of OpenXR's.
+/// Converts a pose from OpenXR's type.
 pub(crate) fn convert_pose(pose: xr::Posef) -> RoomPose {
     let xr::Posef { position: p, orientation: q } = pose;
     (Vec3::new(p.x, p.y, p.z), Quat::from_xyzw(q.x, q.y, q.z, q.w))
 }
 
-/// A pose as OpenXR has it.
+/// Converts a pose to OpenXR's type.
 pub(crate) fn pose_of((position, rotation): RoomPose) -> xr::Posef {
     let (Vec3 { x, y, z }, Quat { x: i, y: j, z: k, w }) = (position, rotation);
     xr::Posef {
@@ -44,7 +43,7 @@ pub(crate) fn pose_of((position, rotation): RoomPose) -> xr::Posef {
     }
 }
 
-/// A location's pose, and how well its flags say that it is known.
+/// Converts a location to its pose and the tracking quality that its flags report.
 pub(crate) fn convert_location(flags: xr::SpaceLocationFlags, pose: xr::Posef) -> ReportedPose {
     let valid = xr::SpaceLocationFlags::POSITION_VALID | xr::SpaceLocationFlags::ORIENTATION_VALID;
     let tracking = match flags.contains(valid) {

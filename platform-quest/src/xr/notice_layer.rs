@@ -1,4 +1,4 @@
-//! The quad layer that shows a notice where there is no studio to draw yet.
+//! The quad layer that shows a notice while there is no studio to draw yet.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -15,24 +15,24 @@ use crate::error::{CallContext, Error};
 use crate::test_commands::write_picture;
 use paros_headset::notice_picture::{EXTENT, PIXELS_PER_METRE, draw_notice};
 
-/// A swapchain with a notice, and where it hangs.
+/// A swapchain that shows a notice, and the notice's placement.
 pub(crate) struct NoticeLayer {
     swapchain: xr::Swapchain<xr::Vulkan>,
     images: Vec<vk::Image>,
     format: vk::Format,
-    /// The space that it hangs in: as the device was when it was recentred, which every runtime has.
+    /// The space in which the notice hangs: LOCAL, which every runtime supports.
     local: xr::Space,
     head: xr::Space,
     placement: NoticePlacement,
-    /// What the image that was released last shows.
+    /// The notice that the last released image shows.
     shown: Option<StartNotice>,
-    /// Whether images are read back, for tests.
+    /// `true` if images are read back, for tests.
     is_captured: bool,
     captured: Vec<u8>,
     gpu: Arc<Gpu>,
 }
 
-/// What frames are made by.
+/// The handles and the blend mode that a frame needs.
 pub(crate) struct FrameCalls<'a> {
     pub(crate) waiter: &'a mut xr::FrameWaiter,
     pub(crate) stream: &'a mut xr::FrameStream<xr::Vulkan>,
@@ -53,7 +53,7 @@ impl FrameCalls<'_> {
 }
 
 impl NoticeLayer {
-    /// Creates the swapchain; its images are read back if they are to be captured.
+    /// Creates the swapchain. Its images are read back if `is_captured`.
     ///
     /// # Errors
     /// A call that failed.
@@ -141,7 +141,7 @@ impl NoticeLayer {
         stream.end(time, blend_mode, &[&layer]).could_not("end a frame")
     }
 
-    /// Draws a notice into the next image, waits until it is there, and releases it.
+    /// Draws a notice into the next image, waits until the copy has finished, and releases the image.
     fn show(&mut self, notice: &StartNotice) -> Result<(), Error> {
         let index = self.swapchain.acquire_image().could_not("take an image")? as usize;
         self.swapchain.wait_image(xr::Duration::INFINITE).could_not("wait for an image")?;
@@ -159,8 +159,8 @@ impl NoticeLayer {
         Ok(())
     }
 
-    /// Writes the image that was released last, as it was read back, to `PREFIX-notice.png`; nothing where there is
-    /// none yet.
+    /// Writes the last released image, as it was read back, to `PREFIX-notice.png`. Does nothing if there is
+    /// none.
     ///
     /// # Errors
     /// A file that can't be written.

@@ -1,4 +1,4 @@
-//! Interaction profiles: which controllers and hands the actions are bound to.
+//! Interaction profiles: the controllers and hands that the actions are bound to.
 
 use openxr as xr;
 use paros_shell::headset::hand_reader::HandProfile;
@@ -6,31 +6,31 @@ use paros_shell::headset::hand_reader::HandProfile;
 use super::actions::{ActionHandles, HANDS};
 use crate::error::{CallContext, Error};
 
-/// The line for the log where the runtime accepts no interaction profile.
+/// The log line for a runtime that accepts no interaction profile.
 pub(crate) const NO_PROFILE: &str = "the OpenXR runtime takes no profile of controllers, expected Touch, \
      Touch Plus, Touch Pro, Index or simple ones, or hands' interaction";
 
 /// The interaction profiles that bindings were suggested for.
 pub(crate) struct SuggestedProfiles {
-    /// How many of them the runtime has accepted.
+    /// The number of profiles that the runtime accepted.
     pub(crate) accepted: u32,
-    /// A line for the log for each one that it has refused.
+    /// A log line for each profile that the runtime refused.
     pub(crate) refusals: Vec<String>,
     simple: xr::Path,
     hand_interaction: xr::Path,
 }
 
-/// The components that a profile has.
+/// The set of components of a profile.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum ProfileLayout {
-    /// `oculus/touch_controller`, and what has all that it has.
+    /// The components of `oculus/touch_controller` and of its successors.
     Touch,
     Index,
     Simple,
     HandInteraction,
 }
 
-/// A profile's path, the extension that brings it, and its components.
+/// A profile's path, a test that its extension is enabled, and its components.
 type Profile = (&'static str, fn(&xr::ExtensionSet) -> bool, ProfileLayout);
 
 const SIMPLE: &str = "/interaction_profiles/khr/simple_controller";
@@ -54,8 +54,8 @@ const PROFILES: [Profile; 6] = [
 ];
 
 impl SuggestedProfiles {
-    /// Suggests bindings for each profile that the enabled extensions have. One that the runtime refuses is
-    /// passed over.
+    /// Suggests bindings for each profile whose extension is enabled. A profile that the runtime refuses is
+    /// skipped.
     ///
     /// # Errors
     /// A path that can't be made.
@@ -83,7 +83,7 @@ impl SuggestedProfiles {
         Ok(SuggestedProfiles { accepted, refusals, simple, hand_interaction })
     }
 
-    /// What a hand's current profile is about.
+    /// Returns the kind of a hand's current profile.
     pub(super) fn classify(&self, current: xr::Path) -> HandProfile {
         match current {
             path if path == self.simple => HandProfile::SimpleController,
@@ -105,7 +105,8 @@ impl<'a> BindingList<'a> {
         actions: &'a ActionHandles,
         layout: ProfileLayout,
     ) -> Result<(), Error> {
-        // The simple controller has two buttons: one runs the tool, the other takes it. Enough to sculpt.
+        // The simple controller has two buttons: one runs the tool, the other takes it. That is enough to
+        // sculpt.
         let [run, take] = match layout {
             ProfileLayout::Touch | ProfileLayout::Index => {
                 ["input/trigger/value", "input/squeeze/value"]
@@ -126,7 +127,8 @@ impl<'a> BindingList<'a> {
             ProfileLayout::Touch => {
                 self.bind_sticks(actions)?;
                 self.bind_buttons(actions, ["x", "y"], ["a", "b"])?;
-                // The right one's menu button is the system's; an Index has no other than the system's.
+                // The right controller's menu button belongs to the system, and so does the only one of an
+                // Index.
                 self.bind(&actions.menu, HANDS[0], "input/menu/click")
             }
             ProfileLayout::Index => {

@@ -20,8 +20,8 @@ pub(crate) struct HeadsetSession {
     pub(crate) raw: xr::Session<xr::Vulkan>,
     pub(crate) waiter: xr::FrameWaiter,
     pub(crate) stream: xr::FrameStream<xr::Vulkan>,
-    /// The room: a reference space with its origin on the floor, whose -z is ahead of the visitor. All poses are located
-    /// in it, and layers submitted.
+    /// The room: a reference space with its origin on the floor, whose -z is ahead of the visitor. Poses are
+    /// located in it, and layers are submitted in it.
     pub(crate) room: xr::Space,
     pub(crate) room_type: xr::ReferenceSpaceType,
     head: xr::Space,
@@ -29,23 +29,23 @@ pub(crate) struct HeadsetSession {
     pub(crate) hand_trackers: Option<HandTrackers>,
 }
 
-/// An eye at a time: for the renderer, and as a view for the projection layer.
+/// An eye at one time: for the renderer, and as a view for the projection layer.
 pub(crate) struct LocatedEye {
     pub(crate) eye: Eye,
     pub(crate) view: xr::sys::View,
 }
 
-/// The assumed height of the eyes above the floor, in metres, where the runtime doesn't know the floor.
+/// The assumed height of the eyes above the floor, in metres, if the runtime doesn't know the floor.
 const EYE_HEIGHT: f32 = 1.6;
 
-/// Hertz by which refresh rates may differ and count as the same: displays have 71.9 for 72.
+/// The difference in hertz up to which two refresh rates count as equal: displays report 71.9 for 72.
 const RATE_TOLERANCE: f32 = 0.5;
 
 impl HeadsetSession {
-    /// Creates a session for what a device draws.
+    /// Creates a session for images that a Vulkan device draws.
     ///
     /// # Errors
-    /// [`Error::Unavailable`] where there is no input to sculpt with, or a call that failed.
+    /// [`Error::Unavailable`] if there is no input to sculpt with, or a call that failed.
     pub(crate) fn create(runtime: &Runtime, gpu: &Gpu) -> Result<Self, Error> {
         let (raw, waiter, stream) = create_raw_session(runtime, gpu)?;
         let (room, room_type) = create_local_floor_or_fallback(&raw)?;
@@ -60,7 +60,7 @@ impl HeadsetSession {
         Ok(HeadsetSession { raw, waiter, stream, room, room_type, head, actions, hand_trackers })
     }
 
-    /// Moves the room to where it lies in the runtime's space from now on.
+    /// Moves the room within the runtime's reference space, from now on.
     ///
     /// # Errors
     /// A lost session.
@@ -69,8 +69,8 @@ impl HeadsetSession {
         Ok(())
     }
 
-    /// Requests the display refresh rate nearest to `wanted_hz`, where the runtime offers any. Returns a line
-    /// for the log. A refusal is no failure: the pictures are the same.
+    /// Requests the display refresh rate nearest to `wanted_hz`, if the runtime offers any. Returns a log
+    /// line. A refusal is not an error: the pictures are the same.
     pub(crate) fn request_refresh_rate_and_describe(
         &self,
         runtime: &Runtime,
@@ -98,9 +98,9 @@ impl HeadsetSession {
         format!("the display has no {wanted_hz} Hz, only {} Hz: it {asked}", offered.join(", "))
     }
 
-    /// Requests the performance level SUSTAINED_HIGH for CPU and GPU, where the runtime has performance settings: after
-    /// each beginning, as Meta's runtime forgets it with the session's end. Returns a line for the log for each refusal,
-    /// which is no failure.
+    /// Requests the performance level SUSTAINED_HIGH for CPU and GPU, if the runtime has performance
+    /// settings. Call it after each begin of the session, as Meta's runtime resets it at the end. Returns a
+    /// log line for each refusal, which is not an error.
     pub(crate) fn request_performance_levels(&self, runtime: &Runtime) -> Vec<String> {
         let Some(settings) = &runtime.instance.exts().ext_performance_settings else {
             return Vec::new();
@@ -119,7 +119,7 @@ impl HeadsetSession {
         refused.into_iter().flatten().collect()
     }
 
-    /// The line for the log where the runtime has no LOCAL_FLOOR space.
+    /// Returns the log line for a runtime without a LOCAL_FLOOR space.
     pub(crate) fn describe_missing_local_floor(&self) -> Option<String> {
         match self.room_type {
             xr::ReferenceSpaceType::LOCAL_FLOOR => None,
@@ -133,8 +133,8 @@ impl HeadsetSession {
         }
     }
 
-    /// Gives the calling thread the types of the application's and the renderer's main thread, where the
-    /// runtime has Android's thread settings. A refusal is no failure.
+    /// Marks the calling thread as the application's and the renderer's main thread, if the runtime has
+    /// Android's thread settings. A refusal is not an error.
     pub(crate) fn set_thread_types(&self, runtime: &Runtime) {
         if let (Some(set_type), Some(thread)) = (runtime.set_thread_type, current_thread_id()) {
             for kind in [
@@ -147,7 +147,7 @@ impl HeadsetSession {
         }
     }
 
-    /// All that is known of a hand at a time, its actions as of the last sync.
+    /// Reports everything known of a hand at a time; its actions are those of the last sync.
     ///
     /// # Errors
     /// A lost session.
@@ -161,7 +161,7 @@ impl HeadsetSession {
         Ok(HandReport { profile, actions, joints: self.sample_joints(hand, time)? })
     }
 
-    /// Locates a hand's grip at a time, as its source has it.
+    /// Locates a hand's grip at a time, from the hand's input source.
     ///
     /// # Errors
     /// A lost session.
@@ -196,8 +196,8 @@ impl HeadsetSession {
         Ok(convert_location(location.location_flags, location.pose).if_tracked())
     }
 
-    /// Locates the left and the right eye at a time. Allocates
-    /// nothing, unlike the crate's own call.
+    /// Locates the left and the right eye at a time. Unlike the `openxr` crate's own call, it doesn't
+    /// allocate.
     ///
     /// # Errors
     /// A lost session.
@@ -231,7 +231,7 @@ impl HeadsetSession {
         }
         let known = xr::ViewStateFlags::POSITION_VALID | xr::ViewStateFlags::ORIENTATION_VALID;
         if !state.view_state_flags.contains(known) {
-            // The poses may hold anything, and go back to the runtime.
+            // The poses are undefined, but are submitted to the runtime: replace them.
             let position = xr::Vector3f { x: 0.0, y: EYE_HEIGHT, z: 0.0 };
             for view in &mut views {
                 view.pose = xr::Posef { position, ..xr::Posef::IDENTITY };
@@ -241,11 +241,11 @@ impl HeadsetSession {
     }
 }
 
-/// A session without spaces or input, and what its frames are made by.
+/// A session without spaces or input, with its frame waiter and frame stream.
 pub(crate) type RawSession =
     (xr::Session<xr::Vulkan>, xr::FrameWaiter, xr::FrameStream<xr::Vulkan>);
 
-/// Creates a session without spaces or input, for what a device draws.
+/// Creates a session without spaces or input, for images that a Vulkan device draws.
 ///
 /// # Errors
 /// A call that failed.
@@ -262,7 +262,7 @@ pub(crate) fn create_raw_session(runtime: &Runtime, gpu: &Gpu) -> Result<RawSess
     made.could_not("make a session")
 }
 
-/// The kernel's ID of the calling thread, where there is a Linux kernel.
+/// Returns the kernel's ID of the calling thread, if the kernel is Linux.
 fn current_thread_id() -> Option<u32> {
     std::fs::read_link("/proc/thread-self").ok()?.file_name()?.to_str()?.parse().ok()
 }
@@ -271,13 +271,13 @@ fn describe_no_request(wanted_hz: f32) -> String {
     format!("it is asked for none, {wanted_hz} Hz or another")
 }
 
-/// The refresh rate nearest to the one that is wanted.
+/// Returns the refresh rate nearest to `wanted_hz`.
 fn nearest_rate(rates_hz: &[f32], wanted_hz: f32) -> Option<f32> {
     let away = |rate: &&f32| (**rate - wanted_hz).abs();
     rates_hz.iter().min_by(|a, b| away(a).total_cmp(&away(b))).copied()
 }
 
-/// Creates the room's space: LOCAL_FLOOR, else STAGE, else LOCAL lowered by the height of the eyes.
+/// Creates the room's space: LOCAL_FLOOR, otherwise STAGE, otherwise LOCAL lowered by the height of the eyes.
 fn create_local_floor_or_fallback(
     session: &xr::Session<xr::Vulkan>,
 ) -> Result<(xr::Space, xr::ReferenceSpaceType), Error> {
@@ -288,7 +288,7 @@ fn create_local_floor_or_fallback(
     Ok((create_room(session, kind, RoomTransform::default())?, kind))
 }
 
-/// Creates the room's space, on the floor of a reference space or a step above or below it.
+/// Creates the room's space on the floor of a reference space, or a height step above or below the floor.
 fn create_room(
     session: &xr::Session<xr::Vulkan>,
     kind: xr::ReferenceSpaceType,
@@ -299,7 +299,7 @@ fn create_room(
     session.create_reference_space(kind, pose).could_not("make a space")
 }
 
-/// The renderer's eye for a view. Where the pose is not known, it looks ahead from a head's height.
+/// Returns the renderer's eye for a view. If the pose is unknown, the eye looks ahead from a head's height.
 fn eye_from_view(view: &xr::sys::View) -> Eye {
     let (position, rotation) = convert_pose(view.pose);
     let known = rotation.is_finite() && rotation.length_squared() > 0.5 && position.is_finite();

@@ -1,4 +1,4 @@
-//! A swapchain of two array layers, one an eye, with views of its images and of their fragment density
+//! A swapchain of two array layers, one for each eye, with views of its images and of their fragment density
 //! maps.
 
 use std::sync::Arc;
@@ -19,11 +19,11 @@ pub(crate) struct EyeSwapchain {
     pub(super) views: Vec<vk::ImageView>,
     /// Views of the images' fragment density maps, if they have any.
     pub(super) density_views: Vec<vk::ImageView>,
-    /// Whether the images are subsampled.
+    /// `true` if the images are subsampled.
     pub(super) is_subsampled: bool,
 }
 
-/// What a swapchain is created by.
+/// The parameters of a swapchain.
 #[derive(Clone, Copy)]
 pub(super) struct SwapchainSpec {
     /// Pixels across and down.
@@ -31,16 +31,15 @@ pub(super) struct SwapchainSpec {
     pub(super) format: vk::Format,
     pub(super) aspect: vk::ImageAspectFlags,
     pub(super) usage: xr::SwapchainUsageFlags,
-    /// Whether the images are to have fragment density maps.
+    /// `true` to request fragment density maps for the images.
     pub(super) with_density_maps: bool,
-    /// Whether they are to be subsampled by these maps, if the runtime's device has that: fewer texels are written
-    /// then, and read by the compositor. Such images can't be read back.
+    /// `true` to request images that are subsampled by these maps, if the runtime supports it: fewer texels
+    /// are then written, and read by the compositor. Such images can't be read back.
     pub(super) prefers_subsampled: bool,
 }
 
 impl EyeSwapchain {
-    /// Creates a swapchain for a device to draw into. It has no density maps where the runtime gives none
-    /// after all.
+    /// Creates a swapchain for a device to draw into. It has no density maps if the runtime provides none.
     ///
     /// # Errors
     /// A call that failed.
@@ -68,7 +67,7 @@ impl EyeSwapchain {
         Ok(swapchain)
     }
 
-    /// Whether the images have density maps.
+    /// Returns `true` if the images have density maps.
     pub(super) const fn has_density_maps(&self) -> bool {
         !self.density_views.is_empty()
     }
@@ -83,8 +82,8 @@ impl EyeSwapchain {
         Ok(image as usize)
     }
 
-    /// Sets the foveation: the runtime fills the density maps for it. The foveation profile is
-    /// destroyed at once, as `xrUpdateSwapchainFB` needs it no longer.
+    /// Sets the foveation: the runtime updates the density maps. The foveation profile is destroyed at once,
+    /// as `xrUpdateSwapchainFB` doesn't need it any longer.
     ///
     /// # Errors
     /// A call that failed.
@@ -157,7 +156,8 @@ impl Drop for EyeSwapchain {
     }
 }
 
-/// `XrVulkanSwapchainCreateInfoMETA`, in which flags have 32 bits, as in Vulkan; the crate's have 64.
+/// The struct `XrVulkanSwapchainCreateInfoMETA`, whose flags have 32 bits, as in Vulkan; in the `openxr`
+/// crate they have 64.
 #[repr(C)]
 struct MoreImageFlags {
     ty: xr::sys::StructureType,
@@ -166,7 +166,8 @@ struct MoreImageFlags {
     usage_flags: vk::ImageUsageFlags,
 }
 
-/// Creates a swapchain of subsampled images where that is preferred, and of others where it is refused. Returns which.
+/// Creates a swapchain of subsampled images if preferred, and of ordinary ones if that is refused. Returns
+/// the swapchain, and `true` if it is subsampled.
 fn create_swapchain_subsampled_or_not(
     session: &xr::Session<xr::Vulkan>,
     spec: &SwapchainSpec,

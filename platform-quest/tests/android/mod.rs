@@ -11,13 +11,13 @@ use std::{fs, iter};
 
 use paros_quest::device::table::{ALL_MEMBERS, JavaMember, MemberKind};
 
-/// The superclasses of stubs whose members are asked of a subclass's objects.
+/// The superclasses of stubs whose members are called on a subclass's objects.
 const SUPERCLASSES: [(&str, &str); 1] = [("android/os/Bundle", "android/os/BaseBundle")];
 
-/// Arguments by which a tool of the JDK compiles its own code quickly: it doesn't run for long.
+/// Arguments that make a tool of the JDK use only the quick compiler, as it doesn't run for long.
 const QUICK_JDK: [&str; 2] = ["-J-XX:TieredStopAtLevel=1", "-J-XX:+UseSerialGC"];
 
-/// The table's members, grouped by class.
+/// Returns the table's members, grouped by class.
 pub(crate) fn members_by_class() -> BTreeMap<&'static str, Vec<JavaMember>> {
     let mut classes: BTreeMap<_, Vec<_>> = BTreeMap::new();
     for member in ALL_MEMBERS {
@@ -26,7 +26,7 @@ pub(crate) fn members_by_class() -> BTreeMap<&'static str, Vec<JavaMember>> {
     classes
 }
 
-/// Whether a class is Android's, and so needs a stub; Java's own classes need none.
+/// Returns `true` if a class is Android's and so needs a stub; Java's own classes need none.
 pub(crate) fn is_android(class: &str) -> bool {
     class.starts_with("android/")
 }
@@ -34,7 +34,7 @@ pub(crate) fn is_android(class: &str) -> bool {
 /// Generates the stubs' sources and compiles them into `folder/classes`.
 ///
 /// # Errors
-/// `javac`'s messages, or that there is no `javac`.
+/// `javac`'s messages, or the error that there is no `javac`.
 pub(crate) fn compile_stubs(folder: &Path) -> Result<(), String> {
     let _ = fs::remove_dir_all(folder);
     let mut files = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/android/Fake.java")];
@@ -51,18 +51,19 @@ pub(crate) fn compile_stubs(folder: &Path) -> Result<(), String> {
     if output.status.success() { Ok(()) } else { Err(said) }
 }
 
-/// The public members that `javap` finds in each of these compiled classes, as [`describe_member`] writes them.
+/// Returns the public members that `javap` finds in each of these compiled classes, in the format of
+/// [`describe_member`].
 pub(crate) fn run_javap(folder: &Path, classes: &[&str]) -> Vec<BTreeSet<String>> {
     let mut javap = Command::new("javap");
     javap.args(QUICK_JDK).args(["-s", "-public", "-cp"]).arg(folder.join("classes"));
     javap.args(classes.iter().map(|class| class.replace('/', ".")));
     let output = javap.output().expect("a JDK has it");
     let text = String::from_utf8_lossy(&output.stdout);
-    // Only the first line of a class ends so.
+    // Only the first line of a class ends with `{`.
     text.split("{\n").skip(1).map(parse_members).collect()
 }
 
-/// The members in the lines of one class.
+/// Parses the members in the lines of one class.
 fn parse_members(text: &str) -> BTreeSet<String> {
     let lines: Vec<_> = text.lines().map(str::trim).collect();
     let members = lines.windows(2).filter_map(|pair| {
@@ -84,7 +85,7 @@ pub(crate) fn describe_member(member: &JavaMember) -> String {
     }
 }
 
-/// The stubs' sources by outermost class. A class that occurs only in signatures has an empty body.
+/// Generates the stubs' sources by outermost class. A class that occurs only in signatures has an empty body.
 fn stub_sources() -> BTreeMap<String, String> {
     let mut classes = members_by_class();
     for member in ALL_MEMBERS {
@@ -124,7 +125,7 @@ fn stub_sources() -> BTreeMap<String, String> {
     sources
 }
 
-/// The Java source of a member: a method's body calls `paros.Fake.answer`.
+/// Generates the Java source of a member: a method's body calls `paros.Fake.answer`.
 fn stub_member(member: &JavaMember) -> String {
     let mut types = java_types(member.signature);
     let result = types.pop().expect("every member has a type");
@@ -150,7 +151,7 @@ fn stub_member(member: &JavaMember) -> String {
     text
 }
 
-/// The Java types of a JNI signature: the parameters', then the returned one.
+/// Returns the Java types of a JNI signature: the parameters', then the returned one.
 fn java_types(signature: &str) -> Vec<String> {
     let mut rest = signature.trim_start_matches('(');
     let next = iter::from_fn(|| {

@@ -1,4 +1,4 @@
-//! The host's Java VM with the stubs, what these answer, and a device by them.
+//! The host's Java VM with the stubs, the stubs' answers, and a device that uses them.
 
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -10,7 +10,7 @@ use paros_quest::device::AndroidDevice;
 use super::compile_stubs;
 use crate::java::start_checked_vm;
 
-/// The folder of the stubs; every process has its own.
+/// Returns the folder of the stubs; every process has its own.
 pub(crate) fn stubs_folder() -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("android-{}", std::process::id()))
 }
@@ -23,7 +23,7 @@ static VM: LazyLock<JavaVM> = LazyLock::new(|| {
     start_checked_vm(arguments.option(&classes))
 });
 
-/// A device of an API level, by a context of the stubs.
+/// Creates a device of an API level, with a context of the stubs.
 pub(crate) fn device_at_level(level: i32) -> AndroidDevice {
     set_field("android.os.Build$VERSION.SDK_INT", &format!("I:{level}"));
     let context = with_java(|env| {
@@ -36,7 +36,7 @@ pub(crate) fn device_at_level(level: i32) -> AndroidDevice {
         .expect("a device")
 }
 
-/// Sets what a stub's method returns from now on.
+/// Sets the return value of a stub's method from now on.
 pub(crate) fn set_answer(member: &str, answer: &str) {
     call_fake(
         |env, arguments| {
@@ -60,7 +60,7 @@ pub(crate) fn set_field(field: &str, answer: &str) {
     );
 }
 
-/// Takes the log of the stubs' calls since the last time, one a line.
+/// Takes the log of the stubs' calls since the last take, one a line.
 pub(crate) fn take_calls() -> String {
     with_java(|env| {
         let how = jni_sig!("()Ljava/lang/String;");
@@ -70,7 +70,7 @@ pub(crate) fn take_calls() -> String {
     })
 }
 
-/// Calls a method of `paros.Fake` with two texts.
+/// Calls a method of `paros.Fake` with two strings.
 fn call_fake(
     what: impl FnOnce(&mut Env<'_>, &[JValue<'_>]) -> jni::errors::Result<()>,
     texts: [&str; 2],

@@ -1,4 +1,4 @@
-//! The link to a booth by Java's HTTPS, on the host's JDK, whose VM checks every call.
+//! The link to a booth through Java's HTTPS, on the host's JDK, whose VM checks every call.
 
 #[path = "../../../platform-desktop/exhibition/upload/https/tests/link_suite/mod.rs"]
 mod link_suite;
@@ -29,7 +29,7 @@ use crate::java::{run_in_checked_vm, start_checked_vm};
 use link_suite::{Answer, Server, ask, put};
 use rig::{is_kept, make_draft};
 
-/// The Java VM: a process can start only one. Nothing of Android's is in it.
+/// The Java VM, without any class of Android's: a process can start only one.
 static VM: LazyLock<JavaVM> = LazyLock::new(|| start_checked_vm(InitArgsBuilder::new()));
 
 fn open_link(address: &BoothAddress, times: LinkTimes) -> ThreadedLink {
@@ -71,7 +71,7 @@ fn redirects_are_not_followed_and_long_bodies_not_read() {
     });
 }
 
-/// From the file that a computer pushed to the booth's receipt, against the booth's own program.
+/// Tests the whole way, from the pushed fleet file to the booth's receipt, against the real booth program.
 #[test]
 fn a_headset_enrols_at_the_booth_and_its_sculpture_gets_there() {
     run_in_checked_vm("booth::a_headset_enrols_at_the_booth_and_its_sculpture_gets_there", || {
@@ -96,8 +96,8 @@ fn a_headset_enrols_at_the_booth_and_its_sculpture_gets_there() {
     });
 }
 
-/// The booth comes back from a backup of before the headset enrolled. Staff push a file with a new token, as a restore
-/// takes the others back; what the headset has goes to the booth whatever its number is then.
+/// The booth is restored from a backup made before the headset enrolled. Staff push a file with a new token,
+/// as a restore revokes the others. The headset's parcels reach the booth even under another number.
 #[test]
 fn a_headset_that_a_restored_booth_has_forgotten_enrols_anew_and_loses_nothing() {
     run_in_checked_vm(
@@ -122,7 +122,7 @@ fn a_headset_that_a_restored_booth_has_forgotten_enrols_anew_and_loses_nothing()
             send_sculpture(&courier, &booth, 1);
             drop(booth);
             let booth = restore(&program, &second, backup);
-            // The token of the file that is there is as good as before. The address is another.
+            // The token of the stored file is still valid, but the booth's address is another one.
             drop(courier);
             let fleet = sources(&folder).find(|line| panic!("{line}")).expect("it is there");
             let file = enrolment_file(&folder);
@@ -149,7 +149,7 @@ fn a_headset_that_a_restored_booth_has_forgotten_enrols_anew_and_loses_nothing()
     );
 }
 
-/// A booth of a backup, in a folder and at an address of its own.
+/// Restores a backup as a booth with a folder and an address of its own.
 fn restore(program: &Path, folder: &Path, backup: &str) -> BoothProcess {
     let mut command = Command::new(program);
     command.args(["restore", backup, "--folder"]).arg(folder.join("booth"));
@@ -158,14 +158,14 @@ fn restore(program: &Path, folder: &Path, backup: &str) -> BoothProcess {
     BoothProcess::start(program, folder, None)
 }
 
-/// The booth has another address now, as where it runs on another machine.
+/// Writes the booth's new address into the enrolment, as if the booth ran on another machine.
 fn move_to(booth: &BoothProcess, file: &Path) {
     let kept = Enrolment::read(file).expect("whole").expect("it is enrolled");
     let moved = Enrolment { address: booth.address().into(), ..kept };
     moved.write(file).expect("room on the disk");
 }
 
-/// Another device is first after the restore, and gets the number that this one had.
+/// Enrols another device first after the restore, which gets the number that this one had.
 fn enrol_another(booth: &BoothProcess, fleet: &FleetFile) {
     let hint = Some(hint_of_device("another"));
     let device = NewDevice::draw(hint, DeviceName::new("").expect("a name")).expect("random bits");
@@ -174,7 +174,7 @@ fn enrol_another(booth: &BoothProcess, fleet: &FleetFile) {
     assert_eq!(enrolled.owner.headset, 1);
 }
 
-/// Sculptures that a booth keeps, and has made the meshes of.
+/// Returns the number of stored sculptures whose meshes the booth has made.
 fn count_made(booth: &BoothProcess) -> usize {
     let log = booth.read_log();
     log.lines().filter(|line| line.contains("mesh made") && line.contains("Made")).count()
@@ -218,7 +218,7 @@ fn open_courier(folder: &Path) -> Courier {
     courier.expect("an outbox").expect("it is enrolled")
 }
 
-/// Sends a sculpture until the booth has it.
+/// Sends a sculpture, and waits until the booth has stored it.
 fn send_sculpture(courier: &Courier, booth: &BoothProcess, number: u8) {
     wait_until("the booth answers a heartbeat", || courier.summary().contact == BoothContact::Open);
     let draft = make_draft(number);
@@ -238,7 +238,7 @@ fn wait_until(what: &str, mut is_there: impl FnMut() -> bool) {
     }
 }
 
-/// What Java threw is in the error: its class, and what it says.
+/// An error contains the class and the message of the Java exception.
 #[test]
 fn an_exception_is_told() {
     run_in_checked_vm("booth::an_exception_is_told", || {
@@ -252,14 +252,14 @@ fn an_exception_is_told() {
         assert_eq!(ask(&mut link, put()).result, Err(LinkFault::Untrusted));
         let told = link.last_error().expect("it failed").to_string();
         assert!(told.starts_with("who answers isn't the booth: "), "{told}");
-        // Newer machines put the alert's name between them.
+        // Newer VMs put the alert's name between them.
         let (_, said) = told.split_once("javax.net.ssl.SSLHandshakeException: ").expect(&told);
         assert!(said.contains("PKIX path"), "{told}");
     });
 }
 
-/// A day's requests leave nothing behind: the VM would warn of local references beyond a frame's, and a global one
-/// would keep its connection.
+/// A day's requests leak nothing: the VM would warn of local references beyond a frame's, and a leaked global
+/// one would keep its connection.
 #[test]
 fn a_thousand_requests_leave_no_reference_behind() {
     run_in_checked_vm("booth::a_thousand_requests_leave_no_reference_behind", || {
@@ -283,7 +283,7 @@ fn a_thousand_requests_leave_no_reference_behind() {
     });
 }
 
-/// Objects of a class in this process's VM, after its garbage was collected.
+/// Returns the number of a class's objects in this process's VM, after a garbage collection.
 fn count_instances(class: &str) -> u32 {
     let mut jcmd = Command::new("jcmd");
     jcmd.args([&std::process::id().to_string(), "GC.class_histogram"]);

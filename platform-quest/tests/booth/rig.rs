@@ -1,4 +1,4 @@
-//! What a headset sends, and whether a booth keeps it.
+//! The parcels that a headset sends, and the check that a booth has stored them.
 
 use std::fs;
 
@@ -11,7 +11,7 @@ use paros_shell::rmap;
 use paros_shell::tick_runner::with_fresh_world;
 use paros_upload::courier::ParcelDraft;
 
-/// Whether a booth keeps a sculpture, and has made its mesh.
+/// Returns `true` if a booth has stored a sculpture and made its mesh.
 pub(crate) fn is_kept(booth: &BoothProcess, id: SculptureId) -> bool {
     let entries = fs::read_dir(booth.data().join("sculptures")).expect("a folder");
     let names = entries.map(|entry| entry.expect("an entry").file_name().into_string());
@@ -20,7 +20,7 @@ pub(crate) fn is_kept(booth: &BoothProcess, id: SculptureId) -> bool {
     booth.read_log().contains(&made) && names.flatten().any(is_its)
 }
 
-/// The toy that a creative session starts from, as a headset sends it; `number` makes its id.
+/// Makes a parcel with the toy from which a creative session starts; `number` makes its id.
 pub(crate) fn make_draft(number: u8) -> ParcelDraft {
     let volume = with_fresh_world::<128, INTERVALS, _>(|mut runner| {
         runner.run_tick(&TickInput { start: SessionMode::Creative, ..TickInput::default() });

@@ -9,7 +9,7 @@ use paros_shell::require::require_or_skip;
 /// The environment variable of the child process whose calls are checked.
 const INSIDE: &str = "PAROS_INSIDE_JAVA";
 
-/// Whether there is a JDK.
+/// Returns `true` if there is a JDK.
 pub(crate) fn has_jdk() -> bool {
     let starts = |program: &&str| Command::new(program).arg("-version").output().is_ok();
     let missing = ["java", "javac", "javap"].into_iter().find(|program| !starts(program));
@@ -18,15 +18,16 @@ pub(crate) fn has_jdk() -> bool {
         .is_some()
 }
 
-/// Starts the Java VM of this process, which checks every call. It compiles its own code quickly, as it doesn't run for long.
+/// Starts the Java VM of this process, which checks every call. It only uses the quick compiler, as it
+/// doesn't run for long.
 pub(crate) fn start_checked_vm(arguments: InitArgsBuilder<'_>) -> JavaVM {
     let arguments = arguments.version(JNIVersion::V1_8).option("-Xcheck:jni");
     let arguments = arguments.option("-XX:TieredStopAtLevel=1").option("-XX:+UseSerialGC");
     JavaVM::new(arguments.build().expect("arguments")).expect("a JDK's machine")
 }
 
-/// Runs what the test of this name does in a process of its own, and demands that the VM there reports no fault. It
-/// does on standard output, which only a parent process can read.
+/// Runs the body of the test of this name in a child process, and asserts that the VM there reports no fault.
+/// The VM reports faults on standard output, which only the parent process can read.
 pub(crate) fn run_in_checked_vm(test: &str, body: impl FnOnce()) {
     const DONE: &str = "all calls made";
 

@@ -1,6 +1,6 @@
-//! The shell twice in one process, as where Android destroys an activity and makes another one in the same process.
-//! Usage: `again FOLDER`. The first run quits with its first frames; the second one takes the test commands from standard
-//! input.
+//! The shell twice in one process, as when Android destroys an activity and creates another one in the same
+//! process. Usage: `again FOLDER`. The first run quits with its first frames; the second one takes the test
+//! commands from standard input.
 
 use std::path::PathBuf;
 
@@ -11,10 +11,10 @@ use paros_quest::options::ShellOptions;
 use paros_quest::platform::{PlainPlatform, Platform, PlatformStatus};
 use paros_quest::shell::run_shell;
 
-/// Polls of a run whose studio is there, after which it quits: some frames.
+/// The number of polls with a studio after which the run quits: some frames.
 const POLLS: u32 = 20;
 
-/// The host's platform, which quits.
+/// The host's platform, which requests the end of the first run.
 #[derive(Default)]
 struct QuittingPlatform {
     has_studio: bool,

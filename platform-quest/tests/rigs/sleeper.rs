@@ -1,6 +1,6 @@
-//! The shell on a device that a test has sleep, and start again. Usage: `sleeper FOLDER CLOCK [TRACE]`. The file CLOCK,
-//! where there is one, has the seconds for which the device has slept since it booted, and, after a blank, the UUID of
-//! another boot. TRACE is recorded. It runs the test commands from standard input.
+//! The shell on a device whose sleep and boots a test controls. Usage: `sleeper FOLDER CLOCK [TRACE]`. The
+//! optional file CLOCK has the seconds for which the device has slept since it booted, and, after a space,
+//! the UUID of another boot. TRACE is recorded. It runs the test commands from standard input.
 
 use std::fs;
 use std::path::PathBuf;
@@ -13,8 +13,8 @@ use paros_quest::platform::{PlainPlatform, Platform};
 use paros_quest::shell::run_shell;
 use paros_shell::last_use::BootId;
 
-/// By how much the boot clock is slower than the host's while the device is awake: on a busy host a start may take as
-/// long as a break that ends a visit.
+/// The factor by which the boot clock is slower than the host's while the device is awake: on a busy host a
+/// start may take as long as a break that ends a visit.
 const SLOWNESS: u32 = 20;
 
 /// The host's platform with a boot clock of its own.
@@ -49,7 +49,7 @@ fn main() {
     let folder = Some(args.next().expect("a folder"));
     let mut platform = SleepingPlatform { clock: args.next().expect("a clock") };
     let record = args.next();
-    // Pictures before and after are compared, and no software device is fast enough for the full size.
+    // The test compares pictures, and no software device is fast enough for the full size.
     let least_resolution_percent = 100;
     let options = ShellOptions {
         folder,

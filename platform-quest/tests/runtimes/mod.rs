@@ -1,5 +1,5 @@
-//! Runtimes that refuse what those of headsets refuse, found as on a headset: each is a library of its own, made
-//! from `mock.c` by the C compiler that Rust links with.
+//! Mock runtimes with the restrictions of headsets' runtimes, found as on a headset. Each is a library of its
+//! own, compiled from `mock.c` by the C compiler that Rust links with.
 
 use std::ffi::c_int;
 use std::path::{Path, PathBuf};
@@ -21,8 +21,8 @@ use paros_quest::shell::run_shell;
 /// A package without a loader.
 const NO_LOADER: &str = "libopenxr_loader.so";
 
-/// How often a mock's functions were called: initialisation, negotiation, instances, and what no loader asks a
-/// runtime for before there is an instance.
+/// The numbers of calls of a mock's functions: initialisation, negotiation, instance creation, and functions
+/// that no loader requests from a runtime before there is an instance.
 type Counts = [c_int; 4];
 
 fn folder() -> PathBuf {
@@ -52,14 +52,14 @@ fn count_calls(library: &Path) -> Counts {
     })
 }
 
-/// Calls with the context that mocks expect.
+/// Returns calls with the context that mocks expect.
 fn linked_calls() -> LinkedCalls {
     let [vm, activity] = [16, 32].map(ptr::without_provenance_mut);
     // SAFETY: mocks alone are opened, and they don't follow these pointers.
     unsafe { LinkedCalls::new(Some(AndroidContext { vm, activity })) }
 }
 
-/// What sources name where the installable broker has these rows, and there are these partitions.
+/// Returns the candidates if the installable broker has these rows, and the device these partitions.
 fn candidates(rows: &[&Path], partitions: &[&Path]) -> Vec<Candidate> {
     let text = |path: &Path| Some(path.to_str().expect("UTF-8").to_owned());
     let row = |library: &&Path| -> ContentRow {
@@ -110,7 +110,7 @@ fn a_runtime_is_initialised_and_negotiated_with_once() {
         assert!(found.is_ok_and(|found| found.entry.enumerate_extensions().is_ok()));
     }
     assert_eq!(count_calls(&mock), [1, 1, 0, 0]);
-    // Another search is what another process would be, but for the library: it refuses.
+    // A new search acts like a new process, except that the library is still initialised: it refuses.
     let why = find_in_rows(&[&mock]).err().expect("it was initialised");
     assert!(why.to_string().contains("failed: ERROR_INITIALIZATION_FAILED"), "{why}");
 }
@@ -134,7 +134,7 @@ fn a_failed_initialisation_is_told_and_never_tried_again() {
     assert!(why.contains(&told(&failing, 1)) && why.contains(&told(&link, 2)), "{why}");
     assert!(why.contains("; tried org.khronos.openxr.system_runtime_broker: no answer"), "{why}");
     assert_eq!(count_calls(&failing), [1, 0, 0, 0]);
-    // The next row is tried all the same.
+    // The next row is still tried.
     let other = build_mock("after-failing.so", &["EXPORTS"]);
     let found = search.find_once(&mut linked_calls(), candidates(&[&failing, &other], &[]));
     assert_works(found, 1);
@@ -154,7 +154,7 @@ fn a_row_that_can_t_be_opened_is_passed_over() {
 
 #[test]
 fn a_library_within_a_package_is_opened_by_the_linker() {
-    // This linker knows no packages, but a folder may have such a name.
+    // The host's linker can't load from packages, but a folder may have such a name.
     let mock = build_mock("base.apk!/lib/arm64-v8a/libx.so", &["EXPORTS"]);
     assert_works(find_in_rows(&[&mock]), 0);
     let package = folder().join("other.apk");
@@ -189,7 +189,7 @@ fn a_packaged_loader_is_initialised_and_asked_before_brokers() {
     let candidates = list_candidates(&loader, nobody, &[] as &[&str]);
     let found = RuntimeSearch::new().find_once(&mut linked_calls(), candidates);
     assert!(found.is_ok_and(|found| found.entry.enumerate_extensions().is_ok()));
-    // A loader may be asked for anything.
+    // Any function may be requested from a loader.
     let [initialized, negotiated, ..] = count_calls(&loader);
     assert_eq!([initialized, negotiated], [1, 0]);
 }
@@ -210,7 +210,7 @@ impl Platform for LosingPlatform {
 #[test]
 fn sessions_are_lost_and_the_runtime_is_kept() {
     let folder = folder().join("files");
-    // Starts that failed in an earlier run would make this one wait.
+    // Remove the failed starts of an earlier run, which would delay this one.
     let _ = std::fs::remove_dir_all(&folder);
     let options = ShellOptions { folder: Some(folder), ..ShellOptions::default() };
     let end = run_shell::<128>(&mut LosingPlatform, &options);

@@ -1,4 +1,4 @@
-//! The shell's requests to the runtime at its start, and its log where one is refused.
+//! The shell's requests to the runtime at its start, and its log lines for refused ones.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -21,7 +21,7 @@ enum BoundHands {
 }
 use BoundHands::{Both, Left, Right};
 
-/// All kinds of Touch have these alike.
+/// The bindings that all kinds of Touch controllers share.
 const TOUCH: &[(&str, &str, BoundHands)] = &[
     ("aim", "input/aim/pose", Both),
     ("grip", "input/grip/pose", Both),
@@ -37,9 +37,9 @@ const TOUCH: &[(&str, &str, BoundHands)] = &[
     ("menu", "input/menu/click", Left),
 ];
 
-/// As OpenXR 1.1 names profiles and components: "Interaction Profile Paths", the extensions
-/// `XR_META_touch_controller_plus`, `XR_FB_touch_controller_pro` and `XR_EXT_hand_interaction`, and `xr.xml`. The
-/// right Touch's menu button is the system's; an Index has no other than the system's.
+/// The profiles and components with the names of OpenXR 1.1: "Interaction Profile Paths", the extensions
+/// `XR_META_touch_controller_plus`, `XR_FB_touch_controller_pro` and `XR_EXT_hand_interaction`, and `xr.xml`.
+/// The right Touch's menu button belongs to the system, and so does an Index's only one.
 const PROFILES: [BoundProfile; 6] = [
     ("/interaction_profiles/oculus/touch_controller", TOUCH),
     ("/interaction_profiles/meta/touch_controller_plus", TOUCH),
@@ -92,7 +92,7 @@ const ACTIONS: [(&str, &str); 9] = [
     ("menu", "BOOLEAN_INPUT"),
 ];
 
-/// The log's lines of a kind, each once.
+/// Returns the log's lines of a kind, and asserts that each occurs once.
 fn log_entries(log: &str, kind: &str) -> BTreeSet<String> {
     let lines: Vec<String> =
         log.lines().filter(|line| line.starts_with(kind)).map(str::to_owned).collect();
@@ -182,7 +182,7 @@ fn a_rate_is_asked_for_where_it_is_offered() {
     let line = format!("the display was asked for 90 Hz, and refused: {why}");
     assert_eq!(asks("90", &line), [""; 0]);
     assert_no_violations(&read_log(&monado));
-    // Monado's null compositor itself.
+    // Without the layer: Monado's null compositor itself.
     let errors = seen(monado.start_shell(&["--rate", "90"]));
     let line = "paros-quest: the display has no 90 Hz, only 20 Hz: it is asked for 20 Hz\n";
     assert!(errors.contains(line), "{errors}");
@@ -197,7 +197,7 @@ fn without_a_floor_under_the_visitor_the_stage_is_taken() {
     let mut room = || {
         let errors = seen(monado.start_layered_shell(&layer, &[]));
         let log = read_log(&monado);
-        // The head's and a notice's are always there.
+        // The spaces of the head and of a notice always exist.
         let is_room = |line: &&str| !["space VIEW 0", "space LOCAL 0"].contains(line);
         let spaces = log[noted..].lines().filter(|line| line.starts_with("space "));
         let rooms: Vec<String> = spaces.filter(is_room).map(str::to_owned).collect();
@@ -219,7 +219,7 @@ fn without_a_floor_under_the_visitor_the_stage_is_taken() {
     assert_no_violations(&read_log(&monado));
 }
 
-/// A shell that is seen for some frames and leaves well: what it told.
+/// Runs a shell with focus for some frames until it exits without an error. Returns its standard error.
 fn seen(mut shell: ShellProcess) -> String {
     shell.wait_until("focus", |said| said.field("life") == "focused");
     shell.wait_frames(3);

@@ -1,5 +1,5 @@
-//! Bare hands as Meta's runtime offers them, which the tests' layer imitates: as a simple controller with a valid
-//! grip or by `XR_EXT_hand_interaction`, frozen where they are lost, and beside controllers.
+//! Bare hands as Meta's runtime reports them, which the tests' layer imitates: as a simple controller with a
+//! valid grip or through `XR_EXT_hand_interaction`, frozen after tracking is lost, and beside controllers.
 
 use std::fs;
 use std::path::Path;
@@ -19,7 +19,8 @@ use super::{REST, RIGHT, hands_at_rest, take_tool};
 const HAND_INTERACTION: &str = "/interaction_profiles/ext/hand_interaction_ext";
 const SIMPLE: &str = "/interaction_profiles/khr/simple_controller";
 
-/// Starts a shell whose runtime refuses these profiles, with hands as the layer has this word for.
+/// Starts a shell whose runtime refuses these profiles, with the layer's hands in the state that `word`
+/// names.
 fn start_with_hands(
     monado: &MonadoService,
     layer: &Path,
@@ -37,7 +38,7 @@ fn start_with_hands(
     shell
 }
 
-/// Has the layer's hands be otherwise, and waits until the shell has run ticks with them.
+/// Changes the state of the layer's hands, and waits until the shell has run ticks with them.
 fn change_hands(monado: &MonadoService, shell: &mut ShellProcess, word: &str) {
     let folder = monado.folder.join("layer");
     let count = || read_log(monado).lines().filter(|line| *line == format!("hands {word}")).count();
@@ -63,9 +64,9 @@ fn hands_without_a_profile_are_read_by_their_joints() {
     hand_over_and_back("no-profile", &[HAND_INTERACTION, SIMPLE], "[Joints, Joints]");
 }
 
-/// Takes a tool with a controller, hands it over to a bare hand that runs it, is lost, and is found again, and back
-/// to the controller, which lets go of it; a fist takes it again. Bare hands are read from `sources` where the
-/// runtime refuses these profiles.
+/// Takes a tool with a controller and hands it over to a bare hand, which runs it, is lost and found again.
+/// Then hands it back to the controller, which releases it; a fist takes it again. If the runtime refuses the
+/// profiles in `refused`, bare hands are read from `sources`.
 fn hand_over_and_back(name: &str, refused: &[&str], sources: &str) {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
     let Some(layer) = require_or_skip(find_rig("liblayer.so")).unwrap() else { return };
@@ -78,7 +79,7 @@ fn hand_over_and_back(name: &str, refused: &[&str], sources: &str) {
     take_tool(&mut hands, &mut shell, Tool::Rotary);
     hands.place_hand(RIGHT, REST);
     shell.wait_frames(2);
-    // A hand is half closed where it leaves a controller.
+    // A hand is half closed when it leaves a controller.
     for (word, read_from) in
         [("fist", sources), ("bare", sources), ("", controllers), ("bare", sources)]
     {
@@ -123,7 +124,7 @@ fn cut_stone(hands: &mut RemoteHands, shell: &mut ShellProcess) {
     shell.wait_frames(2);
 }
 
-/// Loses both hands as runtimes do, with the right one's pinch closed before it is in the stone.
+/// Loses both hands as runtimes do, with the right hand's pinch closed before it is in the stone.
 fn assert_lost_hands_vanish(
     monado: &MonadoService,
     hands: &mut RemoteHands,
@@ -133,7 +134,7 @@ fn assert_lost_hands_vanish(
 ) {
     let pinch = RemoteHand { trigger: 1.0, ..REST };
     hands.place_hand(RIGHT, pinch);
-    // By strokes, as what fell off may still go.
+    // Counts strokes, not voxels, as loose pieces may still disappear.
     let before = shell.wait_frames(2).number("undo");
     change_hands(monado, shell, lost);
     let said = shell.query_status();
@@ -150,8 +151,8 @@ fn assert_lost_hands_vanish(
     assert_eq!(said.field("sources"), sources);
 }
 
-/// Asserts that the right hand's grip, which rests for most of this trace, is where the driver has it and
-/// turned as it is, whatever it is read from.
+/// Asserts that the right hand's grip, which rests for most of this trace, has the driver's position and
+/// rotation, whatever source it is read from.
 fn assert_grip_unturned(path: &Path) {
     let trace = Trace::read(path).expect("a trace");
     let mut at_rest = 0;

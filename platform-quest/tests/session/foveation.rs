@@ -1,6 +1,6 @@
-//! Density maps and their levels: the layer hands out what Monado has not, and a layer of Vulkan
-//! says that lavapipe reads it, which draws all alike. What is proved is what the shell asks for,
-//! in which order, and that Vulkan's validation finds nothing wrong with it.
+//! Density maps and their levels: the OpenXR layer provides what Monado lacks, and a Vulkan layer claims that
+//! lavapipe, which shades everything equally, reads density maps. The tests prove the shell's requests and
+//! their order, and that Vulkan's validation finds no fault.
 
 use std::fs;
 
@@ -12,7 +12,7 @@ use super::layered::{assert_no_violations, find_rig, inject_event, read_log};
 use super::monado::{MonadoService, MonadoTree, RemoteHand, ShellEnd, ShellProcess, wait_for};
 use super::{RIGHT, hands_at_rest, take_tool};
 
-/// The levels that were set, in their order.
+/// Returns the levels that were set, in order.
 fn logged_levels(monado: &MonadoService) -> Vec<String> {
     let log = read_log(monado);
     log.lines().filter_map(|line| line.strip_prefix("foveation ")).map(str::to_owned).collect()
@@ -43,7 +43,7 @@ fn heat_raises_foveation_between_strokes() {
     wait_for("the level", || logged_levels(&monado) == ["LOW", "HIGH"]);
     inject_event(&monado, "cool");
     wait_for("the level", || logged_levels(&monado) == ["LOW", "HIGH", "LOW"]);
-    // One that is made anew is set anew, and its maps are its own.
+    // A recreated swapchain gets its level again, and has density maps of its own.
     inject_event(&monado, "lose session");
     wait_for("the level", || logged_levels(&monado) == ["LOW", "HIGH", "LOW", "LOW"]);
     shell.wait_until("focus", |said| said.field("life") == "focused");
@@ -56,7 +56,7 @@ fn heat_raises_foveation_between_strokes() {
     assert_no_violations(&read_log(&monado));
 }
 
-/// Depth is handed over with one sample a pixel, and a framebuffer for each pair of images.
+/// Depth is submitted with one sample a pixel, and a framebuffer for each pair of images.
 #[test]
 fn depth_goes_together_with_density_maps() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
@@ -101,14 +101,14 @@ fn what_is_asked_for_and_missing_is_told_in_a_line() {
     let depth = told(monado.start_layered_shell(&layer, &["--depth"]));
     let start = "paros-quest: no depth for the compositor, though it is asked for: Monado";
     assert!(depth.starts_with(start) && depth.ends_with("takes no D32_SFLOAT"), "{depth}");
-    // Left off, it is not even asked of a runtime that has it.
+    // If foveation is off, it isn't even requested from a runtime that has it.
     let asked = read_log(&monado);
     assert_eq!(told(monado.start_layered_shell(&layer, &["--foveation", "off"])), "");
     assert!(read_log(&monado)[asked.len()..].contains("own extensions 6\n"));
     assert_eq!(logged_levels(&monado), [""; 0]);
 }
 
-/// Their runtime may refuse subsampled images, or not know the extension: then they are as before.
+/// The runtime may refuse subsampled images, or not know the extension: the images are then ordinary ones.
 #[test]
 fn images_are_whole_where_the_runtime_refuses_subsampled_ones() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };

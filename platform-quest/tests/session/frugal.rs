@@ -20,12 +20,12 @@ const FRAMES: u64 = 500;
 /// Measured frames in which the visitor sculpts.
 const BUSY: u64 = 320;
 
-/// The limit of the median of a frame's own CPU time without the clock's, in times of the reference
-/// calculation, which the program runs between its frames (some 0.2 ms on the machines of CI). Measured:
-/// 1.3. A limit in nanoseconds failed where the clock alone took half of it.
+/// The limit of the median CPU time of a frame, without the clock's own, as a multiple of the reference
+/// calculation, which the program runs between its frames (some 0.2 ms on the machines of CI). Measured: 1.3.
+/// A limit in nanoseconds failed on machines where the clock alone took half of it.
 const MOST_REFERENCES: u64 = 2;
 
-/// Allocations are the shell's own, too: those of drivers are not counted.
+/// Counts only the shell's own allocations, not those of drivers.
 #[test]
 fn a_frame_takes_little_time_and_no_memory() {
     let Some(tree) = require_or_skip(MonadoTree::find()).unwrap() else { return };
@@ -51,7 +51,7 @@ fn a_frame_takes_little_time_and_no_memory() {
     assert!(own < MOST_REFERENCES * said.number("reference"), "{}", said.text());
 }
 
-/// Sculpts with a running tool, stroke by stroke, for [`BUSY`] frames. Returns how many saves were written.
+/// Sculpts with a running tool, stroke by stroke, for [`BUSY`] frames. Returns the number of written saves.
 fn sculpt_while_busy(
     monado: &MonadoService,
     hands: &mut RemoteHands,

@@ -1,4 +1,5 @@
-//! User presence: a headset that is put on again soon goes on, later it starts the next visitor's session.
+//! User presence: if the headset is put on again soon, the session continues; later, the next visitor's
+//! session starts.
 
 use std::fs;
 use std::path::PathBuf;
@@ -14,8 +15,8 @@ use super::layered::{assert_no_violations, find_rig, inject_event, read_log};
 use super::monado::{MonadoService, MonadoTree, ShellEnd, wait_for};
 use super::{carve_voxels, hands_at_rest, take_tool};
 
-/// The handover time of this test: a headset that was off for longer has another visitor. Longer than the driver's
-/// head and hands are still in between, which nobody's are.
+/// The handover time of this test: after a longer time off the head, the user is another visitor. It is
+/// longer than the pauses in which the driver's head and hands don't move, which would count as unused.
 const HANDOVER: Duration = Duration::from_secs(30);
 
 #[test]
@@ -33,7 +34,7 @@ fn another_visitor_finds_a_new_stone_and_the_last_ones_sculpture_is_kept() {
     let before = shell.query_status();
     let voxels = before.number("voxels");
 
-    // The same one.
+    // The same visitor.
     inject_event(&monado, "presence 0");
     inject_event(&monado, "presence 1");
     let after = shell.wait_frames(5);
@@ -41,7 +42,7 @@ fn another_visitor_finds_a_new_stone_and_the_last_ones_sculpture_is_kept() {
     assert!(after.number("ticks") > before.number("ticks") && after.number("undo") > 0);
     assert!(finished_sculptures(&monado, "stl").is_empty());
 
-    // Another one.
+    // Another visitor.
     inject_event(&monado, "presence 0");
     std::thread::sleep(HANDOVER + Duration::from_millis(500));
     let away = shell.query_status();
@@ -65,7 +66,7 @@ fn another_visitor_finds_a_new_stone_and_the_last_ones_sculpture_is_kept() {
     assert_no_violations(&read_log(&monado));
 }
 
-/// Paths of the finished sculptures' files with an extension.
+/// Returns the paths of the finished sculptures' files with an extension.
 pub(crate) fn finished_sculptures(monado: &MonadoService, ending: &str) -> Vec<PathBuf> {
     let Ok(all) = fs::read_dir(monado.folder.join("files/sculptures")) else { return Vec::new() };
     let all = all.map(|entry| entry.expect("a file").path());

@@ -1,4 +1,4 @@
-//! Tests by an API layer, which checks the order of calls, logs haptic pulses, and injects the runtime's
+//! Tests with an API layer that checks the order of calls, logs haptic pulses, and injects the runtime's
 //! events: user presence, heat, and losses.
 
 use std::fs;
@@ -18,7 +18,7 @@ pub(crate) fn find_rig(name: &str) -> Result<PathBuf, String> {
     found.ok_or_else(|| format!("no {name}: cargo build -p paros-quest --examples"))
 }
 
-/// Has the layer inject an event, and waits until its log says so.
+/// Makes the layer inject an event, and waits until its log confirms it.
 pub(crate) fn inject_event(monado: &MonadoService, wish: &str) {
     let folder = monado.folder.join("layer");
     fs::write(folder.join("draft"), wish).expect("a wish");
@@ -26,12 +26,12 @@ pub(crate) fn inject_event(monado: &MonadoService, wish: &str) {
     wait_for(wish, || read_log(monado).lines().any(|line| line == format!("injected {wish}")));
 }
 
-/// The layer's log so far; empty if there is none.
+/// Reads the layer's log so far; empty if there is none.
 pub(crate) fn read_log(monado: &MonadoService) -> String {
     fs::read_to_string(monado.folder.join("layer/log")).unwrap_or_default()
 }
 
-/// Asserts that the shell has created its `sessions`th session, with focus and the same sculpture.
+/// Asserts that the shell has created session number `sessions`, with focus and the same sculpture.
 fn assert_session_resumes(
     monado: &MonadoService,
     shell: &mut ShellProcess,
@@ -73,7 +73,7 @@ fn hands_feel_the_stone_and_losses_lose_nothing() {
     carve_voxels(&mut hands, &mut shell, 1500);
     assert_pulses_of_one_hand(&read_log(&monado));
     hands.place_hand(RIGHT, REST);
-    // The bit has its way out of the stone first. A frame of four ticks outlasts a pulse, and needs no stop.
+    // First the bit moves out of the stone. A frame of four ticks outlasts a pulse, which then needs no stop.
     shell.wait_frames(10);
     let pulses = || read_log(&monado).matches("pulse").count();
     let felt = pulses();
@@ -104,7 +104,8 @@ fn hands_feel_the_stone_and_losses_lose_nothing() {
     assert!(log.contains("depth\n"), "the compositor was to get depth");
 }
 
-/// Asserts that the performance of CPU and GPU was asked for after each beginning of a session, and not before.
+/// Asserts that the performance levels of CPU and GPU were requested after each begin of a session, and not
+/// before.
 fn assert_levels_after_each_begin(log: &str) {
     let is_about = |line: &&str| *line == "begin" || line.starts_with("level");
     let asked: Vec<&str> = log.lines().filter(is_about).collect();
@@ -112,14 +113,14 @@ fn assert_levels_after_each_begin(log: &str) {
     assert_eq!(asked, each.repeat(4), "{asked:?}");
 }
 
-/// Asserts that the layer found every call in its order and with its structures.
+/// Asserts that the layer found no call out of order or with wrong structures.
 pub(crate) fn assert_no_violations(log: &str) {
     let violations: Vec<&str> = log.lines().filter(|line| line.contains("violation")).collect();
     assert!(violations.is_empty(), "{violations:#?}");
 }
 
-/// Asserts one pulse a frame, all of one hand, with an amplitude in (0, 1] and as long as three ticks; a
-/// refusal, which alone asks for a frequency, is as long as nine.
+/// Asserts one pulse a frame, all on one hand, with an amplitude in (0, 1] and the length of three ticks.
+/// Only the pulse of a refusal has a frequency, and lasts nine ticks.
 fn assert_pulses_of_one_hand(log: &str) {
     let pulses: Vec<Vec<&str>> = log
         .lines()

@@ -38,7 +38,7 @@ const RIGHT: usize = 1;
 const REST: RemoteHand = RemoteHand::at(0.35, 0.75, 0.0);
 const LEFT_REST: RemoteHand = RemoteHand::at(-0.35, 0.75, 0.0);
 
-/// Connects to the driver, and places the head before the stone, over which it looks, and both hands at rest.
+/// Connects to the driver, places the head in front of the stone, looking over it, and both hands at rest.
 fn hands_at_rest(monado: &MonadoService) -> RemoteHands {
     let mut hands = monado.connect_hands();
     hands.place_eyes(&looking_over_stone(visitor_eyes()));
@@ -47,20 +47,20 @@ fn hands_at_rest(monado: &MonadoService) -> RemoteHands {
     hands
 }
 
-/// The eyes of a visitor before the stone, looking down at it.
+/// Returns the eyes of a visitor in front of the stone, looking down at it.
 fn visitor_eyes() -> [Eye; 2] {
     eyes_at(Vec3::new(0.0, 1.45, 0.35), Quat::from_rotation_x(-0.35))
 }
 
-/// What an eye sees: angles in radians.
+/// The field of view of an eye: angles in radians.
 const FOV: Fov = Fov { left: -0.6, right: 0.6, up: 0.5, down: -0.5 };
 
-/// Has eyes see what is above the stone: a software device draws the wall several times as fast.
+/// Turns the field of view above the stone: a software device draws the wall several times as fast.
 fn looking_over_stone(eyes: [Eye; 2]) -> [Eye; 2] {
     eyes.map(|eye| Eye { fov: Fov { up: 1.1, down: 0.55, ..FOV }, ..eye })
 }
 
-/// The eyes of a head.
+/// Returns the eyes of a head.
 fn eyes_at(head: Vec3, rotation: Quat) -> [Eye; 2] {
     let eye = |x| Eye { position: head + rotation * Vec3::new(x, 0.0, 0.0), rotation, fov: FOV };
     [-0.032, 0.032].map(eye)
@@ -99,7 +99,7 @@ fn carve_voxels(hands: &mut monado::RemoteHands, shell: &mut ShellProcess, voxel
     hands.place_hand(RIGHT, RemoteHand::at(0.05, STOOL_TOP.y + 0.27, 0.1));
     shell.wait_frames(2);
     hands.place_hand(RIGHT, REST);
-    // The chips have settled and gone.
+    // Wait until the chips have settled and disappeared.
     let now = shell.query_status().number("ticks");
     shell.wait_until("the chips", |said| said.number("ticks") > now + 250);
     Vec3::new(0.05, STOOL_TOP.y + 0.27, -0.33)
@@ -121,7 +121,7 @@ fn read_frame(path: &Path) -> CapturedFrame {
     CapturedFrame { width: info.width as usize, height: info.height as usize, rgb }
 }
 
-/// The pixels that differ by more than 24.
+/// The pixels that differ by more than 24 in a colour channel.
 struct ChangedPixels {
     count: usize,
     /// Column and row.
@@ -191,7 +191,7 @@ fn a_scripted_hand_takes_a_tool_and_carves() {
     assert_replays_alike(&monado.folder);
 }
 
-/// Loses tracking while the trigger is pulled and moves the hand through the stone: nothing may be cut.
+/// Loses tracking while the trigger is pulled, and moves the hand through the stone: nothing may be cut.
 fn lose_and_regain_tracking(hands: &mut monado::RemoteHands, shell: &mut ShellProcess) {
     let voxels = shell.query_status().number("voxels");
     let beside = RemoteHand { trigger: 1.0, ..RemoteHand::at(0.6, 1.1, -0.3) };
@@ -214,7 +214,7 @@ fn lose_and_regain_tracking(hands: &mut monado::RemoteHands, shell: &mut ShellPr
     shell.wait_frames(2);
 }
 
-/// Asserts that the recorded trace has the poses that the driver was sent.
+/// Asserts that the recorded trace contains the poses that were sent to the driver.
 fn assert_trace_holds_hands(path: &Path) {
     let trace = Trace::read(path).expect("a trace");
     let home = BenchItem::Tool(Tool::Rotary).home_position();
@@ -289,7 +289,7 @@ fn what_is_missing_is_said() {
         assert!(last.starts_with("paros-quest: ") && last.contains(word), "{word}: {errors}");
         assert!(errors.contains("no picture can tell of it in the headset: "), "{errors}");
     };
-    // No service behind the runtime, no runtime at all.
+    // First no service behind the runtime, then no runtime at all.
     refuses(&mut tree.command(quest, &folder), "no OpenXR runtime answers");
     let none = PathBuf::from("/nonexistent");
     let mut command = tree.command(quest, &folder);

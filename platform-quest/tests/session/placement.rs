@@ -1,5 +1,5 @@
-//! The room's place: the stool is before the next visitor, wherever they stand, and what they see, reach and are
-//! recorded with is all in that room.
+//! The room's place: the stool is in front of the next visitor, wherever they stand. The visitor's view,
+//! reach and recorded poses are all in that room.
 
 use std::fs;
 
@@ -17,7 +17,8 @@ use super::{LEFT_REST, REST, RIGHT, compare_frames, eyes_at};
 
 const HEAD: Vec3 = Vec3::new(0.0, 1.5, 0.0);
 
-/// Places head and hands where a visitor before the stool has them, in a room that lies so in the runtime's space.
+/// Places head and hands of a visitor in front of the stool, for this place of the room in the runtime's
+/// space.
 fn place_visitor(hands: &mut RemoteHands, room: RoomTransform) {
     let (head, rotation) = room.to_runtime((HEAD, Quat::from_rotation_x(-0.3)));
     hands.place_eyes(&eyes_at(head, rotation));
@@ -44,7 +45,7 @@ fn the_stool_is_before_the_next_visitor() {
     let mut shell = monado.start_program(&sleeper, &["files", "clock", "live.trace"]);
     shell.wait_until("focus", |said| said.field("life") == "focused");
     shell.wait_until("a session", |said| said.field("session") == "Sculpting");
-    // The first visitor stirs, and is seen.
+    // The first visitor moves, and so counts as present.
     hands.place_eyes(&eyes_at(HEAD + Vec3::X * 0.03, Quat::from_rotation_x(-0.3)));
     shell.wait_frames(3);
     place_visitor(&mut hands, RoomTransform::default());
@@ -68,7 +69,7 @@ fn the_stool_is_before_the_next_visitor() {
         assert!(changed < 100, "eye {eye}: {changed} pixels: both see the same from their places");
     }
 
-    // What lies on the bench is taken where it is seen.
+    // An item on the bench is taken where it is seen.
     let home = BenchItem::Tool(Tool::Impact).home_position();
     let at_bench = in_runtime(there, RemoteHand { position: home, ..REST });
     hands.place_hand(RIGHT, at_bench);

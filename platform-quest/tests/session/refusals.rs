@@ -1,5 +1,5 @@
-//! Fault injection: whatever the runtime refuses or the device lacks, the shell ends with one line that
-//! says so and names a remedy, and the saved sculpture is unchanged.
+//! Fault injection: if the runtime refuses a call or the device lacks a feature, the shell ends with one line
+//! that names the cause and a remedy, and the saved sculpture is unchanged.
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +14,7 @@ use super::layered::{find_rig, read_log};
 use super::monado::{MonadoService, MonadoTree, ShellEnd, ShellProcess};
 use super::{carve_voxels, hands_at_rest, take_tool};
 
-/// Functions that are refused from the start, and words of the last line.
+/// The functions that are refused from the start, and words of the last line.
 const REFUSALS: [(&str, [&str; 2]); 3] = [
     ("xrCreateSession", ["could not make a session: ERROR_LIMIT_REACHED", "; end what else"]),
     (
@@ -37,7 +37,7 @@ fn what_is_refused_is_said_and_loses_nothing() {
         let ShellEnd { code, errors } = shell.wait_for_end();
         assert_fails_cleanly(code, &errors, words);
         assert_eq!(load_saved_session(&monado), saved, "{errors}");
-        // The next start needn't wait.
+        // Remove the record, so that the next start needn't wait.
         fs::remove_file(monado.folder.join("files/cache/failed-starts")).expect("a failed start");
     };
     for (functions, words) in REFUSALS {
@@ -70,8 +70,8 @@ fn what_is_refused_is_said_and_loses_nothing() {
     assert!(!log.contains("violation"), "{log}");
 }
 
-/// Refuses every `xrEndFrame` in a running session: the shell retries, and gives up after five losses.
-/// Returns the saved session.
+/// Refuses every `xrEndFrame` in a running session: the shell retries, and stops after five losses. Returns
+/// the saved session.
 fn save_after_refused_frames(monado: &MonadoService, layer: &Path) -> SavedSession {
     let mut hands = hands_at_rest(monado);
     let mut shell = monado.start_layered_shell(layer, &[]);
@@ -92,7 +92,7 @@ fn save_after_refused_frames(monado: &MonadoService, layer: &Path) -> SavedSessi
     saved
 }
 
-/// Has the layer refuse functions from now on, by their names separated by blanks.
+/// Makes the layer refuse functions from now on, given by their names, separated by spaces.
 fn refuse_functions(monado: &MonadoService, functions: &str) {
     let folder = monado.folder.join("layer");
     fs::write(folder.join("draft"), functions).expect("a wish");
@@ -127,7 +127,7 @@ fn assert_fails_cleanly(code: Option<i32>, errors: &str, words: [&str; 2]) {
     assert!(!errors.contains("panicked") && !errors.contains("validation: "), "{errors}");
 }
 
-/// Starts the shell on a device that reports no multiview.
+/// Starts the shell on a device without multiview.
 fn start_without_multiview(monado: &MonadoService, layer: &Path) -> ShellProcess {
     fs::write(monado.folder.join("layer/one-view"), "").expect("a wish");
     monado.start_mapped_shell(layer, &[])

@@ -1,5 +1,5 @@
-//! Dynamic resolution: as the runtime recommends, or by the GPU's times, which are long for a display as fast as the
-//! layer says that it is.
+//! Dynamic resolution, by the runtime's recommendation, or by the GPU's frame times, which are long for the
+//! fast display that the layer reports.
 
 use std::fs;
 
@@ -9,12 +9,12 @@ use super::layered::{assert_no_violations, find_rig, read_log};
 use super::monado::{MonadoService, MonadoTree, ShellEnd, wait_for};
 use super::{hands_at_rest, read_frame, visitor_eyes};
 
-/// The rectangles that were submitted, in their order.
+/// Returns the submitted rectangles, in order.
 fn submitted(monado: &MonadoService) -> Vec<[u32; 2]> {
     submitted_in_frames(monado).into_iter().map(|[width, height, _]| [width, height]).collect()
 }
 
-/// The same, each with the number of the first frame that had it.
+/// Returns the submitted rectangles, each with the number of the first frame that had it.
 fn submitted_in_frames(monado: &MonadoService) -> Vec<[u32; 3]> {
     let log = read_log(monado);
     let lines = log.lines().filter_map(|line| line.strip_prefix("submitted "));
@@ -37,7 +37,7 @@ fn pictures_shrink_under_load_and_follow_the_runtime() {
     fs::write(monado.folder.join("layer/fast-display"), "").expect("a wish");
     let mut shell = monado.start_layered_shell(&layer, &["--least-resolution", "85"]);
     shell.wait_until("focus", |said| said.field("life") == "focused");
-    // Within three windows of nine frames, and two in flight after each: less than a second's frames.
+    // Three windows of nine frames, with two frames in flight after each: less than a second's frames.
     wait_for("three steps", || submitted(&monado).len() == 4);
     let changes = submitted_in_frames(&monado);
     let frames = changes[3][2] - changes[0][2];

@@ -1,5 +1,6 @@
-//! Time away: a program that was killed, and a device that slept, go on after a short break, and hand over after a
-//! long one. The device's clock is the tests' own; head and hands are Monado's, which tells no user presence.
+//! Time away: after a kill or a sleep, the session resumes if the break was short, and is handed over if it
+//! was long. The device's clock is the tests' own. Head and hands are Monado's, which reports no user
+//! presence.
 
 use std::fs;
 use std::path::Path;
@@ -13,7 +14,7 @@ use super::layered::find_rig;
 use super::monado::{MonadoService, MonadoTree, RemoteHands, ShellEnd, ShellProcess, wait_for};
 use super::{carve_voxels, eyes_at, hands_at_rest, looking_over_stone, take_tool};
 
-/// Sets for how long the device has slept since it booted, and whether that was another boot.
+/// Sets the time for which the device has slept since it booted, and the identifier of another boot, if any.
 fn set_clock(monado: &MonadoService, slept_seconds: u32, boot: &str) {
     fs::write(monado.folder.join("draft"), format!("{slept_seconds} {boot}")).expect("a clock");
     fs::rename(monado.folder.join("draft"), monado.folder.join("clock")).expect("a clock");
@@ -25,7 +26,8 @@ fn start(monado: &MonadoService, program: &Path) -> ShellProcess {
     shell
 }
 
-/// Carves, and waits until the session and the time of its last use are on the disk. Returns the voxels left.
+/// Carves, and waits until the session and the time of its last use are on the disk. Returns the remaining
+/// voxels.
 fn carve_and_save(
     monado: &MonadoService,
     hands: &mut RemoteHands,
@@ -38,7 +40,7 @@ fn carve_and_save(
     shell.query_status().number("voxels")
 }
 
-/// A visitor who stands where the room has them: it need not be moved.
+/// Places a visitor in front of the stool, so that the room need not move.
 fn stand_before_stool(hands: &mut RemoteHands, height: f32) {
     let eyes = eyes_at(Vec3::Y * height, Quat::from_rotation_x(-0.3));
     hands.place_eyes(&looking_over_stone(eyes));
@@ -56,7 +58,7 @@ fn a_short_break_goes_on_and_a_long_one_hands_over() {
     let whole = whole.number("voxels");
     let mut voxels = carve_and_save(&monado, &mut hands, &mut shell);
 
-    // Killed, and back after ten seconds.
+    // Killed, and restarted after ten seconds.
     shell.kill();
     set_clock(&monado, 10, "");
     let mut shell = start(&monado, &sleeper);
@@ -65,7 +67,7 @@ fn a_short_break_goes_on_and_a_long_one_hands_over() {
     assert_eq!((again.number("voxels"), again.field("session")), (voxels, "Sculpting"));
     assert!(again.number("undo") > 0);
 
-    // Asleep for a minute: nobody is there yet, then somebody is.
+    // Asleep for a minute: at first nobody is there, then a visitor is.
     set_clock(&monado, 70, "");
     assert_eq!(shell.wait_frames(10).number("voxels"), voxels);
     assert!(finished_sculptures(&monado, "stl").is_empty());
@@ -74,7 +76,7 @@ fn a_short_break_goes_on_and_a_long_one_hands_over() {
     assert_eq!((anew.field("session"), anew.number("undo")), ("Sculpting", 0));
     wait_for("the print", || finished_sculptures(&monado, "stl").len() == 1);
 
-    // Killed, and found after a minute; killed, and found at once in another boot.
+    // Killed, and restarted after a minute; killed, and restarted at once in another boot.
     let other_boot = "00000000-0000-4000-8000-000000000001";
     for (prints, slept, boot) in [(2, 140, ""), (3, 140, other_boot)] {
         voxels = carve_and_save(&monado, &mut hands, &mut shell);

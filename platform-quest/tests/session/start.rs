@@ -1,4 +1,5 @@
-//! The start: a driver that compiles slowly or not at all, starts that fail in a row, and a second one in a process.
+//! The start: a driver that compiles slowly or not at all, repeated failed starts, and a second start in one
+//! process.
 
 use std::fs;
 use std::path::Path;
@@ -13,21 +14,21 @@ use super::layered::{assert_no_violations, find_rig, inject_event, read_log};
 use super::monado::{MonadoService, MonadoTree, ShellEnd, ShellProcess, wait_for};
 use super::{hands_at_rest, read_frame};
 
-/// How long the slow driver takes.
+/// The time that the slow driver takes to compile.
 const COMPILING: Duration = Duration::from_secs(10);
 
-/// The longest that events and frames may wait meanwhile: a frame of the null compositor is 50 ms, and other tests run
-/// beside this one.
+/// The limit of the wait for events and frames meanwhile: a frame of the null compositor takes 50 ms, and
+/// other tests run beside this one.
 const LONGEST_WAIT_MS: u32 = 1000;
 
-/// Has the layer find a wish in its folder, before a shell is started.
+/// Writes a request file into the layer's folder, before a shell is started.
 fn wish(monado: &MonadoService, name: &str, text: &str) {
     let folder = monado.folder.join("layer");
     fs::create_dir_all(&folder).expect("a folder");
     fs::write(folder.join(name), text).expect("a wish");
 }
 
-/// Captures the notice that is seen: red, green, blue of each pixel, as the compositor gets them.
+/// Captures the visible notice as the compositor gets it: red, green, blue of each pixel.
 fn capture_notice(shell: &mut ShellProcess, folder: &Path, name: &str) -> Vec<u8> {
     let path = folder.join(format!("{name}-notice.png"));
     shell.send(&format!("shot {}", folder.join(name).display()));
@@ -40,7 +41,7 @@ fn rgb_of(notice: &StartNotice) -> Vec<u8> {
     pixels.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect()
 }
 
-/// The numbers of the log's line that begins so.
+/// Returns the numbers in the log line with this beginning.
 fn numbers_of(log: &str, beginning: &str) -> Vec<u32> {
     let line = log.lines().find(|line| line.starts_with(beginning));
     let line = line.unwrap_or_else(|| panic!("no {beginning} in {log}"));
@@ -94,7 +95,7 @@ fn a_visitor_who_leaves_while_programs_are_compiled_has_left() {
     assert!(!monado.folder.join("files/cache/failed-starts").exists(), "it did not fail");
 }
 
-/// The starts that the shell holds to have failed.
+/// Reads the shell's record of failed starts.
 fn read_failed_starts(monado: &MonadoService) -> Option<FailedStarts> {
     let bytes = fs::read(monado.folder.join("files/cache/failed-starts")).ok()?;
     Some(FailedStarts::decode(&bytes).expect("whole"))
@@ -131,7 +132,7 @@ fn a_failed_start_is_shown_and_logged_and_the_next_one_waits() {
     let log = fs::read_to_string(monado.folder.join("files/paros.log")).expect("a log");
     assert!(log.contains(&format!("Z the start failed: {whole}\n")), "{log}");
 
-    // The fifth in a row.
+    // The fifth consecutive failed start.
     let (now, boot) = (PlainPlatform.since_boot(), PlainPlatform.boot_id().expect("a boot"));
     let failed = (0..4).fold(read_failed_starts(&monado), |failed, _| {
         Some(FailedStarts::after_failure(failed, boot, now))

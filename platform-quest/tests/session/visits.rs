@@ -1,5 +1,5 @@
-//! Visits: from the headset put on to the badge, of a visitor who leaves before the end, and across the end of the
-//! program. Pictures of every screen stay in the tests' folders.
+//! Visits: from putting the headset on to the badge, of a visitor who leaves early, and across a restart of
+//! the program. Pictures of every screen stay in the tests' folders.
 
 use std::fs;
 use std::path::Path;
@@ -20,14 +20,14 @@ use super::{
     LEFT_REST, REST, RIGHT, assert_replays_alike, carve_voxels, compare_frames, eyes_at, take_tool,
 };
 
-/// Phases that wait for who is in them, as a software device is slow.
+/// A plan whose phases have long timeouts, as a software device is slow.
 const PATIENT: &str = "Welcome=900,Choice=900,Guided=900,Length=900,OffBeforeCut=900,OffAfter=900,Export=900,\
      BadgeMost=900,HandsOff=1,BadgeLeast=1,Thanks=2,Handover=900";
 
-/// The visitor's head, before the stool.
+/// The visitor's head, in front of the stool.
 const HEAD: Vec3 = Vec3::new(0.0, 1.55, 0.0);
 
-/// Looks ahead, or aside by an angle in radians, and has both hands at rest.
+/// Turns the head ahead or aside, by an angle in radians, and puts both hands at rest.
 fn look(hands: &mut RemoteHands, yaw: f32) {
     let rotation = Quat::from_rotation_y(yaw) * Quat::from_rotation_x(-0.05);
     hands.place_eyes(&eyes_at(HEAD, rotation));
@@ -40,7 +40,7 @@ fn start(monado: &MonadoService, layer: &Path, plan: &str, args: &[&str]) -> She
     monado.start_layered_shell(layer, &[&visits, args].concat())
 }
 
-/// Where a button's middle is in the room.
+/// Returns the position of a button's middle in the room.
 fn find_button(said: &StatusLine, action: &str) -> Option<Vec3> {
     let named = |button: &str| {
         let (name, at) = button.split_once('@')?;
@@ -50,7 +50,7 @@ fn find_button(said: &StatusLine, action: &str) -> Option<Vec3> {
     said.field("buttons").split('|').find_map(named)
 }
 
-/// The right hand, aimed at a button.
+/// Returns a pose of the right hand that is aimed at a button.
 fn aim_at(shell: &mut ShellProcess, action: &str) -> RemoteHand {
     let said = shell.wait_until(action, |said| find_button(said, action).is_some());
     let target = find_button(&said, action).expect("it was there");
@@ -63,14 +63,14 @@ fn aim_at(shell: &mut ShellProcess, action: &str) -> RemoteHand {
 fn aim_and_pull(hands: &mut RemoteHands, shell: &mut ShellProcess, action: &str) -> RemoteHand {
     let aimed = aim_at(shell, action);
     hands.place_hand(RIGHT, aimed);
-    // Nothing is pressed that has only just appeared.
+    // A button that has just appeared can't be pressed yet.
     let now = shell.query_status().number("ticks");
     shell.wait_until("aimed", |said| said.number("ticks") > now + 24);
     hands.place_hand(RIGHT, RemoteHand { trigger: 1.0, ..aimed });
     aimed
 }
 
-/// Aims at a button, pulls the trigger, and waits for a phase.
+/// Aims at a button, pulls the trigger, and waits for a phase of the visit.
 fn press(hands: &mut RemoteHands, shell: &mut ShellProcess, action: &str, phase: &str) {
     let aimed = aim_and_pull(hands, shell, action);
     shell.wait_frames(2);
@@ -92,7 +92,7 @@ fn put_on(monado: &MonadoService, hands: &mut RemoteHands, shell: &mut ShellProc
     assert!(room.iter().all(|number| number.abs() < 0.02), "the visitor stands well: {room:?}");
 }
 
-/// From the welcome to a first cut, with all steps of the guide skipped.
+/// Plays a visit from the welcome to a first cut, and skips all steps of the guide.
 fn begin_sculpting(hands: &mut RemoteHands, shell: &mut ShellProcess) -> u64 {
     press(hands, shell, "Press(Confirm)", "Choice");
     press(hands, shell, "Choose(FreeForm)", "Guided");
@@ -105,14 +105,14 @@ fn begin_sculpting(hands: &mut RemoteHands, shell: &mut ShellProcess) -> u64 {
     shell.query_status().number("voxels")
 }
 
-/// A screen's picture by the left eye, as it looks ahead.
+/// Captures a screen with the left eye, which looks ahead.
 fn picture(monado: &MonadoService, shell: &mut ShellProcess, name: &str) -> std::path::PathBuf {
     shell.wait_frames(2);
     let [left, _] = shell.capture_eyes(&monado.folder, name);
     left
 }
 
-/// The pictures on the cards of the choice change: the starts turn.
+/// Asserts that the pictures on the cards of the choice change, as the starts turn.
 fn see_living_previews(monado: &MonadoService, shell: &mut ShellProcess) {
     let choice = picture(monado, shell, "choice");
     let lives = (0..30).any(|_| {
@@ -133,7 +133,7 @@ fn a_visitor_goes_from_attract_to_the_badge_and_hands_over() {
     shell.wait_until("focus", |said| said.field("life") == "focused");
     inject_event(&monado, "presence 0");
     let whole = shell.wait_until("attract", |said| said.field("visit") == "Attract");
-    // Nobody's hand turns the stone.
+    // The attract mode's own hand works on the stone.
     shell.wait_until("a cut", |said| said.number("voxels") < whole.number("voxels"));
     let attract = picture(&monado, &mut shell, "attract");
     hands.place_eyes(&eyes_at(HEAD, Quat::from_rotation_x(-0.6)));
@@ -241,7 +241,7 @@ fn a_killed_shell_goes_on_with_its_visit_unless_the_visitor_has_gone() {
     let errors = shell.kill();
     assert!(errors.contains("a visit goes on: Sculpting, unused for"), "{errors}");
 
-    // Found almost a minute later, on another head.
+    // The visit is found almost a minute later, and another visitor puts the headset on.
     let mut last_use = LastUse::decode(&fs::read(&stamp).expect("a stamp")).expect("a stamp");
     last_use.since_boot -= Duration::from_secs(50);
     fs::write(&stamp, last_use.encode()).expect("it is written");
@@ -253,7 +253,8 @@ fn a_killed_shell_goes_on_with_its_visit_unless_the_visitor_has_gone() {
     assert_eq!(code, Some(0), "{errors}");
 }
 
-/// The tests' layer makes a bare hand of the driver's: its index finger's tip from its grip.
+/// The position of the index finger's tip relative to the grip, for the bare hand that the tests' layer makes
+/// from the driver's.
 const FINGERTIP: Vec3 = Vec3::new(0.015, -0.115, -0.03);
 
 #[test]

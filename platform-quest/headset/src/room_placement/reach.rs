@@ -1,5 +1,5 @@
-//! What visitors reach from the place and at the height that the room gives them, standing or seated, without a step or
-//! a lean.
+//! The reach of visitors from the place and at the height that the room gives them, standing or seated,
+//! without a step or a lean.
 
 use glam::{Vec2, Vec3};
 use paros_core::internals::{BENCH_ITEMS, BOX_SIDE, STOOL_RADIUS, STOOL_TOP};
@@ -7,16 +7,17 @@ use paros_core::session::BenchItem;
 
 use paros_shell::headset::height_step::HeightStep;
 
-/// A body, in metres: Pheasant and Haslegrave, "Bodyspace", British adults of 19 to 65 years; seats are 0.42 high.
+/// The dimensions of a body, in metres: Pheasant and Haslegrave, "Bodyspace", British adults of 19 to 65
+/// years; seats are 0.42 high.
 struct Body {
     name: &'static str,
-    /// Of the eyes above the floor.
+    /// The height of the eyes above the floor.
     eye_height: f32,
-    /// Of the shoulder joint (acromion) above the floor.
+    /// The height of the shoulder joint (acromion) above the floor.
     shoulder_height: f32,
-    /// Between the joints (biacromial).
+    /// The distance between the shoulder joints (biacromial).
     shoulder_breadth: f32,
-    /// From the joint to the middle of what the hand holds.
+    /// The distance from the shoulder joint to the middle of a held object.
     grip_length: f32,
 }
 
@@ -37,15 +38,16 @@ const BODIES: [Body; 4] = [
     body("tall, seated", [1.27, 1.065], 0.430, 0.715),
 ];
 
-/// At which a hand takes an item: the core's `GRAB_DISTANCE`.
+/// The distance at which a hand takes an item: the core's `GRAB_DISTANCE`.
 const GRAB_DISTANCE: f32 = 0.12;
 
-/// From the visitor's place, in which hands stay: a boundary of a metre around it.
+/// The radius around the visitor's place in which hands stay: a metre.
 const BOUNDARY: f32 = 1.0;
 
 impl Body {
-    /// How far beyond the reach of the nearer shoulder a place is, in metres; 0 within it. The visitor stands at the
-    /// room's origin, and turns the trunk. The room is on the floor or at the visitor's step, whichever is worse.
+    /// Returns how far a place is beyond the reach of the nearer shoulder, in metres; 0 within reach. The
+    /// visitor stands at the room's origin and turns the trunk. The worse of two room heights counts: the
+    /// floor, and the visitor's height step.
     fn distance_beyond_reach(&self, place: Vec3, reach: f32) -> f32 {
         let across = Vec2::new(place.x, place.z).length() - self.shoulder_breadth / 2.0;
         let beyond = |step: HeightStep| {
@@ -55,13 +57,14 @@ impl Body {
         beyond(HeightStep::Middle).max(beyond(HeightStep::for_eyes(self.eye_height)))
     }
 
-    /// The same of an item, at its place on the bench: a tool is taken by the hand, a bit by the tip of its tool too.
+    /// Returns the same distance for an item at its place on the bench. A tool is taken by the hand, a bit
+    /// also by the tip of its tool.
     fn distance_beyond_item(&self, item: BenchItem) -> f32 {
         self.distance_beyond_reach(item.home_position(), self.grip_length + taking_distance(item))
     }
 }
 
-/// From the hand to what it takes, at most.
+/// Returns the maximum distance from the hand to the item that it takes.
 fn taking_distance(item: BenchItem) -> f32 {
     match item {
         BenchItem::Tool(_) => GRAB_DISTANCE,
@@ -91,7 +94,8 @@ fn the_sculptures_middle_is_reached_by_the_bare_hand() {
     }
 }
 
-/// Its rim is taken where it is nearest to the visitor, and led an eighth of a turn to either side.
+/// The stool's rim is taken at the point nearest to the visitor, and moved an eighth of a turn to either
+/// side.
 #[test]
 fn the_stool_is_turned_from_the_visitors_place() {
     for body in &BODIES {

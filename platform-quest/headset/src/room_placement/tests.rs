@@ -1,4 +1,5 @@
-//! The room by any head: the stool is before the visitor, the floor stays, and nothing that is no head moves it.
+//! Room placement for arbitrary heads: the stool is in front of the visitor, the floor stays, and an invalid
+//! pose never moves the room.
 
 use core::f32::consts::{FRAC_PI_2, PI};
 
@@ -8,7 +9,7 @@ use paros_core::internals::{RoomPose, STOOL_TOP};
 use super::{PATIENCE_TICKS, PlacementNeed, RoomPlacement, RoomTransform, STEADY_TICKS};
 use paros_shell::headset::height_step::HeightStep;
 
-/// Numbers by a linear congruence: the same ones each time.
+/// A linear congruential generator: the same numbers in each run.
 struct Dice(u32);
 
 impl Dice {
@@ -24,7 +25,7 @@ fn head(position: Vec3, yaw: f32, pitch: f32, roll: f32) -> RoomPose {
     (position, rotation)
 }
 
-/// Has a head that doesn't move place the room. Returns the ticks that it took.
+/// Places the room by a head that doesn't move. Returns the number of ticks that it took.
 fn place(placement: &mut RoomPlacement, in_runtime: RoomPose) -> Option<u32> {
     (1..=PATIENCE_TICKS).find(|_| {
         let seen = placement.room().to_room(in_runtime);
@@ -32,7 +33,8 @@ fn place(placement: &mut RoomPlacement, in_runtime: RoomPose) -> Option<u32> {
     })
 }
 
-/// Asserts that the stool is where it belongs to a head of this yaw: within a centimetre and a degree, and as high.
+/// Asserts that the stool is in front of a head of this yaw, within a centimetre and a degree, and at its own
+/// height.
 fn assert_stool_is_before(room: RoomTransform, in_runtime: RoomPose, yaw: f32) {
     let (stool, turn) = room.to_runtime((STOOL_TOP, Quat::IDENTITY));
     let below = Vec3::new(in_runtime.0.x, 0.0, in_runtime.0.z);
@@ -55,7 +57,7 @@ fn the_stool_is_before_any_head() {
         let in_runtime = head(position, yaw, pitch, dice.within(-1.2, 1.2));
         let mut placement = RoomPlacement::default();
         if i % 2 == 0 {
-            // The room lies somewhere already.
+            // The room has been placed before.
             let before = head(position + Vec3::X, dice.within(-PI, PI), 0.0, 0.0);
             placement.request(PlacementNeed::Anyhow);
             place(&mut placement, before).expect("a place");
@@ -78,7 +80,7 @@ fn a_head_that_looks_straight_up_or_down_has_a_heading() {
             let in_runtime = head(Vec3::new(1.0, 1.6, -2.0), yaw, pitch, 0.0);
             let mut placement = RoomPlacement::default();
             placement.request(PlacementNeed::Anyhow);
-            // It is waited for a better one as long as is bearable.
+            // The placement waits for a better pose until its patience ends.
             assert_eq!(place(&mut placement, in_runtime), Some(PATIENCE_TICKS));
             assert_stool_is_before(placement.room(), in_runtime, yaw);
         }
@@ -110,7 +112,7 @@ fn what_is_no_pose_never_moves_the_room_nor_spreads() {
         (Vec3::new(1e6, 1.6, 0.0), Quat::IDENTITY),
         (Vec3::Y, nan),
         (Vec3::Y, Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)),
-        // On its side and looking down its own shoulder line: it faces nowhere.
+        // On its side and looking down its own shoulder line: it has no heading.
         (Vec3::Y, Quat::from_rotation_x(-FRAC_PI_2) * Quat::from_rotation_y(FRAC_PI_2)),
     ];
     for (i, pose) in bad.into_iter().enumerate().take(6) {
@@ -135,7 +137,7 @@ fn a_head_that_is_being_put_on_is_waited_for() {
     let mut placement = RoomPlacement::default();
     placement.request(PlacementNeed::Anyhow);
     for _ in 0..200 {
-        // It is taken from a table, and turned about.
+        // The headset is taken from a table and turned about.
         let position = Vec3::new(dice.within(-0.5, 0.5), dice.within(0.7, 1.6), 0.0);
         let seen = head(position, dice.within(-1.0, 1.0), dice.within(-1.0, 1.0), 0.0);
         assert_eq!(placement.observe_head(Some(seen)), None);
@@ -144,7 +146,7 @@ fn a_head_that_is_being_put_on_is_waited_for() {
     for _ in 1..STEADY_TICKS {
         assert_eq!(placement.observe_head(Some(worn)), None);
     }
-    // A loss begins the wait anew.
+    // A loss of tracking restarts the wait.
     assert_eq!(placement.observe_head(None), None);
     assert_eq!(place(&mut placement, worn), Some(STEADY_TICKS));
     assert_stool_is_before(placement.room(), worn, 0.7);
@@ -184,7 +186,8 @@ fn a_room_that_is_near_enough_stays_unless_another_visitor_has_come() {
     assert!(place(&mut placement, near).is_some(), "the greater need counts");
 }
 
-/// Eyes of people who sit, stand and are tall, in metres above the floor, and the room's height for them.
+/// Heights of the eyes of seated, standing and tall people, in metres above the floor, and the room's height
+/// step for them.
 const EYES: [(f32, HeightStep); 6] = [
     (1.10, HeightStep::Low),
     (1.27, HeightStep::Low),
@@ -213,7 +216,7 @@ fn each_visitor_has_the_room_at_one_of_the_steps_whatever_it_was_before() {
             assert!(seen.distance(Vec3::Y * (eyes - step.offset_metres())) < 0.01, "{seen}");
         }
     }
-    // Without the steps the floor is the real one.
+    // Without height steps the floor is the real one.
     let mut placement = RoomPlacement::new(false);
     for (eyes, _) in EYES {
         placement.request(PlacementNeed::Anyhow);
@@ -222,7 +225,7 @@ fn each_visitor_has_the_room_at_one_of_the_steps_whatever_it_was_before() {
     }
 }
 
-/// Who stands up, sits down or recentres in the middle of a visit is lifted by nothing.
+/// Visitors who stand up, sit down or recentre during a visit are not lifted or lowered.
 #[test]
 fn a_height_stays_until_the_next_visitor() {
     let mut placement = RoomPlacement::new(true);
@@ -233,7 +236,7 @@ fn a_height_stays_until_the_next_visitor() {
         let seen = seated.to_room(eyes_at(1.1 + 0.01 * (i % 90) as f32));
         assert_eq!(placement.observe_head(Some(seen)), None);
     }
-    // A recentring of the runtime's own: by a step aside the room follows, as high as it is.
+    // A recentring by the runtime: the room follows a step aside, and keeps its height.
     let level = RoomTransform { height: HeightStep::Low, ..RoomTransform::default() };
     assert_eq!(placement.restart_in_new_space(), Some(level));
     place(&mut placement, eyes_at(1.75)).expect("it is far");
@@ -247,7 +250,7 @@ fn a_height_stays_until_the_next_visitor() {
     assert_eq!(placement.room().height, HeightStep::High);
 }
 
-/// Where nobody was yet, the first head chooses, even one that is near.
+/// Before the first visitor, the first head chooses the height, even if it is near the place.
 #[test]
 fn the_first_head_chooses_a_height_and_one_on_a_table_does_not() {
     let mut placement = RoomPlacement::new(true);
@@ -256,7 +259,7 @@ fn the_first_head_chooses_a_height_and_one_on_a_table_does_not() {
     assert_eq!(placement.restart_in_new_space(), None);
     assert!(place(&mut placement, head(Vec3::Y * 1.2, 0.0, 0.0, 0.0)).is_some());
     assert_eq!(placement.room().height, HeightStep::Low);
-    // The next one is as high as it has to be already.
+    // The next head is near and the height is chosen already: nothing moves.
     placement.request(PlacementNeed::IfFar);
     assert_eq!(place(&mut placement, head(Vec3::Y * 1.75, 0.0, 0.0, 0.0)), None);
 }

@@ -1,4 +1,4 @@
-//! Runtime brokers: content providers that know the active OpenXR runtime's library.
+//! Runtime brokers: content providers that name the library of the active OpenXR runtime.
 
 use std::path::Path;
 
@@ -8,27 +8,27 @@ use super::{Candidate, RuntimeLibrary};
 pub const BROKERS: [&str; 2] =
     ["org.khronos.openxr.runtime_broker", "org.khronos.openxr.system_runtime_broker"];
 
-/// The columns of a runtime: the folder of its library, the library's file name, the runtime's package,
-/// and whether the library exports functions by other names.
+/// The columns of a runtime: the folder of its library, the library's file name, the runtime's package, and
+/// whether the library renames functions.
 pub const RUNTIME_COLUMNS: [&str; 4] =
     ["native_lib_dir", "so_filename", "package_name", "has_functions"];
 
 /// The columns of a function: its name in OpenXR, and its symbol in the library.
 pub const FUNCTION_COLUMNS: [&str; 2] = ["function_name", "symbol_name"];
 
-/// The texts of a content provider's row, one a column; none where a column is missing or null.
+/// The values of a content provider's row, one for each column; `None` if a column is missing or null.
 pub type ContentRow = Vec<Option<String>>;
 
-/// What a query of a content provider's table returns, or why it failed.
+/// The result of a query of a content provider's table, or the reason of its failure.
 pub type QueryResult = Result<Vec<ContentRow>, String>;
 
-/// A broker's tables of the active runtime, in the order of queries: all rows, and the one row that brokers
-/// had before.
+/// A broker's tables of the active runtime, in the order of queries: all rows, and the single row of older
+/// brokers.
 const ACTIVE_TABLES: [&str; 2] = ["active", "active/0"];
 
-/// Queries a broker for the active runtime for OpenXR 1 on arm64. It may have several rows, of which a
-/// loader tries one after the other. `query` reads columns of a content provider's table. (OpenXR loader
-/// specification, "Android Active Runtime Location".)
+/// Queries a broker for the active runtime for OpenXR 1 on arm64. There may be several rows, which a loader
+/// tries in order. `query` reads columns of a content provider's table. (OpenXR loader specification,
+/// "Android Active Runtime Location".)
 pub fn query_broker(
     broker: &str,
     query: &mut impl FnMut(&str, &[&str]) -> QueryResult,
@@ -52,7 +52,7 @@ pub fn query_broker(
     vec![Candidate { source: broker.into(), library }]
 }
 
-/// The library of a runtime's row, or what is missing there.
+/// Returns the library of a runtime's row, or an error that names the missing part.
 fn read_runtime_row(
     row: &ContentRow,
     runtimes: &str,

@@ -1,4 +1,4 @@
-//! Runtime manifest files, which name a runtime's library where no broker does.
+//! Runtime manifest files, which name a runtime's library if no broker does.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -11,15 +11,15 @@ use paros_shell::durable;
 /// Android's partitions, in the order in which a loader looks for manifest files on them.
 pub const PARTITIONS: [&str; 5] = ["/product", "/odm", "/oem", "/vendor", "/system"];
 
-/// A partition's manifest files: that of the architecture goes first.
+/// A partition's manifest files: the one of the architecture comes first.
 const MANIFESTS: [&str; 2] =
     ["etc/openxr/1/active_runtime.aarch64.json", "etc/openxr/1/active_runtime.json"];
 
-/// The most that is read of a file: a bound against a faulty one.
+/// The maximum number of bytes that are read from a file: a bound against a faulty one.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// Reads the manifest files of partitions, each a candidate. Where there is none at all, that is told.
-/// (OpenXR loader specification, "Runtime Manifest File Format".)
+/// Reads the manifest files of partitions, each a candidate. If there is no file at all, one failed candidate
+/// reports it. (OpenXR loader specification, "Runtime Manifest File Format".)
 pub fn read_manifests(partitions: &[impl AsRef<Path>]) -> Vec<Candidate> {
     let files = partitions.iter().flat_map(|partition| {
         MANIFESTS.iter().map(move |manifest| partition.as_ref().join(manifest))
@@ -34,10 +34,10 @@ pub fn read_manifests(partitions: &[impl AsRef<Path>]) -> Vec<Candidate> {
     candidates
 }
 
-/// Parses a manifest file's bytes. Whether there is such a library isn't looked at.
+/// Parses a manifest file's bytes. The existence of the library isn't checked.
 ///
 /// # Errors
-/// What is wrong with it, in a line.
+/// One line that describes the fault.
 pub fn parse_manifest(file: &Path, bytes: &[u8]) -> Result<RuntimeLibrary, String> {
     let manifest: Value = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
     if manifest["file_format_version"] != "1.0.0" {
@@ -54,7 +54,7 @@ pub fn parse_manifest(file: &Path, bytes: &[u8]) -> Result<RuntimeLibrary, Strin
     Ok(library)
 }
 
-/// The candidate that a file names; none if there is no such file.
+/// Reads the candidate that a file names; `None` if there is no such file.
 fn read_manifest(file: &Path) -> Option<Candidate> {
     let library = match durable::read_regular_file_up_to(file, MAX_BYTES) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return None,
@@ -64,8 +64,8 @@ fn read_manifest(file: &Path) -> Option<Candidate> {
     Some(Candidate { source: file.display().to_string(), library })
 }
 
-/// A bare name is left to the linker; another path that isn't absolute starts from the manifest's folder,
-/// once links are followed.
+/// Locates a library. The linker resolves a bare name; another relative path starts from the manifest's
+/// folder, after symbolic links are resolved.
 fn locate_library(file: &Path, path: &str) -> PathBuf {
     if !path.contains('/') {
         return path.into();
@@ -82,7 +82,7 @@ mod tests {
 
     use super::{Candidate, MANIFESTS, RuntimeLibrary, parse_manifest, read_manifests};
 
-    /// A folder with partitions, removed when it is dropped.
+    /// A folder with partitions, which is removed when the value is dropped.
     struct Device(PathBuf);
 
     impl Device {

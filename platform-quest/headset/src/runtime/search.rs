@@ -1,79 +1,79 @@
-//! The search for a runtime, as Khronos' loader does it: in which order libraries are tried and their
-//! functions called, that each is called once in a process, and what is told of failures. The calls
-//! themselves are [`RuntimeCalls`].
+//! The search for a runtime, as Khronos' loader does it: the order in which libraries are tried and their
+//! functions called, at most once in a process, and the report of failures. The calls themselves are
+//! [`RuntimeCalls`].
 
 use std::fmt;
 use std::path::PathBuf;
 
 use super::RuntimeLibrary;
 
-/// What a source says of the runtime: a broker, a manifest file, the package.
+/// A runtime that a source names: a broker, a manifest file, or the package.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Candidate {
     /// The source's name, for messages.
     pub source: String,
-    /// The library that it names, or why it names none.
+    /// The library that the source names, or the reason why there is none.
     pub library: Result<RuntimeLibrary, String>,
 }
 
-/// The calls into a library that find a runtime.
+/// The calls into a library that are needed to find a runtime.
 pub trait RuntimeCalls {
-    /// An opened library. Two of them are equal if they are one library, however it was named.
+    /// An opened library. Two values are equal if they are the same library, whatever their names.
     type Library: PartialEq;
-    /// The functions of a runtime, which a negotiation returns.
+    /// The functions of a runtime, as returned by a negotiation.
     type Functions: Copy;
     /// The entry point for the application.
     type Entry: Clone;
-    /// Why a library is no use.
+    /// The reason why a library is unusable.
     type Error: Clone + fmt::Debug + fmt::Display;
 
-    /// Opens a library, without a call of its functions.
+    /// Opens a library without calling its functions.
     ///
     /// # Errors
-    /// It can't be opened, or is neither runtime nor loader.
+    /// The library can't be opened, or is neither a runtime nor a loader.
     fn open(&mut self, library: &RuntimeLibrary) -> Result<Self::Library, Self::Error>;
 
-    /// Calls the library's exported `xrInitializeLoaderKHR`. False if it exports none.
+    /// Calls the library's exported `xrInitializeLoaderKHR`. Returns `false` if it exports none.
     ///
     /// # Errors
-    /// The call's.
+    /// The error of the call.
     fn initialize_by_export(&mut self, library: &Self::Library) -> Result<bool, Self::Error>;
 
-    /// Negotiates with a runtime; a loader has its functions without.
+    /// Negotiates with a runtime. A loader's functions need no negotiation.
     ///
     /// # Errors
-    /// The negotiation's.
+    /// The error of the negotiation.
     fn negotiate(&mut self, library: &Self::Library) -> Result<Self::Functions, Self::Error>;
 
-    /// Calls `xrInitializeLoaderKHR` where the negotiated `xrGetInstanceProcAddr` has it.
+    /// Calls `xrInitializeLoaderKHR` if the negotiated `xrGetInstanceProcAddr` has it.
     ///
     /// # Errors
-    /// The call's.
+    /// The error of the call.
     fn initialize_by_functions(&mut self, functions: Self::Functions) -> Result<(), Self::Error>;
 
-    /// The entry point to the functions.
+    /// Makes the entry point from the functions.
     ///
     /// # Errors
-    /// One is missing that every runtime has.
+    /// A function is missing that every runtime must have.
     fn make_entry(&mut self, functions: Self::Functions) -> Result<Self::Entry, Self::Error>;
 }
 
 /// A process's search for a runtime. A runtime may refuse a second initialisation or negotiation in a
-/// process: so the first entry point serves every later session, and no library is called again that
-/// failed. What could not be opened is tried again.
+/// process. So the first entry point serves every later session, and a library whose functions failed isn't
+/// called again. A library that could not be opened is tried again.
 #[derive(Debug)]
 pub struct RuntimeSearch<C: RuntimeCalls> {
     entry: Option<C::Entry>,
-    /// The libraries whose functions were called in vain.
+    /// The libraries whose functions failed, with their errors.
     failed: Vec<(C::Library, C::Error)>,
 }
 
 /// A runtime that was found.
 #[derive(Clone, Debug)]
 pub struct FoundRuntime<E> {
-    /// Its entry point.
+    /// The runtime's entry point.
     pub entry: E,
-    /// What was tried before it; nothing if it was found earlier.
+    /// The candidates that failed before it; empty if the runtime was found earlier.
     pub tried: Vec<Tried>,
 }
 
@@ -82,28 +82,28 @@ pub struct FoundRuntime<E> {
 pub struct Tried {
     /// The source of the candidate.
     pub source: String,
-    /// The library, if it named one.
+    /// The library, if the source named one.
     pub library: Option<PathBuf>,
-    /// Why it failed.
+    /// The reason for the failure.
     pub why: String,
 }
 
-/// No candidate is a runtime.
+/// The error if no candidate is a runtime.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct NoRuntime {
-    /// All that was tried, in order.
+    /// All candidates that were tried, in order.
     pub tried: Vec<Tried>,
 }
 
 impl<C: RuntimeCalls> RuntimeSearch<C> {
-    /// A search that has not begun.
+    /// Creates a search that has not begun.
     #[must_use]
     pub const fn new() -> Self {
         RuntimeSearch { entry: None, failed: Vec::new() }
     }
 
-    /// The entry point that was found earlier, or else that of the first candidate to succeed. Candidates
-    /// after it are not asked for.
+    /// Returns the entry point that was found earlier, or else that of the first candidate that succeeds.
+    /// Later candidates are not requested.
     ///
     /// # Errors
     /// [`NoRuntime`], with the failure of each candidate.
@@ -155,8 +155,8 @@ impl<C: RuntimeCalls> Default for RuntimeSearch<C> {
     }
 }
 
-/// Initialises a library and negotiates with it. Who exports the initialisation may want it before the
-/// negotiation, and need not have it among its functions: some break off when asked for it there.
+/// Initialises a library and negotiates with it. A library that exports the initialisation may require it
+/// before the negotiation, and need not offer it among its functions: some abort if asked for it there.
 fn start_runtime<C: RuntimeCalls>(
     calls: &mut C,
     library: &C::Library,

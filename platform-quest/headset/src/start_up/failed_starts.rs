@@ -1,5 +1,5 @@
-//! The starts that have failed in a row, as they are kept on the disk. A start counts as failed until its first frame,
-//! so that one that takes the process with it, as a driver may, counts too.
+//! The record of consecutive failed starts on the disk. A start counts as failed until its first frame, so
+//! that a start that crashes the process, for instance in a driver, counts too.
 
 use std::time::Duration;
 
@@ -8,28 +8,29 @@ use paros_core::codec::BadBytes;
 use paros_shell::headset::sealed::{SEAL_BYTES, SealedFormat};
 use paros_shell::last_use::{BootId, LastUse};
 
-/// Failed starts in a row.
+/// Consecutive failed starts.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct FailedStarts {
-    /// How many, at least 1.
+    /// The number of failed starts, at least 1.
     count: u32,
-    /// When the last one failed, and in which boot.
+    /// The time and the boot of the last failure.
     last: LastUse,
 }
 
-/// The most that a start is put off.
+/// The longest delay of a start.
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 
-/// A start this long after the last failure begins a row of its own.
+/// The time after the last failure from which older failures are ignored.
 const FORGOTTEN_AFTER: Duration = Duration::from_secs(600);
 
 const FORMAT: SealedFormat = SealedFormat { magic: *b"PFST", expected: "PFST, starts that failed" };
 
 impl FailedStarts {
-    /// Length of an encoded one.
+    /// The length of an encoded record.
     pub const BYTES: usize = SEAL_BYTES + 4 + LastUse::BYTES;
 
-    /// The row with one more, which failed now. One of another boot, or of long ago, is forgotten.
+    /// Returns the record with one more failure at `now`. Failures of another boot, or of long ago, are
+    /// ignored.
     #[must_use]
     pub fn after_failure(before: Option<Self>, boot: BootId, now: Duration) -> Self {
         let before = before.filter(|before| before.is_remembered(boot, now));
@@ -37,13 +38,14 @@ impl FailedStarts {
         FailedStarts { count, last: LastUse { boot, since_boot: now } }
     }
 
-    /// The same row, whose last start failed now.
+    /// Returns the same record with the time of the last failure set to `now`.
     #[must_use]
     pub const fn failed_at(self, now: Duration) -> Self {
         FailedStarts { last: LastUse { since_boot: now, ..self.last }, ..self }
     }
 
-    /// When the next start is due; none if it is. The pauses are 1, 2, 4 .. 60 seconds.
+    /// Returns the time at which the next start is due; `None` if it is due already. The pauses are 1, 2, 4
+    /// .. 60 seconds.
     #[must_use]
     pub fn next_start(&self, boot: BootId, now: Duration) -> Option<Duration> {
         let seconds = 1u64.checked_shl(self.count.saturating_sub(1)).unwrap_or(u64::MAX);
@@ -52,7 +54,7 @@ impl FailedStarts {
         (self.is_remembered(boot, now) && due > now).then_some(due)
     }
 
-    /// How many have failed.
+    /// Returns the number of failed starts.
     #[must_use]
     pub const fn count(&self) -> u32 {
         self.count
@@ -63,7 +65,7 @@ impl FailedStarts {
         self.last.boot == boot && ago.is_some_and(|ago| ago < FORGOTTEN_AFTER)
     }
 
-    /// Encodes them, with a checksum at the end.
+    /// Encodes the record, with a checksum at the end.
     #[must_use]
     pub fn encode(&self) -> [u8; Self::BYTES] {
         FORMAT.seal(|to| {
@@ -72,10 +74,10 @@ impl FailedStarts {
         })
     }
 
-    /// Decodes them.
+    /// Decodes a record.
     ///
     /// # Errors
-    /// The first place at which the bytes are not as [`Self::encode`] makes them.
+    /// The first position at which the bytes are not as [`Self::encode`] writes them.
     pub fn decode(bytes: &[u8]) -> Result<Self, BadBytes> {
         FORMAT.open(bytes, |from| {
             let bad = from.error_here("a count from 1");
@@ -124,7 +126,7 @@ mod tests {
         assert_eq!(FailedStarts::after_failure(Some(failed), BOOT, then).count(), 2);
         let later = then + FORGOTTEN_AFTER;
         assert_eq!(FailedStarts::after_failure(Some(failed), BOOT, later).count(), 1);
-        // A time that is yet to come is of no start of this boot.
+        // A failure in the future can't be from this boot.
         assert_eq!(failed.next_start(BOOT, Duration::from_secs(5)), None);
     }
 

@@ -1,4 +1,4 @@
-//! The library that tests package.
+//! The built library that the tests put into packages.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::process::Command;
 
 use paros_shell::require::require_or_skip;
 
-/// The library that was built last, where the tools for packing it are.
+/// Returns the last built library, if it and the packing tools exist.
 pub(crate) fn find_built_library() -> Option<PathBuf> {
     let target = env::var_os("CARGO_TARGET_DIR").map_or("target".into(), PathBuf::from);
     let target = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(target);

@@ -1,9 +1,9 @@
-//! HTTPS by Java's own classes: Android brings TLS along, and the package holds no second one. It trusts the site's
-//! certificate authority alone, checks the booth's name or address by Java's own verifier, follows no redirect and
-//! asks no proxy.
+//! HTTPS through Java's own classes: Android includes TLS, so that the package needs no second
+//! implementation. Connections trust only the site's certificate authority, check the booth's name or address
+//! with Java's own verifier, follow no redirects and use no proxy.
 //!
-//! What an exception means for an outbox follows from its class and its causes': a timeout, a certificate that isn't
-//! the site's, or else nobody there.
+//! The class of an exception and of its causes decides the fault that an outbox sees: timed out, untrusted
+//! certificate, or otherwise unreachable.
 
 mod trust;
 mod watchdog;
@@ -25,31 +25,31 @@ use super::table::{
 };
 use watchdog::Watchdog;
 
-/// Local references that a request takes at most. They are given back at its end.
+/// The maximum number of local references in a request. They are released at its end.
 const REQUEST_REFERENCES: usize = 64;
 
-/// All members that are called here came with API level 1.
+/// All members that are called here exist since API level 1.
 const API_LEVEL: i32 = 1;
 
-/// Asks a booth by Java, from the thread that calls it, which is attached to the Java VM until it ends.
+/// Sends requests to a booth through Java. The calling thread stays attached to the Java VM until it ends.
 #[derive(Debug)]
 pub struct HttpsCaller {
     vm: JavaVM,
     url: String,
     ca: Vec<u8>,
-    /// An `SSLSocketFactory` that trusts the authority alone, once the first request has made it.
+    /// An `SSLSocketFactory` that trusts only the authority; created by the first request.
     sockets: Option<Global<JObject<'static>>>,
     watchdog: Watchdog,
 }
 
-/// What is asked of Java for one request.
+/// The Java calls of one request.
 struct Connection<'env, 'call, 'local> {
     caller: &'call mut JavaCaller<'env, 'local>,
     /// An `HttpsURLConnection`.
     object: JObject<'local>,
 }
 
-/// Why a request has no answer.
+/// The reason why a request has no response.
 #[derive(Debug)]
 enum AskError {
     Java(JavaError),
@@ -69,7 +69,8 @@ impl From<jni::errors::Error> for AskError {
 }
 
 impl HttpsCaller {
-    /// A caller of the booth at `https://HOST:PORT`, whose certificate is of the authority `ca` (DER).
+    /// Creates a caller for the booth at `https://HOST:PORT`, whose certificate is issued by the authority
+    /// `ca` (DER).
     #[must_use]
     pub fn new(vm: JavaVM, url: &str, ca: &[u8]) -> Self {
         let watchdog = Watchdog::start(vm.clone());
@@ -93,10 +94,10 @@ impl HttpsCaller {
         let is_late = self.watchdog.watch(watched, Instant::now() + request.timeout);
         let answer = connection.send(request).and_then(|()| connection.read_answer());
         self.watchdog.rest();
-        // A head that was cut off may be taken for a whole one.
+        // A truncated head may look like a complete one, so a late response is discarded.
         let is_late = is_late.load(Ordering::Acquire);
         if is_late || answer.is_err() {
-            // What it throws is about a connection that is over.
+            // An exception doesn't matter here: the connection is over.
             let _ = connection.caller.call_method(DISCONNECT, &connection.object, &[]);
         }
         match answer {
@@ -128,7 +129,7 @@ impl BoothCaller for HttpsCaller {
 }
 
 impl<'env, 'call, 'local> Connection<'env, 'call, 'local> {
-    /// A connection to a URL, of which nothing is sent yet.
+    /// Creates a connection to a URL. Nothing is sent yet.
     fn prepare(
         caller: &'call mut JavaCaller<'env, 'local>,
         url: &str,
@@ -141,7 +142,7 @@ impl<'env, 'call, 'local> Connection<'env, 'call, 'local> {
         let by = [JValue::Object(&no_proxy)];
         let object = caller.call_object_method(OPEN_CONNECTION, &url, &by)?;
         caller.call_method(SET_SOCKET_FACTORY, &object, &[JValue::Object(sockets)])?;
-        // 0 would be without end.
+        // 0 would mean no timeout.
         let ms = i32::try_from(timeout.as_millis()).unwrap_or(i32::MAX).max(1);
         for (member, value) in [
             (SET_CONNECT_TIMEOUT, JValue::Int(ms)),
@@ -155,13 +156,13 @@ impl<'env, 'call, 'local> Connection<'env, 'call, 'local> {
         Ok(Connection { caller, object })
     }
 
-    /// Writes a request, whose body Java holds until all of it is there: so it can send it once more where a
-    /// connection from before turns out to be over.
+    /// Writes a request. Java buffers the whole body, so that it can send the request again if a kept-alive
+    /// connection turns out to be closed.
     fn send(&mut self, request: &HttpRequest<'_>) -> Result<(), AskError> {
         let Connection { caller, object } = self;
         let method = caller.new_string(request.method.name())?;
         caller.call_method(SET_REQUEST_METHOD, object, &[JValue::Object(&method)])?;
-        // Android would ask for gzip, and unpack it unasked.
+        // Otherwise Android would request gzip and unpack it silently.
         let plain = ("Accept-Encoding", "identity");
         let headers = request.headers.iter().map(|(name, value)| (*name, &**value));
         for (name, value) in headers.chain([plain]) {
@@ -198,13 +199,13 @@ impl<'env, 'call, 'local> Connection<'env, 'call, 'local> {
     }
 }
 
-/// Reads a body to its end, and closes it, so that the connection may be used again.
+/// Reads a body to its end and closes it, so that the connection can be reused.
 fn read_body(caller: &mut JavaCaller<'_, '_>, input: &JObject<'_>) -> Result<Vec<u8>, AskError> {
     let room = MAX_ANSWER_BYTES + 1;
     let array = caller.new_byte_array(&vec![0; room])?;
     let mut length = 0;
     while length < room {
-        // No answer is so long that it wouldn't fit.
+        // A response is bounded by `MAX_ANSWER_BYTES`, so the numbers fit into an `i32`.
         let [from, most] = [length, room - length].map(|n| JValue::Int(n as i32));
         let read = [JValue::Object(&array), from, most];
         let read = caller.call_method_if_available(READ_BYTES, input, &read)?;
@@ -229,7 +230,7 @@ impl AskError {
             AskError::Java(error) => {
                 let fault = match error.thrown.as_deref() {
                     Some("java.net.SocketTimeoutException") => LinkFault::TimedOut,
-                    // Android's, of a certificate of another name.
+                    // Android throws this for a certificate of another name.
                     Some("javax.net.ssl.SSLPeerUnverifiedException") => LinkFault::Untrusted,
                     _ if error.is_about_trust => LinkFault::Untrusted,
                     _ => LinkFault::Unreachable,

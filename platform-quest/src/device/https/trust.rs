@@ -1,4 +1,4 @@
-//! Whom a connection trusts: one certificate authority.
+//! The trust of a connection: a single certificate authority.
 
 use jni::JValue;
 use jni::objects::{Global, JObject};
@@ -11,7 +11,7 @@ use crate::device::table::{
     SSL_CONTEXT, TRUST_ALGORITHM, TRUST_FACTORY, TRUST_MANAGERS,
 };
 
-/// An `SSLSocketFactory` whose sockets trust the authority of this certificate (DER) alone.
+/// Creates an `SSLSocketFactory` whose sockets trust only the authority with this certificate (DER).
 pub(super) fn make_socket_factory(
     caller: &mut JavaCaller<'_, '_>,
     ca: &[u8],
@@ -30,7 +30,7 @@ pub(super) fn make_socket_factory(
     Ok(caller.new_global(&sockets)?)
 }
 
-/// A `KeyStore` that holds one certificate.
+/// Creates a `KeyStore` that holds one certificate.
 fn make_key_store<'local>(
     caller: &mut JavaCaller<'_, 'local>,
     ca: &[u8],

@@ -1,5 +1,6 @@
-//! Java bounds how long a connection takes to be there, and each read, but no write and no answer as a whole: one that
-//! comes byte by byte may take all day. `HttpURLConnection.disconnect` may be called by another thread.
+//! A deadline for whole requests. Java only has timeouts for connecting and for each read, not for writes or
+//! a whole response, which may arrive byte by byte for a day. `HttpURLConnection.disconnect` may be called
+//! from another thread.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,13 +15,13 @@ use super::API_LEVEL;
 use crate::device::call::{JavaCaller, JavaError};
 use crate::device::table::DISCONNECT;
 
-/// A thread that closes a connection on which a request takes too long. It ends when this is dropped.
+/// A thread that closes a connection whose request takes too long. It ends when this handle is dropped.
 #[derive(Debug)]
 pub(super) struct Watchdog {
     tell: Sender<Option<Watch>>,
 }
 
-/// A connection that is closed at an instant, and then noted as late.
+/// A connection that is closed at its deadline, and then marked as late.
 #[derive(Debug)]
 struct Watch {
     connection: Global<JObject<'static>>,
@@ -31,13 +32,13 @@ struct Watch {
 impl Watchdog {
     pub(super) fn start(vm: JavaVM) -> Self {
         let (tell, told) = channel();
-        // Where the system refuses a thread, Java's own bounds are left.
+        // If the system refuses a thread, only Java's own timeouts remain.
         let _ = thread::Builder::new().name("link".into()).spawn(move || keep_watch(&vm, &told));
         Watchdog { tell }
     }
 
-    /// Closes a connection at an instant, unless [`rest`](Watchdog::rest) comes before. Returns whether it was closed,
-    /// from then on.
+    /// Closes a connection at `deadline`, unless [`rest`](Watchdog::rest) is called before. Returns a flag
+    /// that becomes `true` when the connection is closed.
     pub(super) fn watch(
         &self,
         connection: Global<JObject<'static>>,
@@ -45,19 +46,19 @@ impl Watchdog {
     ) -> Arc<AtomicBool> {
         let is_late = Arc::new(AtomicBool::new(false));
         let watch = Watch { connection, deadline, is_late: Arc::clone(&is_late) };
-        // It has ended where there is no thread.
+        // Sending fails if there is no thread.
         let _ = self.tell.send(Some(watch));
         is_late
     }
 
-    /// The request is over.
+    /// Ends the watch, as the request is over.
     pub(super) fn rest(&self) {
         let _ = self.tell.send(None);
     }
 }
 
 fn keep_watch(vm: &JavaVM, told: &Receiver<Option<Watch>>) {
-    // Attached as long as it runs: it gives references back.
+    // The thread stays attached while it runs, as it releases references.
     let _ = vm.attach_current_thread(|_| Ok::<_, JavaError>(()));
     while let Ok(watch) = told.recv() {
         let Some(Watch { connection, deadline, is_late }) = watch else { continue };
@@ -67,7 +68,7 @@ fn keep_watch(vm: &JavaVM, told: &Receiver<Option<Watch>>) {
             let closed = vm.attach_current_thread(|env: &mut Env<'_>| -> Result<_, JavaError> {
                 JavaCaller::new(env, API_LEVEL).call_method(DISCONNECT, &connection, &[])
             });
-            // Then the request is over by itself.
+            // If closing fails, the request has already ended.
             let _ = closed;
         }
     }

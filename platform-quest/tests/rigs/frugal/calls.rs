@@ -22,8 +22,8 @@ static ORIGINALS: [AtomicPtr<()>; MAX_FUNCTIONS] =
 /// The runtime's own `xrEnumerateViewConfigurationViews`.
 static ENUMERATE_VIEWS: AtomicPtr<()> = AtomicPtr::new(ptr::null_mut());
 
-/// `xrEnumerateViewConfigurationViews` with views of 32 x 24 pixels, so that a software device keeps
-/// pace. The number of pixels costs the measured thread nothing.
+/// Implements `xrEnumerateViewConfigurationViews` with views of 32 x 24 pixels, so that a software device
+/// keeps pace. The number of pixels doesn't affect the measured thread.
 unsafe extern "system" fn enumerate_low_resolution_views(
     instance: sys::Instance,
     system: sys::SystemId,
@@ -45,17 +45,17 @@ unsafe extern "system" fn enumerate_low_resolution_views(
     done
 }
 
-/// Whether `xrEndFrame` was called since the last look.
+/// `true` if `xrEndFrame` was called since the last [`take_frame_ended`].
 static FRAME_ENDED: AtomicBool = AtomicBool::new(false);
 
-/// Whether a frame has ended since the last call of this.
+/// Returns `true` if a frame has ended since the last call.
 pub(crate) fn take_frame_ended() -> bool {
     FRAME_ENDED.swap(false, Ordering::Relaxed)
 }
 
 /// A function pointer that can be wrapped by a clock.
 trait AddClock: Copy {
-    /// A function that times this one, which is stored as the original number `SLOT`.
+    /// Returns a function that times this one and stores it as original number `SLOT`.
     fn with_clock<const SLOT: usize>(self) -> Self;
 }
 
@@ -112,7 +112,7 @@ macro_rules! functions {
 
         const _: () = assert!(TimedFunction::Count as usize <= MAX_FUNCTIONS);
 
-        /// A function of OpenXR, wrapped by a clock if it is listed.
+        /// Returns a function of OpenXR, wrapped by a clock if it is listed.
         ///
         /// # Safety
         /// It is the function of this name.
@@ -136,7 +136,7 @@ macro_rules! functions {
             }
         }
 
-        /// The device, its listed functions wrapped by clocks.
+        /// Returns the device with its listed functions wrapped by clocks.
         pub(crate) fn device_with_clocks(device: ash::Device) -> ash::Device {
             let mut table = device.fp_v1_0().clone();
             $({
@@ -206,10 +206,10 @@ unsafe fn replace_function<F, T>(function: F, field: *mut T) {
     unsafe { field.cast::<F>().write(function) };
 }
 
-/// The loader's entry, which the wrapped one forwards to.
+/// The loader's entry, to which the wrapped one forwards.
 static LOADER: OnceLock<openxr::Entry> = OnceLock::new();
 
-/// The loader's entry, its listed functions wrapped by clocks. One process has one.
+/// Returns the loader's entry with its listed functions wrapped by clocks. A process has one.
 pub(crate) fn entry_with_clocks(loader: openxr::Entry) -> openxr::Result<openxr::Entry> {
     LOADER.get_or_init(|| loader);
     // SAFETY: all functions are the loader's, though some have a clock around them.

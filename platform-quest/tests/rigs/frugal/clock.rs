@@ -21,7 +21,7 @@ pub(crate) fn time_foreign_call<R>(call: impl FnOnce() -> R) -> R {
     done
 }
 
-/// Nanoseconds that timing a thousand foreign calls adds to the shell's own time.
+/// Returns the nanoseconds that timing a thousand foreign calls adds to the shell's own time.
 pub(crate) fn measure_clock_nanos_per_thousand_calls() -> u64 {
     let begun = own_cpu_nanos_so_far();
     (0..1000).for_each(|_| time_foreign_call(|| ()));
@@ -34,9 +34,9 @@ const REFERENCE_WORDS: usize = 1 << 16;
 /// The table that [`measure_reference_nanos`] reads.
 pub(crate) type ReferenceTable = [u32; REFERENCE_WORDS];
 
-/// The nanoseconds of a fixed calculation: 10,000 reads at pseudo-random places of a table, each place
-/// following from the word before. A frame's time is told in multiples of it, since a slow core, or one
-/// whose caches are busy with the software device's threads, slows both.
+/// Returns the nanoseconds of a fixed calculation: 10,000 reads at pseudo-random places of a table, each
+/// place computed from the previous word. A frame's time is given in multiples of it: a slow core, or caches
+/// that the software device's threads fill, slow both.
 pub(crate) fn measure_reference_nanos(table: &ReferenceTable) -> u64 {
     let begun = thread_cpu_nanos_so_far();
     let mut state = 1u32;
@@ -48,7 +48,7 @@ pub(crate) fn measure_reference_nanos(table: &ReferenceTable) -> u64 {
     thread_cpu_nanos_so_far() - begun
 }
 
-/// The filled table of the reference calculation.
+/// Returns the filled table of the reference calculation.
 pub(crate) fn reference_table() -> Box<ReferenceTable> {
     let mut table = Box::new([0; REFERENCE_WORDS]);
     for (word, i) in table.iter_mut().zip(0u32..) {
@@ -57,17 +57,18 @@ pub(crate) fn reference_table() -> Box<ReferenceTable> {
     table
 }
 
-/// The shell's own CPU time so far, in nanoseconds. It includes about half of each reading of the clock.
+/// Returns the shell's own CPU time so far, in nanoseconds. It includes about half of each reading of the
+/// clock.
 pub(crate) fn own_cpu_nanos_so_far() -> u64 {
     thread_cpu_nanos_so_far() - FOREIGN_NANOS.get()
 }
 
-/// Foreign calls so far.
+/// Returns the number of foreign calls so far.
 pub(crate) fn foreign_calls_so_far() -> u64 {
     FOREIGN_CALLS.get()
 }
 
-/// This thread's CPU time so far, in nanoseconds (`CLOCK_THREAD_CPUTIME_ID`).
+/// Returns this thread's CPU time so far, in nanoseconds (`CLOCK_THREAD_CPUTIME_ID`).
 pub(crate) fn thread_cpu_nanos_so_far() -> u64 {
     #[repr(C)]
     struct Timespec {

@@ -2,10 +2,10 @@
 //! `frugal FOLDER FRAMES`. It runs the test commands from standard input, quits FRAMES frames after the
 //! first hundred, and prints their cost: times in nanoseconds, the median of each, and the `worst`.
 //!
-//! A frame's own time is the thread's CPU time less that of steps of the world and of calls into OpenXR
-//! and Vulkan. Each of these is timed by reading the clock twice; the cost of that reading stays in the
-//! own time and is printed beside it, as is a fixed reference calculation run between the frames: own
-//! time in its multiples is comparable between machines.
+//! A frame's own time is the thread's CPU time without steps of the world and calls into OpenXR and Vulkan.
+//! Each of these is timed by reading the clock twice. The cost of that reading stays in the own time and is
+//! printed beside it, as is the time of a fixed reference calculation between the frames: the own time in
+//! multiples of it is comparable between machines.
 
 mod calls;
 mod clock;
@@ -72,7 +72,7 @@ struct FrameCost {
     thread_nanos: u64,
     /// Calls into OpenXR and Vulkan, and steps of the world.
     foreign_calls: u64,
-    /// The time of the reference calculation after the frame, which is no part of it.
+    /// The time of the reference calculation after the frame, which isn't part of the frame.
     reference_nanos: u64,
 }
 
@@ -83,7 +83,7 @@ struct ProfilingPlatform {
     last: FrameCost,
     step_nanos: u64,
     reference: Box<clock::ReferenceTable>,
-    /// Frames before the studio's own show how it is made ready.
+    /// `true` after the first frame of the studio; earlier frames show the loading notice.
     has_studio: bool,
 }
 

@@ -1,6 +1,6 @@
-//! Logs the shell's actions and the bindings that it suggests for each interaction profile. Suggestions for the
-//! Touch Plus, which Monado does not know, and for hands, which `hands` imitates, end here. Profiles whose
-//! paths stand in a file `refuse-profiles` are refused.
+//! Logs the shell's actions and the bindings that it suggests for each interaction profile. Suggestions for
+//! the Touch Plus, which Monado doesn't know, and for hands, which `hands` imitates, aren't forwarded.
+//! Profiles whose paths are in the file `refuse-profiles` are refused.
 
 use std::ffi::{CStr, c_char};
 use std::fs;
@@ -15,27 +15,27 @@ use super::folder::{layer_folder, log_line};
 pub(crate) const HAND_INTERACTION: &str = "/interaction_profiles/ext/hand_interaction_ext";
 const TOUCH_PLUS: &str = "/interaction_profiles/meta/touch_controller_plus";
 
-/// The actions that were made, with their names.
+/// The created actions, with their names.
 static ACTIONS: Mutex<Vec<(u64, String)>> = Mutex::new(Vec::new());
 
-/// The profiles that bindings were last accepted for.
+/// The profiles for which bindings were last accepted.
 static ACCEPTED: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
-/// The name of an action.
+/// Returns the name of an action.
 pub(crate) fn name_action(action: sys::Action) -> String {
     let actions = ACTIONS.lock().expect("no holder panics");
     let named = actions.iter().rfind(|(handle, _)| *handle == action.into_raw());
     named.map_or("?", |(_, name)| name).to_owned()
 }
 
-/// The action of a name that was made last.
+/// Returns the last created action of a name.
 pub(crate) fn find_action(name: &str) -> sys::Action {
     let actions = ACTIONS.lock().expect("no holder panics");
     let found = actions.iter().rfind(|(_, named)| named == name);
     found.map_or(sys::Action::NULL, |(handle, _)| sys::Action::from_raw(*handle))
 }
 
-/// Whether bindings were accepted for a profile.
+/// Returns `true` if bindings were accepted for a profile.
 pub(crate) fn is_accepted(profile: &str) -> bool {
     ACCEPTED.lock().expect("no holder panics").iter().any(|accepted| accepted == profile)
 }
@@ -94,7 +94,7 @@ pub(crate) unsafe extern "system" fn suggest_bindings(
     done
 }
 
-/// A path's text.
+/// Returns a path as text.
 pub(crate) fn path_text(instance: sys::Instance, path: sys::Path) -> String {
     let mut text: [c_char; sys::MAX_PATH_LENGTH] = [0; _];
     let (capacity, mut count) = (text.len() as u32, 0);

@@ -1,4 +1,4 @@
-//! What comes next in the chain of API layers: the functions that hooked calls are forwarded to.
+//! The next element in the chain of API layers, to whose functions hooked calls are forwarded.
 
 use std::ffi::CStr;
 use std::sync::Mutex;
@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use openxr::sys;
 use sys::{Result as Status, pfn};
 
-/// How the next layer's or the runtime's functions are found.
+/// The access to the functions of the next layer or the runtime.
 #[derive(Clone, Copy)]
 pub(crate) struct NextLayer {
     pub(crate) get_instance_proc_addr: pfn::GetInstanceProcAddr,
@@ -15,7 +15,7 @@ pub(crate) struct NextLayer {
 
 static NEXT: Mutex<Option<NextLayer>> = Mutex::new(None);
 
-/// Remembers what comes next, for the instance that was made last.
+/// Stores the next layer of the last created instance.
 pub(crate) fn set_next_layer(
     get_instance_proc_addr: pfn::GetInstanceProcAddr,
     instance: sys::Instance,
@@ -25,12 +25,12 @@ pub(crate) fn set_next_layer(
     }
 }
 
-/// What comes next, once there is an instance.
+/// Returns the next layer, once there is an instance.
 pub(crate) fn next_layer() -> Option<NextLayer> {
     NEXT.lock().ok().and_then(|next| *next)
 }
 
-/// Finds the next function of a name.
+/// Returns the next layer's function of a name.
 ///
 /// # Safety
 /// `F` is the type of the function of this name.
@@ -46,7 +46,7 @@ pub(crate) unsafe fn next_function<F: Copy>(name: &CStr) -> F {
     unsafe { core::mem::transmute_copy::<pfn::VoidFunction, F>(&function) }
 }
 
-/// Forwards a call with its arguments as they came.
+/// Forwards a call with unchanged arguments.
 macro_rules! call_next {
     ($name:literal: $ty:ident, $($argument:expr),*) => {{
         // SAFETY: the type is the function's.

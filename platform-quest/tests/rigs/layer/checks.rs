@@ -1,5 +1,5 @@
-//! The hooked functions of OpenXR: the order of calls and their arguments are checked, what the shell
-//! requests is logged, and most calls are forwarded.
+//! The hooked functions of OpenXR: they check the order of calls and their arguments, log the shell's
+//! requests, and forward most calls.
 
 use std::sync::Mutex;
 
@@ -10,12 +10,12 @@ use super::chain::call_next;
 use super::folder::{layer_folder, log_line};
 use super::{actions, events, formats, foveation, hands, notices, resolution, spaces, threads};
 
-/// Where a session and its frame stand.
+/// The state of a session and of its frame.
 struct FrameLoopState {
     state: sys::SessionState,
     frame: FrameStep,
     should_render: bool,
-    /// Images that are taken, waited for, and not yet handed over.
+    /// The number of images that are acquired, waited for, and not yet released.
     taken: u32,
 }
 
@@ -33,7 +33,7 @@ static STATE: Mutex<FrameLoopState> = Mutex::new(FrameLoopState {
     taken: 0,
 });
 
-/// Finds the hook of a name.
+/// Returns the hook for a function's name, if there is one.
 pub(crate) fn find_hook(name: &str) -> Option<pfn::VoidFunction> {
     macro_rules! functions {
         ($($name:literal: $ty:ident = $function:path,)*) => {
@@ -86,7 +86,7 @@ pub(crate) fn find_hook(name: &str) -> Option<pfn::VoidFunction> {
     }
 }
 
-/// Updates and checks the state; logs a violation where it is not as it must be.
+/// Updates and checks the state; logs a violation if the check fails.
 fn update_and_check(rule: &str, holds_after_update: impl FnOnce(&mut FrameLoopState) -> bool) {
     let mut state = STATE.lock().expect("no check panics");
     if !holds_after_update(&mut state) {
@@ -209,7 +209,7 @@ unsafe extern "system" fn end_frame(
     call_next!(c"xrEndFrame": EndFrame, session, info)
 }
 
-/// Checks a layer: both eyes' views of the studio, or a notice. Returns whether it is a notice.
+/// Checks a layer: both eyes' views of the studio, or a notice. Returns `true` for a notice.
 ///
 /// # Safety
 /// The shell's layer is valid.
@@ -256,7 +256,7 @@ unsafe extern "system" fn create_swapchain(
 ) -> Status {
     // SAFETY: the shell's structure is valid during the call.
     let (layers, samples) = unsafe { ((*info).array_size, (*info).sample_count) };
-    // One for both eyes, or a notice's.
+    // A swapchain for both eyes, or for a notice.
     update_and_check("xrCreateSwapchain", |_| matches!(layers, 1 | 2) && samples == 1);
     // SAFETY: handed on as it came.
     unsafe { foveation::create_swapchain(session, info, swapchain) }

@@ -1,12 +1,12 @@
-//! Fragment density maps, as a runtime would provide them: images on the shell's device, an array layer
-//! for each eye, of full density everywhere.
+//! Fragment density maps, as a runtime would provide them: images on the shell's device, with an array layer
+//! for each eye and full density everywhere.
 
 use std::sync::Mutex;
 
 use ash::vk::{self, Handle};
 use openxr::sys;
 
-/// Pixels across and down that a texel of a density map tells of; an Adreno's.
+/// The width and height in pixels that a texel of a density map covers; those of an Adreno.
 pub(crate) const TEXEL: u32 = 32;
 
 /// The shell's device.
@@ -20,7 +20,7 @@ struct SessionDevice {
 
 static DEVICE: Mutex<Option<SessionDevice>> = Mutex::new(None);
 
-/// Remembers the device of a session.
+/// Stores the device of a session.
 ///
 /// # Safety
 /// The binding is valid, and its device is alive until the session's end.
@@ -34,7 +34,7 @@ pub(crate) unsafe fn remember_device(binding: &sys::GraphicsBindingVulkanKHR) {
         let raw = ash::Device::load(instance.fp_v1_0(), device);
         let physical = vk::PhysicalDevice::from_raw(binding.physical_device as u64);
         let (family, queue) = (binding.queue_family_index, binding.queue_index);
-        // It stays open: the functions are its.
+        // The loader must stay open, as it owns the functions.
         core::mem::forget(entry);
         SessionDevice { instance, physical, raw, family, queue }
     };
@@ -82,7 +82,7 @@ pub(crate) fn create_density_map(picture_extent: [u32; 2]) -> DensityMap {
     }
 }
 
-/// Unmakes one, once nothing is under way.
+/// Destroys a density map, which must not be in use any more.
 pub(crate) fn destroy_density_map(map: DensityMap) {
     let device = DEVICE.lock().expect("no holder panics");
     let device = device.as_ref().expect("there was a session");
@@ -93,7 +93,7 @@ pub(crate) fn destroy_density_map(map: DensityMap) {
     }
 }
 
-/// Fills a density map with full density, and leaves it in the layout that it is read in.
+/// Fills a density map with full density, and leaves it in the layout in which it is read.
 ///
 /// # Safety
 /// The image was just made on the device.

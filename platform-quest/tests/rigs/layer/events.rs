@@ -1,4 +1,4 @@
-//! Events that a test injects, and the frame wait that it has fail.
+//! Events that a test injects, and a frame wait that fails on request.
 
 use std::fs;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -8,29 +8,29 @@ use sys::Handle;
 
 use super::folder::{layer_folder, log_line};
 
-/// The session that was made last.
+/// The session that was created last.
 static SESSION: AtomicU64 = AtomicU64::new(0);
-/// Whether the next frame wait fails.
+/// `true` if the next frame wait must fail.
 static FAIL_NEXT_WAIT: AtomicBool = AtomicBool::new(false);
 
-/// Remembers the session that injected events are about.
+/// Stores the session of injected events.
 pub(crate) fn set_session(session: sys::Session) {
     SESSION.store(session.into_raw(), Ordering::SeqCst);
 }
 
-/// Whether this frame wait is to fail; the next one is not.
+/// Returns `true` if this frame wait must fail, and resets the request.
 pub(crate) fn take_wait_frame_failure() -> bool {
     FAIL_NEXT_WAIT.swap(false, Ordering::SeqCst)
 }
 
-/// Writes the event that a test's file `inject` asks for, if there is one: returns whether it did.
+/// Writes the event that the test's file `inject` requests. Returns `true` if it wrote one.
 ///
 /// # Safety
 /// There is room for an event.
 pub(crate) unsafe fn try_write_injected_event(event: *mut sys::EventDataBuffer) -> bool {
     let path = layer_folder().join("inject");
     let Ok(request) = fs::read_to_string(&path) else { return false };
-    // It is done once, as far as we can help.
+    // Remove the file, so that the event is injected once.
     let _ = fs::remove_file(path);
     log_line(&format!("injected {}", request.trim()));
     let session = sys::Session::from_raw(SESSION.load(Ordering::SeqCst));

@@ -1,4 +1,4 @@
-//! Swapchain formats: without the depth formats where a file `no-depth` stands in the layer's folder.
+//! Swapchain formats: the depth formats are hidden if the file `no-depth` exists in the layer's folder.
 
 use ash::vk;
 use openxr::sys;

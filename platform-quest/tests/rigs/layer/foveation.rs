@@ -12,13 +12,13 @@ use super::chain::call_next;
 use super::density_maps::{self, DensityMap};
 use super::folder::{layer_folder, log_line};
 
-/// What the shell has made.
+/// The foveation objects that the shell has created.
 #[derive(Default)]
 struct FoveationState {
-    /// Made, and not yet destroyed: their levels.
+    /// The levels of profiles that are not destroyed yet.
     profiles: HashMap<u64, sys::FoveationLevelFB>,
     made: u64,
-    /// Swapchains that were made with density maps.
+    /// The swapchains that were created with density maps.
     chains: HashMap<u64, MappedSwapchain>,
 }
 
@@ -39,7 +39,7 @@ fn check_rule(rule: &str, holds: bool) {
     }
 }
 
-/// Remembers a session's device.
+/// Stores a session's device.
 ///
 /// # Safety
 /// The structure is valid.
@@ -53,8 +53,8 @@ pub(crate) unsafe fn remember_device(info: *const sys::SessionCreateInfo) {
     }
 }
 
-/// Has the runtime create a swapchain without the foveation structure that it doesn't know, and remembers
-/// the swapchain.
+/// Lets the runtime create a swapchain without the foveation structure, which it doesn't know, and stores the
+/// swapchain.
 ///
 /// # Safety
 /// The shell's structures are valid.
@@ -99,7 +99,7 @@ pub(crate) unsafe fn create_swapchain(
     made
 }
 
-/// `XrVulkanSwapchainCreateInfoMETA` as the specification has it.
+/// `XrVulkanSwapchainCreateInfoMETA` as in the specification.
 #[repr(C)]
 struct MoreImageFlags {
     ty: sys::StructureType,
@@ -108,7 +108,8 @@ struct MoreImageFlags {
     usage_flags: u32,
 }
 
-/// Whether what follows the foveation structure asks for subsampled images (`XR_META_vulkan_swapchain_create_info`).
+/// Returns `true` if the structure after the foveation structure requests subsampled images
+/// (`XR_META_vulkan_swapchain_create_info`).
 fn is_subsampling_asked(
     foveation: &sys::SwapchainCreateInfoFoveationFB,
     info: &sys::SwapchainCreateInfo,
@@ -229,7 +230,7 @@ pub(crate) unsafe extern "system" fn update_swapchain(
     Status::SUCCESS
 }
 
-/// Nobody asks.
+/// Implements a function that the shell must never call.
 pub(crate) unsafe extern "system" fn get_swapchain_state(
     _: sys::Swapchain,
     _: *mut sys::SwapchainStateBaseHeaderFB,

@@ -1,16 +1,16 @@
-//! Bare hands as Meta's runtime has them. What Monado's driver has for a controller becomes a hand: its trigger a
-//! pinch, its squeeze a fist, and its grip a palm that is turned against it. A file `hands` in the layer's folder
-//! says so, in a word, from the next `xrSyncActions` on:
+//! Bare hands as Meta's runtime reports them. The layer turns the controller of Monado's driver into a hand:
+//! its trigger is a pinch, its squeeze a fist, and its grip a palm with another rotation. A word in the file
+//! `hands` in the layer's folder selects the state from the next `xrSyncActions` on:
 //!
-//! - `bare`: hands are tracked. Their interaction profile is `hand_interaction_ext` where bindings were accepted
-//!   for it, else `khr/simple_controller`, with a valid grip, else none.
-//! - `fist`: so, and closed, whatever the driver says.
+//! - `bare`: hands are tracked. Their interaction profile is `hand_interaction_ext` if bindings were accepted
+//!   for it; otherwise `khr/simple_controller`, with a valid grip, if accepted; otherwise none.
+//! - `fist`: like `bare`, but always closed, whatever the driver reports.
 //! - `frozen`: hands are lost: all poses stay where they were, valid and not tracked.
-//! - `gone`: so, and their joints are inactive.
-//! - `around`: hands are tracked around their controllers, which stay.
-//! - `beside`: so, 40 cm above them.
+//! - `gone`: like `frozen`, and the joints are inactive.
+//! - `around`: hands are tracked around their controllers, which stay tracked.
+//! - `beside`: like `around`, but the hands are 40 cm above the controllers.
 //!
-//! Without the file all is as Monado has it.
+//! Without the file Monado's own hands and controllers are reported.
 
 use std::collections::HashMap;
 use std::fs;
@@ -24,14 +24,14 @@ use super::actions::{HAND_INTERACTION, find_action, is_accepted, name_action, pa
 use super::chain::{call_next, next_layer};
 use super::folder::{layer_folder, log_line};
 
-/// A hand's joints as they were last seen.
+/// The last visible joints of a hand.
 type Joints = [sys::HandJointLocationEXT; sys::HAND_JOINT_COUNT_EXT];
 
 #[derive(Default)]
 struct HandsState {
-    /// The file's word.
+    /// The word in the file.
     word: String,
-    /// The spaces of hands, with the poses that they last had, and the grips' of both hands.
+    /// The spaces of hands, with their last poses, and the grip spaces of both hands.
     spaces: HashMap<u64, Option<sys::Posef>>,
     grips: [sys::Space; 2],
     trackers: HashMap<u64, Tracker>,
@@ -49,7 +49,7 @@ static STATE: LazyLock<Mutex<HandsState>> = LazyLock::new(Mutex::default);
 const SIMPLE: &str = "/interaction_profiles/khr/simple_controller";
 const HANDS: [&str; 2] = ["/user/hand/left", "/user/hand/right"];
 
-/// Metres from the palm joint to the skin.
+/// The distance from the palm joint to the skin, in metres.
 const PALM_RADIUS: f32 = 0.015;
 
 fn valid() -> Flags {
@@ -65,7 +65,7 @@ fn state() -> std::sync::MutexGuard<'static, HandsState> {
 }
 
 impl HandsState {
-    /// Whether hands are bare, seen or lost.
+    /// Returns `true` if hands are bare, whether visible or lost.
     fn is_bare(&self) -> bool {
         matches!(&*self.word, "bare" | "fist") || self.is_lost()
     }
@@ -75,7 +75,7 @@ impl HandsState {
     }
 }
 
-/// The profile of bare hands.
+/// Returns the interaction profile of bare hands.
 fn profile_of_bare_hands() -> Option<&'static str> {
     [HAND_INTERACTION, SIMPLE].into_iter().find(|profile| is_accepted(profile))
 }
@@ -227,7 +227,7 @@ pub(crate) unsafe extern "system" fn locate_joints(
     done
 }
 
-/// The joints of a hand whose controller is tracked.
+/// Returns the joints of a hand whose controller is tracked.
 fn pose_hand(
     state: &HandsState,
     tracker: Tracker,
@@ -252,7 +252,7 @@ fn pose_hand(
     Some(joints_of_hand(grip, tracker.hand, driven_value(tracker, "run"), fist))
 }
 
-/// What the driver has for a controller's action.
+/// Returns the driver's value of a controller's action.
 fn driven_value(tracker: Tracker, name: &str) -> f32 {
     let info = sys::ActionStateGetInfo {
         ty: sys::ActionStateGetInfo::TYPE,
@@ -277,7 +277,8 @@ const FINGERTIPS: [(Joint, [[f32; 3]; 3]); 5] = [
     (Joint::LITTLE_TIP, [[0.04, 0.0, -0.095], [0.03, -0.03, 0.0], [0.04, 0.0, -0.095]]),
 ];
 
-/// The joints of a hand whose grip is there. In a pinch from a fist, thumb and index finger alone leave it.
+/// Returns the joints of a hand at a grip pose. In a pinch from a fist, only thumb and index finger leave the
+/// fist.
 fn joints_of_hand(
     (position, rotation): (Vec3, Quat),
     hand: usize,
@@ -285,7 +286,8 @@ fn joints_of_hand(
     fist: f32,
 ) -> Joints {
     let side = if hand == 0 { -1.0 } else { 1.0 };
-    // The palm's axes in the grip's: its fingers point along the grip's -y, its back along x or -x.
+    // The palm's axes in the grip's space: the fingers point along the grip's -y, the back of the hand along
+    // x or -x.
     let of_grip = Mat3::from_cols(Vec3::Z * side, Vec3::X * side, Vec3::Y);
     let rotation = rotation * Quat::from_mat3(&of_grip);
     let palm = position + rotation * Vec3::Y * PALM_RADIUS;

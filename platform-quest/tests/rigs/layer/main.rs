@@ -1,18 +1,19 @@
-//! An OpenXR API layer for tests, between the shell and the runtime. It advertises what Monado lacks
+//! An OpenXR API layer for tests, between the shell and the runtime. It advertises features that Monado lacks
 //! (performance levels, user presence, display refresh rates, foveation, thread types, the Touch Plus
-//! profile), logs what the shell requests, checks the order of its calls and their arguments, and injects
-//! events for a test. The library is a Vulkan layer, too: see `vulkan`.
+//! profile), logs the shell's requests, checks the order of its calls and their arguments, and injects events
+//! for a test. The library is also a Vulkan layer: see `vulkan`.
 //!
-//! `main` receives the loader's calls, `refusals` and `checks` hold the hooked functions, and `chain`,
+//! `main` receives the loader's calls, `refusals` and `checks` contain the hooked functions, and `chain`,
 //! `folder` and `events`, below all of them, the common state.
 //!
-//! It works in the folder that `PAROS_LAYER` names: it appends to `log` there, and does what a file
-//! `inject` says, once: `presence 0`, `presence 1`, `heat`, `cool`, `lose session`, `lose instance`,
-//! or `fail`, which has the next frame's wait fail. Where a file `no-depth` stands, the runtime takes
-//! no pictures of depth; where `one-view` stands, its device has no multiview; `no-floor`, `no-stage`
-//! and `no-rates` take away spaces and rates, `no-subsampling` subsampled images. What a file `refuse` names is refused.
-//! A file `hands` says whether the visitor's hands are bare, `slow-pipelines` and `no-pipelines` how the driver compiles,
-//! `recommended` what resolution is recommended, and where `fast-display` stands, each picture is due after 0.1 ms.
+//! The layer works in the folder that `PAROS_LAYER` names. It appends to `log` there, and performs the
+//! request in the file `inject` once: `presence 0`, `presence 1`, `heat`, `cool`, `lose session`, `lose
+//! instance`, or `fail`, which makes the next frame wait fail. These files have an effect while they exist:
+//! `no-depth` hides depth formats, `one-view` hides the device's multiview, `no-floor`, `no-stage` and
+//! `no-rates` hide spaces and rates, `no-subsampling` refuses subsampled images, and with `fast-display` each
+//! picture is due after 0.1 ms. Functions named in `refuse` are refused. `hands` sets the state of bare
+//! hands, `slow-pipelines` and `no-pipelines` the driver's compilation, and `recommended` the recommended
+//! resolution.
 
 mod actions;
 mod chain;
@@ -38,7 +39,7 @@ use sys::{Result as Status, pfn};
 
 use folder::log_line;
 
-/// The extensions that the layer implements itself, as its manifest says.
+/// The extensions that the layer implements itself, as listed in its manifest.
 const OWN_EXTENSIONS: [&CStr; 11] = [
     c"XR_EXT_hand_interaction",
     c"XR_EXT_performance_settings",
@@ -56,7 +57,7 @@ const OWN_EXTENSIONS: [&CStr; 11] = [
 /// Negotiates with the loader, before the first call.
 ///
 /// # Safety
-/// The loader's.
+/// `request` is valid during the call.
 #[unsafe(no_mangle)]
 pub unsafe extern "system" fn xrNegotiateLoaderApiLayerInterface(
     _: *const sys::NegotiateLoaderInfo,

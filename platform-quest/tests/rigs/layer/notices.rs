@@ -1,6 +1,6 @@
-//! What is seen before the studio: the quad layer of a notice, and how long events and frames are let wait meanwhile.
-//! The log has `notice after N ms`, since the session was begun, for the first notice of each, and with the first
-//! frame of the studio `studio after N notices, events waited N ms, frames N ms`, the longest that each did.
+//! The time before the studio: the quad layer of a notice, and the waits of events and frames meanwhile. The
+//! log has `notice after N ms` for the first notice of each session, since its begin; and, with the first
+//! frame of the studio, `studio after N notices, events waited N ms, frames N ms`, the longest waits.
 
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -21,7 +21,7 @@ struct Notices {
 
 static NOTICES: Mutex<Option<Notices>> = Mutex::new(None);
 
-/// A session was begun.
+/// Records the begin of a session.
 pub(crate) fn note_begin() {
     let (now, none) = (Instant::now(), Duration::ZERO);
     if let Ok(mut notices) = NOTICES.lock() {
@@ -36,7 +36,7 @@ pub(crate) fn note_begin() {
     }
 }
 
-/// Events were polled.
+/// Records that events were polled.
 pub(crate) fn note_poll() {
     if let Ok(mut notices) = NOTICES.lock()
         && let Some(notices) = &mut *notices
@@ -46,7 +46,7 @@ pub(crate) fn note_poll() {
     }
 }
 
-/// A frame was ended, with the studio or without.
+/// Records the end of a frame, with the studio or without.
 pub(crate) fn note_frame(has_studio: bool) {
     if let Ok(mut kept) = NOTICES.lock()
         && let Some(notices) = &mut *kept
@@ -65,7 +65,7 @@ pub(crate) fn note_frame(has_studio: bool) {
     }
 }
 
-/// Whether a quad layer shows a whole picture to both eyes, upright, somewhere. Notes that it was seen.
+/// Returns `true` if a quad layer shows a whole picture to both eyes, upright. Records that it was seen.
 ///
 /// # Safety
 /// The layer is one of this type, and valid.

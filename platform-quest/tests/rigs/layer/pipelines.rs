@@ -1,5 +1,6 @@
-//! A driver that compiles slowly, or not at all. A file `slow-pipelines` in the layer's folder has the milliseconds that
-//! the process's first pipeline takes longer; where `no-pipelines` stands, none is made.
+//! A driver that compiles slowly, or not at all. The file `slow-pipelines` in the layer's folder has the
+//! delay of the process's first pipeline in milliseconds. If the file `no-pipelines` exists, no pipeline is
+//! created.
 
 use std::ffi::CStr;
 use std::fs;
@@ -14,7 +15,7 @@ use super::vulkan::next_device_function;
 
 const NAME: &CStr = c"vkCreateGraphicsPipelines";
 
-/// Finds the hook of a name.
+/// Returns the hook for a function's name, if there is one.
 pub(crate) fn find_hook(name: &CStr) -> vk::PFN_vkVoidFunction {
     if name != NAME {
         return None;

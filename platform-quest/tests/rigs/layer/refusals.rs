@@ -1,5 +1,5 @@
-//! Refusals: calls of the functions that a file `refuse` in the layer's folder names fail, as a runtime
-//! may have them fail.
+//! Refusals: functions whose names are in the file `refuse` in the layer's folder fail with an error that a
+//! runtime may return.
 
 use std::ffi::CString;
 use std::fs;
@@ -11,10 +11,10 @@ use super::chain::next_function;
 use super::checks;
 use super::folder::{layer_folder, log_line};
 
-/// Functions with what they answer where they refuse.
+/// The functions, each with the result of its refusal.
 macro_rules! refusals {
     ($($name:literal: $ty:ident = $function:ident($($argument:ident: $type:ty),*), $status:ident;)*) => {
-        /// Finds the hook of a name.
+        /// Returns the hook for a function's name, if there is one.
         pub(crate) fn find_hook(name: &str) -> Option<pfn::VoidFunction> {
             match name {
                 $($name => {
@@ -77,7 +77,7 @@ fn is_refused(name: &str) -> bool {
     refused
 }
 
-/// The function that comes after the refusal: the layer's own hook, or the runtime's.
+/// Returns the function that is called if it isn't refused: the layer's own hook, or the runtime's.
 ///
 /// # Safety
 /// `F` is the type of the function of this name.

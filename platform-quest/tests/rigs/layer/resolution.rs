@@ -1,5 +1,5 @@
-//! Dynamic resolution: what a file `recommended` in the layer's folder says, two numbers of pixels, is recommended
-//! (`XR_META_recommended_layer_resolution`), and what the shell submits is logged whenever it changes.
+//! Dynamic resolution: recommends (`XR_META_recommended_layer_resolution`) the two numbers of pixels in the
+//! file `recommended` in the layer's folder, and logs the extent that the shell submits whenever it changes.
 
 use std::fs;
 use std::sync::Mutex;
@@ -9,10 +9,10 @@ use sys::Result as Status;
 
 use super::folder::{layer_folder, log_line};
 
-/// The rectangle that was submitted last, and how many were.
+/// The extent that was submitted last, and the number of submitted views.
 static SUBMITTED: Mutex<([i32; 2], u32)> = Mutex::new(([0; 2], 0));
 
-/// Logs a view's rectangle if it is another than before, and the number of the frame.
+/// Logs a view's extent and the frame's number if the extent has changed.
 pub(crate) fn note_submitted(rect: sys::Rect2Di) {
     let extent = [rect.extent.width, rect.extent.height];
     let mut last = SUBMITTED.lock().expect("no holder panics");

@@ -1,5 +1,5 @@
-//! Reference spaces: without LOCAL_FLOOR where a file `no-floor` stands in the layer's folder, and
-//! without STAGE where `no-stage` does.
+//! Reference spaces: LOCAL_FLOOR is hidden if the file `no-floor` exists in the layer's folder, and STAGE if
+//! `no-stage` does.
 
 use openxr::sys;
 use sys::{ReferenceSpaceType, Result as Status, pfn};
@@ -32,7 +32,7 @@ pub(crate) unsafe extern "system" fn enumerate_reference_spaces(
     done
 }
 
-/// Logs `space KIND HEIGHT`; one that is hidden can't be made.
+/// Logs `space KIND HEIGHT`. A hidden space can't be created.
 pub(crate) unsafe extern "system" fn create_reference_space(
     session: sys::Session,
     info: *const sys::ReferenceSpaceCreateInfo,
@@ -40,7 +40,7 @@ pub(crate) unsafe extern "system" fn create_reference_space(
 ) -> Status {
     // SAFETY: the shell's structure is valid during the call.
     let (kind, pose) = unsafe { ((*info).reference_space_type, (*info).pose_in_reference_space) };
-    // No height is 0, not -0.
+    // Logs a height of -0 as 0.
     log_line(&format!("space {kind:?} {}", pose.position.y + 0.0));
     if is_hidden(kind) {
         return Status::ERROR_REFERENCE_SPACE_UNSUPPORTED;

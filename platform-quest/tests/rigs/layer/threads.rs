@@ -1,4 +1,5 @@
-//! Thread types (`XR_KHR_android_thread_settings`); the crate has the call's type on Android alone.
+//! Thread types (`XR_KHR_android_thread_settings`); the `openxr` crate only defines the call's type on
+//! Android.
 
 use openxr::sys;
 use sys::{Result as Status, pfn};
@@ -8,7 +9,7 @@ use super::folder::log_line;
 type SetThreadTypeFn =
     unsafe extern "system" fn(sys::Session, sys::AndroidThreadTypeKHR, u32) -> Status;
 
-/// Finds the hook of a name.
+/// Returns the hook for a function's name, if there is one.
 pub(crate) fn find_hook(name: &str) -> Option<pfn::VoidFunction> {
     let function: SetThreadTypeFn = set_thread_type;
     // SAFETY: the shell calls it by this type, and all functions are pointers of one size.
@@ -16,7 +17,7 @@ pub(crate) fn find_hook(name: &str) -> Option<pfn::VoidFunction> {
     (name == "xrSetAndroidApplicationThreadKHR").then_some(function)
 }
 
-/// Logs which thread is given a type, and whether it is the one that calls.
+/// Logs the type that a thread is given, and whether it is the calling thread.
 unsafe extern "system" fn set_thread_type(
     _: sys::Session,
     thread_type: sys::AndroidThreadTypeKHR,

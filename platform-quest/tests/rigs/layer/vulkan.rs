@@ -1,8 +1,8 @@
-//! A Vulkan layer in the same library as the OpenXR layer: it reports `VK_EXT_fragment_density_map`,
-//! which lavapipe lacks. It removes the extension again when the device is created; lavapipe then shades
-//! the whole image at full density. The validation layer stands above this one and checks every use of
-//! the density maps. If the layer's folder has a file `one-view`, the device reports no multiview.
-//! What becomes of pipelines is told in `pipelines`.
+//! A Vulkan layer in the same library as the OpenXR layer. It reports `VK_EXT_fragment_density_map`, which
+//! lavapipe lacks, and removes the extension again when the device is created; lavapipe then shades the whole
+//! image at full density. The validation layer is above this one and checks every use of the density maps. If
+//! the layer's folder has a file `one-view`, the device reports no multiview. Pipelines are handled in
+//! `pipelines`.
 
 use std::ffi::{CStr, c_char, c_void};
 use std::sync::Mutex;
@@ -37,7 +37,7 @@ pub(crate) struct LayerNegotiation {
 struct ChainedCreateInfo<L> {
     ty: vk::StructureType,
     next: *const c_void,
-    /// 0 where `link` is one.
+    /// 0 if `link` is valid.
     function: i32,
     link: *mut L,
 }
@@ -54,7 +54,7 @@ struct LayerLink {
 /// Negotiates the interface version between loader and layer: 2 at most.
 ///
 /// # Safety
-/// The loader's.
+/// `request` is valid during the call.
 #[unsafe(no_mangle)]
 pub(crate) unsafe extern "system" fn vkNegotiateLoaderLayerInterfaceVersion(
     request: *mut LayerNegotiation,
@@ -68,7 +68,7 @@ pub(crate) unsafe extern "system" fn vkNegotiateLoaderLayerInterfaceVersion(
     vk::Result::SUCCESS
 }
 
-/// Finds the hook of a name; none where the layer leaves the function alone.
+/// Returns the hook for a function's name; `None` if the layer doesn't change the function.
 fn find_hook(name: &CStr) -> vk::PFN_vkVoidFunction {
     macro_rules! functions {
         ($($name:literal: $ty:ident = $function:ident,)*) => {
@@ -89,7 +89,7 @@ fn find_hook(name: &CStr) -> vk::PFN_vkVoidFunction {
         "vkCreateDevice": PFN_vkCreateDevice = create_device,
         "vkEnumerateDeviceExtensionProperties": PFN_vkEnumerateDeviceExtensionProperties = enumerate_device_extensions,
         "vkGetPhysicalDeviceFeatures2": PFN_vkGetPhysicalDeviceFeatures2 = get_features,
-        // The loader calls these where the extension is enabled, too.
+        // The loader also calls these names if the extension is enabled.
         "vkGetPhysicalDeviceFeatures2KHR": PFN_vkGetPhysicalDeviceFeatures2 = get_features,
         "vkGetPhysicalDeviceProperties2KHR": PFN_vkGetPhysicalDeviceProperties2 = get_properties,
         "vkGetPhysicalDeviceProperties2": PFN_vkGetPhysicalDeviceProperties2 = get_properties,
@@ -120,7 +120,7 @@ unsafe extern "system" fn get_device_proc_addr(
     unsafe { next_device_function(device, name) }
 }
 
-/// A function of the next layer for a device.
+/// Returns a function of the next layer for a device.
 ///
 /// # Safety
 /// The device is alive, and the name a C string.
@@ -133,7 +133,7 @@ pub(crate) unsafe fn next_device_function(
     unsafe { next(device, name) }
 }
 
-/// A function of the next layer, for the instance that was created last.
+/// Returns a function of the next layer, for the instance that was created last.
 ///
 /// # Safety
 /// `F` is the type of the function of this name.
@@ -145,7 +145,7 @@ unsafe fn next_function<F: Copy>(name: &CStr) -> F {
     unsafe { core::mem::transmute_copy::<unsafe extern "system" fn(), F>(&function) }
 }
 
-/// Takes this layer's link out of a chain of create infos, and leaves the next layer's in its place.
+/// Removes this layer's link from a chain of create infos, and puts the next layer's in its place.
 ///
 /// # Safety
 /// The chain is one of the loader's, with a link.
@@ -311,7 +311,7 @@ unsafe extern "system" fn get_properties(
         let found = find_structure(properties.cast(), ty)
             .cast::<vk::PhysicalDeviceFragmentDensityMapPropertiesEXT<'_>>();
         if let Some(found) = found.as_mut() {
-            // An Adreno's.
+            // The values of an Adreno.
             let texel = vk::Extent2D {
                 width: super::density_maps::TEXEL,
                 height: super::density_maps::TEXEL,
@@ -323,7 +323,7 @@ unsafe extern "system" fn get_properties(
     }
 }
 
-/// The first structure of a type in a `pNext` chain, or null.
+/// Finds the first structure of a type in a `pNext` chain; null if there is none.
 ///
 /// # Safety
 /// Each structure of the chain is alive, and begins with its type and the next.

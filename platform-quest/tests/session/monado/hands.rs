@@ -11,7 +11,7 @@ use paros_shaders::gpu::{Eye, Fov};
 /// Length of the structure in bytes.
 const LEN: usize = 376;
 
-/// Byte offsets: the views, the head's pose, whether the views are valid, and the hands.
+/// Byte offsets of the views, the head's pose, the flag for valid views, and the hands.
 const VIEWS: usize = 8;
 const VIEW_LEN: usize = 48;
 const HEAD: usize = VIEWS + 2 * VIEW_LEN;
@@ -19,29 +19,29 @@ const VIEWS_COUNT: usize = HEAD + 28;
 const HANDS: usize = VIEWS_COUNT + 4;
 const HAND_LEN: usize = 120;
 
-/// Byte offsets within a hand: the analogue inputs after pose, velocities and curls, then the flags.
+/// Byte offsets within a hand: first pose, velocities and curls, then the analogue inputs, then the flags.
 const TRIGGER: usize = 72;
 const FLAGS: usize = 104;
 
-/// The state of one hand's controller, as the driver takes it.
+/// The state of one hand's controller in the driver's format.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RemoteHand {
-    /// Its position in metres.
+    /// The position in metres.
     pub(crate) position: Vec3,
-    /// How it is turned: it points along -z.
+    /// The rotation: without one, the hand points along -z.
     pub(crate) rotation: Quat,
-    /// 0 to 1.
+    /// The input's value, 0 to 1.
     pub(crate) trigger: f32,
-    /// 0 to 1.
+    /// The input's value, 0 to 1.
     pub(crate) squeeze: f32,
-    /// Whether the controller is tracked.
+    /// `true` if the controller is tracked.
     pub(crate) active: bool,
-    /// Whether the bare hand is tracked.
+    /// `true` if the bare hand is tracked.
     pub(crate) bare: bool,
 }
 
 impl RemoteHand {
-    /// A hand at a position in metres, with nothing pressed.
+    /// Creates a hand at a position in metres, with nothing pressed.
     pub(crate) const fn at(x: f32, y: f32, z: f32) -> RemoteHand {
         RemoteHand {
             position: Vec3::new(x, y, z),
@@ -76,7 +76,7 @@ impl RemoteHands {
         };
         driver.set_nodelay(true).expect("no delay");
         let mut bytes = [0; LEN];
-        // What it starts from, and what is.
+        // The driver sends its initial state, then its current state.
         driver.read_exact(&mut bytes).expect("a first structure");
         driver.read_exact(&mut bytes).expect("a second structure");
         bytes[..VIEWS].copy_from_slice(b"mndrmt3\0");
@@ -89,7 +89,7 @@ impl RemoteHands {
             let Fov { left, right, up, down } = *fov;
             let at = VIEWS + i * VIEW_LEN;
             self.write_floats(at, &[left, right, up, down]);
-            // Of the head.
+            // The position relative to the head.
             let from_head = *position - eyes[0].position.midpoint(eyes[1].position);
             self.write_pose(at + 16, rotation.inverse() * from_head, Quat::IDENTITY);
         }

@@ -1,5 +1,5 @@
 //! A Monado service from the tree that `tests/monado-tree.sh` prepares, on a software device, and shells in
-//! its session. Nothing is installed: programs are started through the tree's own dynamic loader.
+//! its session. Nothing is installed: programs start through the tree's own dynamic loader.
 
 mod hands;
 
@@ -26,7 +26,7 @@ pub(crate) struct MonadoTree {
 }
 
 impl MonadoTree {
-    /// Finds the tree beside this build. An error says how it is made.
+    /// Finds the tree beside this build. An error tells how to make it.
     pub(crate) fn find() -> Result<MonadoTree, String> {
         let root = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("monado-tree");
         let root = fs::canonicalize(&root).map_err(|error| {
@@ -39,7 +39,7 @@ impl MonadoTree {
         Ok(MonadoTree { libraries: root.join("usr/lib/x86_64-linux-gnu"), root })
     }
 
-    /// A command for a program that finds the tree's libraries before the system's.
+    /// Returns a command for a program that finds the tree's libraries before the system's.
     pub(crate) fn command(&self, program: &Path, folder: &Path) -> Command {
         let run = folder.join("run");
         fs::create_dir_all(&run).expect("a folder");
@@ -133,7 +133,7 @@ impl MonadoService {
         ShellProcess::start(self.layered_command(layer, args))
     }
 
-    /// As [`Self::start_layered_shell`], on a device that reports fragment density maps.
+    /// Starts a shell like [`Self::start_layered_shell`], on a device that reports fragment density maps.
     pub(crate) fn start_mapped_shell(&self, layer: &Path, args: &[&str]) -> ShellProcess {
         let manifest = format!(
             r#"{{"file_format_version": "1.2.0", "layer": {{"name": "VK_LAYER_PAROS_tests",
@@ -142,7 +142,7 @@ impl MonadoService {
             {{"name": "VK_EXT_fragment_density_map", "spec_version": "2", "entrypoints": []}}]}}}}"#,
             layer.display()
         );
-        // Where Vulkan's validation is found, too, which comes first and sees all.
+        // The same folder contains Vulkan's validation layer, which comes first and sees all calls.
         fs::write(self.folder.join("vulkan.json"), manifest).expect("the manifest is written");
         let mut command = self.layered_command(layer, args);
         let layers = "VK_LAYER_KHRONOS_validation:VK_LAYER_PAROS_tests";
@@ -150,7 +150,7 @@ impl MonadoService {
         ShellProcess::start(command)
     }
 
-    /// The command of [`Self::start_layered_shell`], before it is started.
+    /// Returns the command of [`Self::start_layered_shell`] without starting it.
     pub(crate) fn layered_command(&self, layer: &Path, args: &[&str]) -> Command {
         let manifest = format!(
             r#"{{"file_format_version": "1.0.0", "api_layer": {{"name": "XR_APILAYER_PAROS_tests",
@@ -199,11 +199,12 @@ impl MonadoService {
         let mut command = self.tree.command(quest, &self.folder);
         command.args(["--script", "--validation", "--folder", "files"]).args(args);
         if !args.contains(&"--handover") {
-            // The driver's head and hands are still between a test's steps, for as long as the machine is slow.
+            // The driver's head and hands don't move between a test's steps, which may take long on a slow
+            // machine.
             command.args(["--handover", "600"]);
         }
         if !args.contains(&"--least-resolution") {
-            // Nor is any software device fast enough for pictures of the full size.
+            // A software device isn't fast enough for pictures of the full size.
             command.args(["--least-resolution", "100"]);
         }
         let layers = self.folder.join("layers");
@@ -240,9 +241,9 @@ pub(crate) struct StatusLine(String);
 
 /// A shell's end.
 pub(crate) struct ShellEnd {
-    /// The exit code; none if a signal ended it.
+    /// The exit code; `None` if a signal ended it.
     pub(crate) code: Option<i32>,
-    /// What it wrote to standard error.
+    /// The text on standard error.
     pub(crate) errors: String,
 }
 
@@ -294,7 +295,7 @@ impl ShellProcess {
         self.wait_until("frames", |said| said.number("frames") >= now + more)
     }
 
-    /// Captures the next frame: the paths of the left and the right eye's picture.
+    /// Captures the next frame. Returns the paths of the left and the right eye's picture.
     pub(crate) fn capture_eyes(&mut self, folder: &Path, name: &str) -> [PathBuf; 2] {
         let prefix = folder.join(name);
         writeln!(self.stdin, "shot {}", prefix.display()).expect("the shell listens");
@@ -314,7 +315,7 @@ impl ShellProcess {
         self.wait_and_collect()
     }
 
-    /// Waits for the end. Returns the last line of standard output beside the end.
+    /// Waits for the end. Returns the last line of standard output and the end.
     pub(crate) fn wait_for_last_status(mut self) -> (StatusLine, ShellEnd) {
         let end = self.wait_and_collect();
         let last = self.said.iter().last().unwrap_or_default();
@@ -326,7 +327,7 @@ impl ShellProcess {
         self.wait_and_collect()
     }
 
-    /// Kills the process, as a system does that needs its memory. Returns its standard error.
+    /// Kills the process, as a system that runs out of memory does. Returns its standard error.
     pub(crate) fn kill(mut self) -> String {
         self.child.kill().expect("it still runs");
         self.wait_and_collect().errors
@@ -355,15 +356,15 @@ impl Drop for ShellProcess {
 }
 
 impl StatusLine {
-    /// The whole line.
+    /// Returns the whole line.
     pub(crate) fn text(&self) -> &str {
         &self.0
     }
 
-    /// The value of a field.
+    /// Returns the value of a field.
     ///
     /// # Panics
-    /// There is none of that name.
+    /// There is no field of that name.
     pub(crate) fn field(&self, name: &str) -> &str {
         let start =
             |field: &&str| field.strip_prefix(name).is_some_and(|rest| rest.starts_with(' '));
@@ -371,7 +372,7 @@ impl StatusLine {
         &field.unwrap_or_else(|| panic!("no {name} in {}", self.0))[name.len() + 1..]
     }
 
-    /// The value of a field that is a number.
+    /// Returns the value of a numeric field.
     pub(crate) fn number(&self, name: &str) -> u64 {
         self.field(name).parse().expect("a number")
     }

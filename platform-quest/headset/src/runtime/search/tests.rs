@@ -1,10 +1,11 @@
-//! The order of calls, and what is told, for scripted libraries.
+//! The order of calls and the reported failures, for scripted libraries.
 
 use std::path::PathBuf;
 
 use super::{Candidate, RuntimeCalls, RuntimeLibrary, RuntimeSearch};
 
-/// What the libraries of these names do; each call is logged. `twin.so` is `deaf.so` by another name.
+/// Libraries whose behaviour follows from their names; each call is logged. `twin.so` is `deaf.so` by another
+/// name.
 #[derive(Default)]
 struct ScriptedLibraries {
     calls: Vec<String>,
