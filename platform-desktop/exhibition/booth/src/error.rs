@@ -1,4 +1,4 @@
-//! Why the program ends.
+//! The error that ends the program, and its exit code.
 
 use std::fmt;
 use std::path::Path;
@@ -6,29 +6,29 @@ use std::process::ExitCode;
 
 use paros_booth_rules::{Refusal, StoreError};
 
-/// What failed, and whether input or the program is at fault.
+/// A failure, by its cause: wrong input or a failed operation.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// What was asked, or a file, is wrong: exit code 2.
+    /// An option or a file is wrong: exit code 2.
     #[error("{0}")]
     Input(String),
-    /// Something failed: exit code 1.
+    /// An operation failed: exit code 1.
     #[error("{0}")]
     Failure(String),
 }
 
 impl Error {
-    /// A failure of something.
+    /// Makes a failure of an operation.
     pub fn failure(what: impl fmt::Display, why: impl fmt::Display) -> Self {
         Error::Failure(format!("{what}: {why}"))
     }
 
-    /// A failure of a file or folder.
+    /// Makes a failure that concerns a file or folder.
     pub(crate) fn at(path: &Path, why: impl fmt::Display) -> Self {
         Error::failure(path.display(), why)
     }
 
-    /// The program's exit code.
+    /// Returns the program's exit code.
     #[must_use]
     pub fn exit_code(&self) -> ExitCode {
         match self {

@@ -1,4 +1,5 @@
-//! The booth's readers of bytes that others write, for the fuzzer alone: nothing here is promised.
+//! Entry points for the fuzzer: the booth's parsers of untrusted bytes. They are not part of the public
+//! interface.
 
 use std::path::Path;
 
@@ -15,14 +16,14 @@ use crate::server::routes;
 use crate::store::deletion_log;
 use crate::{printing, staff};
 
-/// Minutes and tenths of a gram that the comments of some G-code tell.
+/// Reads the print time in minutes and the material in tenths of a gram from the comments of a G-code file.
 #[must_use]
 pub fn parse_estimate(text: &str) -> Option<(u32, u32)> {
     printing::parse_estimate(text).map(|estimate| (estimate.minutes, estimate.tenths_gram))
 }
 
-/// What a printer's answers say: of Moonraker's protocol the first, of PrusaLink's both. Its state, its file and its
-/// percent.
+/// Parses a printer's response bodies: Moonraker sends one, PrusaLink two. Returns the printer's state, file
+/// and progress in percent.
 #[must_use]
 pub fn read_printer(
     first: &[u8],
@@ -32,37 +33,37 @@ pub fn read_printer(
         .map(|status| (format!("{:?}", status.activity), status.file, status.percent))
 }
 
-/// How many printers a file names.
+/// Parses a printers file. Returns the number of printers.
 ///
 /// # Errors
-/// What is wrong with it and where.
+/// A description of what is wrong with the file and where.
 pub fn parse_printers(text: &str) -> Result<usize, String> {
     printing::parse_printers(text).map(|printers| printers.len())
 }
 
-/// A log of deletions.
+/// Parses a log of deletions.
 ///
 /// # Errors
-/// The first line that is none of a log.
+/// The first line that isn't valid.
 pub fn parse_deletions(bytes: Vec<u8>) -> Result<Vec<Deletion>, String> {
     deletion_log::parse_deletions(bytes)
 }
 
-/// Unpacks a backup's archive into an empty folder. When it was made, in milliseconds.
+/// Unpacks a backup archive into an empty folder. Returns the time of the backup in milliseconds since 1970.
 ///
 /// # Errors
-/// What is wrong with it.
+/// A description of what is wrong with the archive.
 pub fn unpack_backup(archive: &Path, folder: &Path) -> Result<u64, Error> {
     restore::unpack(archive, folder).map(|copied_at| copied_at.0)
 }
 
-/// The fields of a page's form with these names, and the size of a print in it.
+/// Parses a form body. Returns its fields with these names, and the parsed size of a print.
 #[must_use]
 pub fn read_form(body: &[u8], names: &[&str]) -> Option<Vec<String>> {
     let form = "application/x-www-form-urlencoded";
     let request = Request::post("/").header(header::CONTENT_TYPE, form);
     let request = request.body(Body::from(body.to_vec())).ok()?;
-    // All of it is there, so that nothing is waited for.
+    // The whole body is in memory, so the future is ready at once.
     let fields = Form::<staff::Fields>::from_request(request, &()).now_or_never()?.ok()?;
     let Form(fields) = fields;
     let size = staff::read_size(&fields.get("height"), &fields.get("minutes"));
@@ -70,7 +71,7 @@ pub fn read_form(body: &[u8], names: &[&str]) -> Option<Vec<String>> {
     Some(names.iter().map(|name| fields.get(name)).chain([size]).collect())
 }
 
-/// Reads the query of the address of the list of sculptures. Returns the address as the booth writes it, and what it lists.
+/// Parses the query of the sculpture list's address. Returns the normalised address and the filter.
 #[must_use]
 pub fn read_list(query: &str) -> Option<(String, String)> {
     let address = format!("/staff?{query}").parse().ok()?;
@@ -79,10 +80,10 @@ pub fn read_list(query: &str) -> Option<(String, String)> {
     Some((link, format!("{filter:?}")))
 }
 
-/// The length of a parcel's file, as the address and the headers say.
+/// Returns the length of a parcel's file, from the request's path and headers.
 ///
 /// # Errors
-/// What was expected.
+/// A description of what was expected.
 pub fn read_put(id: &str, headers: &[(&[u8], &[u8])]) -> Result<u64, String> {
     let mut map = HeaderMap::new();
     for (name, value) in headers {
@@ -93,10 +94,11 @@ pub fn read_put(id: &str, headers: &[(&[u8], &[u8])]) -> Result<u64, String> {
     read.map(|(_, length)| length)
 }
 
-/// What is told of a mesh whose bytes pass by in two pieces, and of its 3MF: whether it is closed, and its triangles.
+/// Checks an STL that arrives in two pieces, and reads it as the 3MF export does. Returns `true` if the mesh
+/// is closed, its number of triangles, and the number of triangles in the 3MF.
 ///
 /// # Errors
-/// Why it is no STL.
+/// The reason why the bytes are not a valid STL.
 pub fn check_stl(first: &[u8], second: &[u8]) -> Result<(bool, u32, usize), String> {
     let mut check = mesh_check::MeshCheck::new();
     check.look_at(first);
@@ -106,10 +108,10 @@ pub fn check_stl(first: &[u8], second: &[u8]) -> Result<(bool, u32, usize), Stri
     Ok((report.is_closed, report.triangles, triangles.len()))
 }
 
-/// The STL of a kept file.
+/// Makes the STL of a kept sculpture's file.
 ///
 /// # Errors
-/// What is wrong with it.
+/// A description of what is wrong with the file.
 pub fn make_stl(kept: &[u8]) -> Result<Vec<u8>, String> {
     exporter::make_stl(kept)
 }

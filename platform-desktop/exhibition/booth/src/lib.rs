@@ -1,6 +1,6 @@
 //! The booth's server: keeps the sculptures that headsets send, and lets staff find a sculpture by its badge.
-//! `paros_booth_rules` makes every decision. This crate connects the rules to the network, the disk, the database and the
-//! clock:
+//! `paros_booth_rules` makes every decision. This crate connects the rules to the network, the disk, the
+//! database and the clock:
 //!
 //! - `server`: the routes of headsets, what all routes share, and the background threads
 //! - `store`: PostgreSQL, and files on a disk or in S3 (SQLite is the crate `paros_booth_sqlite`)
@@ -41,12 +41,12 @@ pub use store::s3_files::S3Files;
 use rustix::fs::Mode;
 use rustix::process::umask;
 
-/// Does what the command line asks. Returns output as whole lines.
+/// Runs the command of the command line, or the server. Returns the output as whole lines.
 ///
 /// # Errors
-/// What failed.
+/// The command's or the server's error.
 pub fn run(options: &Options) -> Result<String, Error> {
-    // All that the booth writes is its owner's: keys, visitors' sculptures, addresses.
+    // All files are private to their owner: they contain keys, visitors' sculptures and addresses.
     umask(Mode::RWXG | Mode::RWXO);
     match &options.command {
         Some(command) => commands::run(command),

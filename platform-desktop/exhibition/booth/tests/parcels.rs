@@ -1,4 +1,4 @@
-//! What is taken for a sculpture, and what isn't.
+//! Tests of the validation of parcels.
 
 use std::io::{Read as _, Write as _};
 use std::sync::OnceLock;
@@ -28,7 +28,7 @@ fn inflate(bytes: &[u8]) -> Vec<u8> {
     unpacked
 }
 
-/// The toy's `.rmap`.
+/// Returns the `.rmap` file of the toy figure.
 fn toy() -> &'static [u8] {
     static TOY: OnceLock<Vec<u8>> = OnceLock::new();
     TOY.get_or_init(|| {
@@ -60,7 +60,7 @@ fn facts_of(first: &[u8], trace: &[u8]) -> UploadFacts {
     }
 }
 
-/// Checks files as they are packed.
+/// Compresses files, and checks them as a parcel.
 fn check(first: &[u8], trace: &[u8]) -> Result<(), String> {
     check_parcel(&facts_of(first, trace), &deflate(first), &deflate(trace))
 }
@@ -71,7 +71,7 @@ fn volumes_and_traces_are_taken() {
     assert_eq!(check(toy(), TRACE), Ok(()));
 }
 
-/// What arrives is as long as its head says, packed and unpacked, and nothing is after it.
+/// Packed and unpacked lengths must match the head, without extra bytes.
 #[test]
 fn lengths_are_those_of_the_head() {
     let (facts, packed) = (facts_of(toy(), TRACE), deflate(toy()));
@@ -102,7 +102,7 @@ fn each_file_is_what_its_head_says() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// A byte that is another, packed or unpacked, is told, and nothing panics.
+    /// A changed byte in a packed or unpacked file is rejected, without a panic.
     #[test]
     fn spoilt_files_are_refused(place: prop::sample::Index, flip in 1..=255u8, is_packed: bool) {
         let facts = facts_of(toy(), &[]);
@@ -110,7 +110,7 @@ proptest! {
         let place = place.index(bytes.len());
         bytes[place] ^= flip;
         let packed = if is_packed { bytes } else { deflate(&bytes) };
-        // Spare bits, and what is repeated from elsewhere, may be packed in more ways than one.
+        // Deflate can pack the same bytes in several ways, by spare bits and back references.
         if let Ok(()) = check_parcel(&facts, &packed, &[]) {
             prop_assert!(is_packed && inflate(&packed) == toy(), "byte {place} of {}", packed.len());
         }

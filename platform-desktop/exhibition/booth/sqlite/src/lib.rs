@@ -1,4 +1,5 @@
-//! The embedded store: SQLite in a file, with a write-ahead log that is synced at each commit; or in memory, for tests.
+//! The embedded store: SQLite in a file, with a write-ahead log that is synced at each commit; or in memory,
+//! for tests.
 #![forbid(unsafe_code)]
 
 use std::path::Path;
@@ -9,21 +10,21 @@ use paros_booth_rules::{Access, Row, Store, StoreError, Transaction, Value};
 use rusqlite::types::{ToSqlOutput, ValueRef};
 use rusqlite::{Connection, ErrorCode, TransactionBehavior, params_from_iter};
 
-/// Connections that only read: a commit that waits for the disk holds none of them up.
+/// The number of read-only connections. Reads don't wait for a commit that is being synced.
 const READERS: usize = 3;
 
-/// Prepared statements that a connection keeps: more than the rules have.
+/// The prepared statements that a connection caches: more than the rules have.
 const STATEMENTS: usize = 256;
 
-/// The application that wrote the file, as SQLite's header has it: "paro".
+/// The application id in the header of the file: "paro".
 const APPLICATION: i64 = 0x7061_726f;
 
-/// A store in a database of SQLite. Several processes may have the same file open; each waits 5 s for another's transaction,
-/// as `rusqlite` has it.
+/// A store in an SQLite database. Several processes may open the same file; each waits up to 5 s, the default
+/// of `rusqlite`, for another's transaction.
 #[derive(Debug)]
 pub struct SqliteStore {
     writer: Mutex<Connection>,
-    /// None for a database in memory, which has a single connection.
+    /// Empty for a database in memory, which has a single connection.
     readers: Vec<Mutex<Connection>>,
 }
 
@@ -34,27 +35,27 @@ struct SqliteTransaction<'a> {
 }
 
 impl SqliteStore {
-    /// Opens a file, and makes it where there is none.
+    /// Opens a file, and creates it if there is none.
     ///
     /// # Errors
     /// SQLite's error, or the file has another version, or is damaged.
     pub fn open(path: &Path) -> Result<Self, StoreError> {
         let open = || Connection::open(path).and_then(keep_statements).map_err(store_error);
         let mut writer = open()?;
-        // First: a file of another version stays as it is.
+        // Checked before anything is written, so that a file of another version isn't changed.
         make_tables(&mut writer)?;
         check_pages(&writer)?;
         let set = |name, value| writer.pragma_update(None, name, value).map_err(store_error);
         set("journal_mode", "WAL")?;
-        // The log is on the disk before a commit returns.
+        // A commit returns after the log is synced.
         set("synchronous", "FULL")?;
-        // What was deleted isn't left in what the file has free.
+        // Overwrites deleted data, so that it doesn't stay in free pages.
         set("secure_delete", "ON")?;
         let readers = (0..READERS).map(|_| open().map(Mutex::new)).collect::<Result<_, _>>()?;
         Ok(SqliteStore { writer: Mutex::new(writer), readers })
     }
 
-    /// Makes an empty database in memory, for tests: one transaction at a time, and lost with the store.
+    /// Makes an empty database in memory, for tests: one transaction at a time, and dropped with the store.
     ///
     /// # Errors
     /// SQLite's error.
@@ -68,7 +69,7 @@ impl SqliteStore {
     /// Copies all rows of a store into a database in memory, for tests.
     ///
     /// # Errors
-    /// Those of either store.
+    /// The errors of either store.
     pub fn copy_in_memory(from: &dyn Store) -> Result<Self, StoreError> {
         let copy = SqliteStore::in_memory()?;
         let (mut source, mut target) = (from.begin(Access::Read)?, copy.begin(Access::Write)?);
@@ -84,7 +85,7 @@ impl SqliteStore {
         Ok(copy)
     }
 
-    /// Locks a reader that is free, or else waits for the first one.
+    /// Locks a free reader, or waits for the first one.
     fn lock_reader(&self) -> MutexGuard<'_, Connection> {
         let free = self.readers.iter().find_map(|reader| reader.try_lock().ok());
         free.unwrap_or_else(|| lock(self.readers.first().unwrap_or(&self.writer)))
@@ -125,7 +126,7 @@ impl Transaction for SqliteTransaction<'_> {
 impl Drop for SqliteTransaction<'_> {
     fn drop(&mut self) {
         if self.is_open {
-            // Where SQLite has rolled it back by itself there is nothing to roll back.
+            // The error of ROLLBACK is ignored: SQLite may have rolled back already.
             let _ = execute(&self.connection, "ROLLBACK");
         }
     }
@@ -136,9 +137,9 @@ fn keep_statements(connection: Connection) -> rusqlite::Result<Connection> {
     Ok(connection)
 }
 
-/// Makes the tables of a database that has none.
+/// Makes the tables if the database has none.
 fn make_tables(connection: &mut Connection) -> Result<(), StoreError> {
-    // Two processes may start at once: the second one finds the first one's work.
+    // If two processes start at once, the second one finds the tables of the first.
     let transaction = connection
         .transaction_with_behavior(TransactionBehavior::Immediate)
         .map_err(store_error)?;
@@ -157,7 +158,7 @@ fn make_tables(connection: &mut Connection) -> Result<(), StoreError> {
     }
 }
 
-/// Looks at every page of a database: a file that was cut answers until somebody asks for a row that is gone.
+/// Checks every page of a database. Otherwise a truncated file would work until a missing row is read.
 fn check_pages(connection: &Connection) -> Result<(), StoreError> {
     let found = connection.pragma_query_value(None, "quick_check", |row| row.get::<_, String>(0));
     match found.map_err(store_error)? {
@@ -199,7 +200,7 @@ fn read(value: ValueRef<'_>) -> Value {
         ValueRef::Integer(number) => Value::Number(number),
         ValueRef::Blob(bytes) => Value::Bytes(bytes.to_vec()),
         ValueRef::Text(text) => Value::Text(String::from_utf8_lossy(text).into_owned()),
-        // No column of a strict table holds a real number.
+        // Strict tables have no columns of real numbers.
         ValueRef::Null | ValueRef::Real(_) => Value::Null,
     }
 }

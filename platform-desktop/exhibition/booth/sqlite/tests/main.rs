@@ -1,4 +1,4 @@
-//! Files of SQLite: other versions, and restarts. What every store does is tried by the rules' tests.
+//! Tests of SQLite files: other versions, and restarts. The tests of `rules` cover what every store does.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,10 +9,10 @@ use paros_booth_rules::{BoothTime, update, view};
 use paros_booth_sqlite::SqliteStore;
 use rusqlite::Connection;
 
-/// As SQLite's header names the application: "paro".
+/// The application id in SQLite's header: "paro".
 const APPLICATION: u32 = u32::from_be_bytes(*b"paro");
 
-/// A path in a folder of this test's own, at which there is nothing.
+/// Returns an unused path in this test's own folder.
 fn new_path() -> PathBuf {
     static COUNT: AtomicU32 = AtomicU32::new(0);
     let number = COUNT.fetch_add(1, Ordering::Relaxed);

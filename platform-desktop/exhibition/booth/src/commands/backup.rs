@@ -1,8 +1,9 @@
-//! A backup: all that a booth keeps, in one file that only its owner reads, made while the booth serves.
+//! Backups: a copy of all that a booth keeps, in one file with mode 0600, made while the booth serves.
 //!
-//! It is a ZIP archive: what it is and of when; the database as of one moment, without anybody's address; the site's keys;
-//! the files of the sculptures that the database knows; and last the log of deletions, in which those are whose files
-//! went meanwhile.
+//! The file is a ZIP archive. In this order, it contains a header with version and time; a consistent
+//! snapshot of the database, without mail addresses; the site's keys; the files of the sculptures in the
+//! snapshot; and the log of deletions. The log comes last, so that it includes sculptures whose files were
+//! deleted during the backup.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -20,19 +21,20 @@ use crate::store::deletion_log::DELETIONS;
 use crate::store::disk_files::ending_of;
 use crate::store::own_file::OwnPart;
 
-/// What the archive begins with, up to its version, and up to the time of the copy in milliseconds.
+/// The start of the header file: up to its version, and up to the time of the copy in milliseconds.
 pub(crate) const ABOUT_START: &str = "backup of a Paros booth, version ";
 pub(crate) const ABOUT_HEAD: &str = "backup of a Paros booth, version 1\ncopied_at = ";
 
-/// Names in the archive.
+/// Names of files in the archive.
 pub(crate) const ABOUT: &str = "backup.txt";
 pub(crate) const DATABASE: &str = "booth.sqlite";
 pub(crate) const KEYS: [&str; 3] = ["keys/ca.key", "keys/ca.pem", "keys/site.key"];
 
-/// Backs the booth of a folder up. Returns what it says of it.
+/// Writes a backup of a booth's folder to the file `to`. Returns a report.
 ///
 /// # Errors
-/// That there is no booth, or what disk and database say. There is no new file then, and one of before stays.
+/// There is no booth in the folder; an I/O or database error. Then no new file is written, and an existing
+/// backup is kept.
 pub(crate) fn back_up(folder: &Path, to: &Path) -> Result<String, Error> {
     let database = folder.join(DATABASE);
     if !database.is_file() {
@@ -53,7 +55,7 @@ pub(crate) fn back_up(folder: &Path, to: &Path) -> Result<String, Error> {
     for name in &kept {
         for part in KeptPart::ALL {
             let name = format!("sculptures/{name}.{}", ending_of(part));
-            // A trace or a picture may never have been; what went meanwhile is in the log of deletions.
+            // Traces and pictures are optional. Files deleted meanwhile are in the log of deletions.
             archive.add_file_if_there(&name, &folder.join(&name))?;
         }
     }
@@ -67,16 +69,16 @@ pub(crate) fn back_up(folder: &Path, to: &Path) -> Result<String, Error> {
     Ok(format!("{}: {count} sculptures\n", to.display()))
 }
 
-/// Copies the database as of one moment, takes the addresses out of the copy, and lists the names of the sculptures'
-/// files.
+/// Copies a consistent snapshot of the database, removes mail addresses from the copy, and lists the names of
+/// the sculptures' files.
 fn copy_database(from: &Path, to: &Path) -> Result<Vec<String>, Error> {
     let fail = |error: rusqlite::Error| Error::at(from, error);
     let existing = OpenFlags::SQLITE_OPEN_READ_WRITE;
     let source = Connection::open_with_flags(from, existing).map_err(fail)?;
-    // Into a file that is empty, so that it has the mode that this one has.
+    // Copies into an existing empty file, to keep its mode 0600.
     source.execute("VACUUM INTO ?", [to.to_string_lossy()]).map_err(fail)?;
     let copy = Connection::open(to).map_err(fail)?;
-    // Nothing of them stays in what the file has free.
+    // Overwrites the deleted addresses, so that they don't stay in free pages.
     copy.pragma_update(None, "secure_delete", "ON").map_err(fail)?;
     copy.pragma_update(None, "journal_mode", "OFF").map_err(fail)?;
     copy.execute("UPDATE mail_orders SET address = NULL", []).map_err(fail)?;
@@ -94,7 +96,7 @@ struct Archive {
 
 impl Archive {
     fn add(&mut self, name: &str, from: &mut impl io::Read) -> io::Result<()> {
-        // What sculptures are is packed already.
+        // Sculptures' files are compressed already.
         let is_packed = name.starts_with("sculptures/");
         let method =
             if is_packed { CompressionMethod::Stored } else { CompressionMethod::Deflated };
@@ -108,7 +110,7 @@ impl Archive {
         added.map_err(|error| Error::at(path, error))
     }
 
-    /// Adds a file unless it has gone.
+    /// Adds a file if it exists.
     fn add_file_if_there(&mut self, name: &str, path: &Path) -> Result<(), Error> {
         match File::open(path) {
             Ok(mut file) => self.add(name, &mut file).map_err(|error| Error::at(path, error)),

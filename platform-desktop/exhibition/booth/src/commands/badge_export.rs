@@ -1,4 +1,5 @@
-//! All that is known under a badge as a ZIP archive: `known.json`, and of each sculpture its mesh, picture and trace.
+//! Export of all data stored under a badge, as a ZIP archive: `known.json`, and for each sculpture its mesh,
+//! picture and trace.
 
 use std::io::{Cursor, Read as _, Write as _};
 
@@ -14,10 +15,11 @@ use zip::{CompressionMethod, ZipWriter};
 
 use crate::models::exporter::make_stl;
 
-/// The archive of a badge. Times are in milliseconds since 1970.
+/// Returns the archive for a badge. Times in it are in milliseconds since 1970.
 ///
 /// # Errors
-/// [`Refusal::TooLarge`] where the badge has more sculptures than are exported at once; those of store and disk.
+/// [`Refusal::TooLarge`] if the badge has more sculptures than one export allows; errors of the store and the
+/// disk.
 pub(crate) fn write_export(booth: &Booth, badge: BadgeNumber) -> Result<Vec<u8>, Refusal> {
     let known = booth.list_known(badge)?;
     if known.sculptures.len() > MAX_EXPORTED {
@@ -34,7 +36,7 @@ pub(crate) fn write_export(booth: &Booth, badge: BadgeNumber) -> Result<Vec<u8>,
     add("known.json", &text)?;
     for SculptureRecords { sculpture, .. } in &known.sculptures {
         let id = SculptureId(sculpture.id);
-        // What can't be made of it any more isn't in its export.
+        // A mesh that can't be made any more is left out.
         if let Ok(stl) = make_stl(&booth.read_kept(sculpture)?) {
             add(&format!("{id}.stl"), &stl)?;
         }
@@ -119,7 +121,7 @@ fn tell_facts(facts: &UploadFacts) -> Value {
     })
 }
 
-/// A trace as it was before it was packed: it was checked when it came.
+/// Unpacks a trace. It was validated on arrival.
 fn unpack_trace(sculpture: &Sculpture, packed: &[u8]) -> Result<Vec<u8>, Refusal> {
     let facts = UploadFacts::from_json(&sculpture.facts);
     let most = facts.map_or(0, |facts| u64::from(facts.trace_raw_bytes));

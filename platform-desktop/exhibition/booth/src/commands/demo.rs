@@ -1,4 +1,4 @@
-//! A booth to try: ten sculptures with badges, as a headset would have sent them.
+//! The demo booth: ten sculptures with badges, added as if a headset had sent them.
 
 use std::fs::{self, DirBuilder};
 use std::os::unix::fs::DirBuilderExt as _;
@@ -20,21 +20,21 @@ use crate::error::Error;
 use crate::models::parcel_decode::check_parcel;
 use crate::random::random_bytes;
 
-/// What the demo's headset is called.
+/// The name of the demo's headset.
 const HEADSET_NAME: &str = "Demo";
 
-/// Between the ends of two visits, in seconds.
+/// The time between the ends of two visits, in seconds.
 const VISIT_SECONDS: u64 = 700;
 
-/// A folder that is gone at the end, for a demo that names none.
+/// A temporary folder for a demo without `--folder`. It is removed on drop.
 #[derive(Debug)]
 pub(crate) struct DemoFolder(PathBuf);
 
 impl DemoFolder {
-    /// One, where the options ask for a demo and name no folder.
+    /// Makes a temporary folder if the options ask for a demo and name no folder.
     ///
     /// # Errors
-    /// What the disk says.
+    /// An I/O error.
     pub(crate) fn make(options: &ServeOptions) -> Result<Option<Self>, Error> {
         if !options.demo || options.folder.folder.is_some() {
             return Ok(None);
@@ -47,7 +47,7 @@ impl DemoFolder {
         Ok(Some(DemoFolder(path)))
     }
 
-    /// Where it is.
+    /// Returns the folder's path.
     pub(crate) fn path(&self) -> &Path {
         &self.0
     }
@@ -55,15 +55,15 @@ impl DemoFolder {
 
 impl Drop for DemoFolder {
     fn drop(&mut self) {
-        // What is left lies where the system removes it some day.
+        // If removal fails, the system cleans its temporary folder up later.
         let _ = fs::remove_dir_all(&self.0);
     }
 }
 
-/// Adds the demo's sculptures to a booth that is new, or has them.
+/// Adds the demo's sculptures to a booth. Sculptures that are there already are kept as they are.
 ///
 /// # Errors
-/// [`Error::Input`] for a booth that real headsets have used; what store and disk say.
+/// [`Error::Input`] if real headsets were enrolled in the booth; errors of the store and the disk.
 pub(crate) fn add_demo(booth: &Booth, now: BoothTime) -> Result<(), Error> {
     let devices = booth.list_devices()?;
     if devices.iter().any(|device| device.name != HEADSET_NAME) {
@@ -94,7 +94,7 @@ fn fill(booth: &Booth, now: BoothTime) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Returns the parcel that a headset would send of a volume.
+/// Makes the parcel that a headset would send for a volume.
 fn make_parcel(
     k: usize,
     volume: &[u8],

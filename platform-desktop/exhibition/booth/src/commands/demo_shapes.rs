@@ -1,4 +1,4 @@
-//! Ten small sculptures, made in code.
+//! Ten small sculptures, defined by code.
 
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{BitSet as _, Grid};
@@ -8,14 +8,15 @@ use paros_shell::statics::{Resident, ResidentBitGrid};
 /// Voxels along a side.
 pub(crate) const SIDE: usize = 128;
 
-/// A shape: whether it has stone at a place, in voxels from the grid's middle axis, and from the ground.
+/// A shape: returns `true` if a point is inside. `x` and `z` are voxels from the grid's vertical axis, `y`
+/// from the ground.
 type Shape = fn(f32, f32, f32) -> bool;
 
-/// All of them. Each stands on the ground in one piece.
+/// All shapes. Each stands on the ground in one piece.
 pub(crate) const SHAPES: [Shape; 10] =
     [vase, bowl, twisted_column, ring, pyramid, arch, star, bust, heart, bored_cube];
 
-/// The volume of a shape, as headsets send it.
+/// Returns a shape's volume in the format that headsets send.
 pub(crate) fn make_volume(shape: Shape) -> Vec<u8> {
     let mut bits = Grid::<SIDE>::lock_bit_grid();
     bits.clear();

@@ -1,4 +1,5 @@
-//! The file that lets headsets enrol: the booth's address, its keys, and a token that is counted and expires.
+//! The fleet file, which lets headsets enrol: the booth's address, its keys, and a token with a limited
+//! number of uses and an expiry date.
 
 use std::time::Duration;
 
@@ -7,22 +8,23 @@ use paros_protocol::EnrolmentToken;
 
 use crate::random::random_bytes;
 
-/// What a token allows.
+/// The parameters of an enrolment token.
 pub(crate) struct FleetToken<'a> {
-    /// The booth's address, as headsets reach it.
+    /// The booth's address that headsets connect to.
     pub address: &'a str,
-    /// Headsets that it lets in.
+    /// The number of headsets that the token can enrol.
     pub uses: u32,
     /// Days until it expires.
     pub days: u16,
-    /// For people.
+    /// A note that staff see beside the token.
     pub note: &'a str,
 }
 
-/// Makes a token, and the file with it. It can't be read again.
+/// Makes a token, and returns the fleet file with it. The token itself is not stored, so it can't be shown
+/// again.
 ///
 /// # Errors
-/// [`Refusal::Unfit`] for what is no address of a booth; those of the store.
+/// [`Refusal::Unfit`] if the address isn't a booth's; errors of the store.
 pub(crate) fn make_fleet_file(
     booth: &Booth,
     ca_pem: &str,

@@ -1,4 +1,4 @@
-//! What the program does beside serving: to be called while it serves too, as the store takes several processes.
+//! The commands beside the server. They may run while the server runs, as the store allows several processes.
 
 pub(crate) mod backup;
 pub(crate) mod badge_export;
@@ -27,13 +27,13 @@ use crate::commands::spool_import::import_spool;
 use crate::error::Error;
 use crate::server::app::OpenBooth;
 
-/// Who does what is done from the command line.
+/// The name in the audit log for actions from the command line.
 const CONSOLE: &str = "console";
 
-/// Does a command. Returns its output as whole lines.
+/// Runs a command. Returns its output as whole lines.
 ///
 /// # Errors
-/// What failed.
+/// The command's error.
 pub(crate) fn run(command: &BoothTask) -> Result<String, Error> {
     match command {
         BoothTask::FleetFile { folder, address, uses, days } => {
@@ -62,6 +62,6 @@ pub(crate) fn run(command: &BoothTask) -> Result<String, Error> {
 }
 
 fn open(folder: &FolderOption, plan: BoothPlan) -> Result<OpenBooth, Error> {
-    // Staff who import parcels have looked for room.
+    // The quota isn't enforced: staff who import parcels have checked the free space.
     OpenBooth::open(folder.path(), &folder.shared, plan, u64::MAX)
 }

@@ -88,16 +88,16 @@ pub struct FolderOption {
 }
 
 impl FolderOption {
-    /// The folder: `paros-booth-data` where none was named.
+    /// Returns the folder: `paros-booth-data` if none was named.
     #[must_use]
     pub fn path(&self) -> &Path {
         self.folder.as_deref().unwrap_or(Path::new("paros-booth-data"))
     }
 
-    /// The folder, of a booth that keeps everything there.
+    /// Returns the folder of a booth that keeps everything in it.
     ///
     /// # Errors
-    /// Where something is kept elsewhere.
+    /// The database or the files are kept elsewhere.
     pub(crate) fn path_alone(&self) -> Result<&Path, Error> {
         if self.shared.database.is_none() && self.shared.files.is_none() {
             return Ok(self.path());
@@ -117,12 +117,12 @@ pub struct KeepOption {
 }
 
 impl KeepOption {
-    /// How long everything is kept.
+    /// Returns the retention times of all data.
     #[must_use]
     pub fn plan(&self) -> BoothPlan {
         let plan = BoothPlan::default();
         let retention_days = self.keep_days;
-        // Of a short retention, visitors see the sculpture for the first half.
+        // With a short retention, visitors see the sculpture for the first half of it.
         let withdrawn_days = plan.withdrawn_days.min(retention_days / 2);
         BoothPlan { retention_days, withdrawn_days, ..plan }
     }

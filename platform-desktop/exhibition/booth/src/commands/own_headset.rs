@@ -1,4 +1,4 @@
-//! A headset that is no device: sculptures that the booth adds by itself stand under its number.
+//! A virtual headset, under whose number the booth lists the sculptures that it adds itself.
 
 use paros_booth_rules::records::Device;
 use paros_booth_rules::{Booth, BoothTime, Refusal};
@@ -8,10 +8,10 @@ use paros_protocol::{
 
 use crate::random::random_bytes;
 
-/// Enrols a headset of this name, by an enrolment token that has this note and lasts for a minute.
+/// Enrols a headset with this name, by an enrolment token that has this note and is valid for one minute.
 ///
 /// # Errors
-/// The name is no headset's; the errors of [`Booth::enrol_fleet`].
+/// The name is not valid for a headset; the errors of [`Booth::enrol_fleet`].
 pub(super) fn enrol_own_headset(
     booth: &Booth,
     (name, note): (&str, &str),

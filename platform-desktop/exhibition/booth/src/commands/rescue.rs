@@ -1,4 +1,4 @@
-//! A booth made of the files of another one whose database is lost.
+//! Rescue: builds a new booth from the files of a booth whose database is lost.
 
 use std::fs;
 use std::path::Path;
@@ -20,12 +20,12 @@ use crate::store::disk_files::{kept_file_name, parse_kept_name};
 /// The name of the headset that rescued sculptures are listed under: their files don't name the headset.
 const HEADSET_NAME: &str = "Rescued";
 
-/// Makes a booth in a new folder of the sculptures in another booth's folder, which may lack its database and keys. Changes
-/// nothing there. Returns the report.
+/// Builds a booth in a new folder from the sculptures in the folder `lost`, which may lack its database and
+/// keys. Doesn't change `lost`. Returns the report.
 ///
 /// # Errors
-/// [`Error::Input`] if the new folder isn't empty or no sculpture can be read; an I/O or database error. Then there is no
-/// new folder.
+/// [`Error::Input`] if the new folder isn't empty or no sculpture can be read; an I/O or database error. Then
+/// the new folder isn't made.
 pub(crate) fn rescue(lost: &Path, folder: &Path, plan: BoothPlan) -> Result<String, Error> {
     let files = list_sculptures(lost)?;
     let new = NewBooth::begin(folder)?;
@@ -47,7 +47,7 @@ pub(crate) fn rescue(lost: &Path, folder: &Path, plan: BoothPlan) -> Result<Stri
     if taken == 0 {
         return Err(Error::Input(format!("{report}{}: no sculpture can be read", lost.display())));
     }
-    // No badge is leased until all that may have been leased has rested.
+    // No badge is leased until all badges that may have been leased have rested.
     let restored = booth.make_restored(&deletions, BoothTime(0), booth_time())?;
     drop(booth);
     new.finish()?;
@@ -60,14 +60,14 @@ pub(crate) fn rescue(lost: &Path, folder: &Path, plan: BoothPlan) -> Result<Stri
     ))
 }
 
-/// The file of a sculpture in a booth's folder.
+/// The file of a sculpture in the folder of the lost booth.
 struct SculptureFile {
     name: KeptName,
     /// The time at which the sculpture arrived.
     written_at: BoothTime,
 }
 
-/// Lists the sculptures' files of a booth's folder, sorted by name.
+/// Lists the files of sculptures in a booth's folder, sorted by name.
 fn list_sculptures(lost: &Path) -> Result<Vec<SculptureFile>, Error> {
     let folder = lost.join("sculptures");
     let fail = |error| Error::Input(format!("{}: {error}", folder.display()));
@@ -84,7 +84,7 @@ fn list_sculptures(lost: &Path) -> Result<Vec<SculptureFile>, Error> {
     Ok(files)
 }
 
-/// Takes the parcel that a sculpture came in; without its trace if that is gone.
+/// Imports the parcel of a sculpture's file, without its trace if the trace file is missing.
 fn take_file(
     booth: &Booth,
     headset: u32,

@@ -1,4 +1,4 @@
-//! A new password for somebody who forgot theirs, where no other admin can set one.
+//! Resets a forgotten password from the command line, for a site where no other admin can.
 
 use paros_booth_rules::{Booth, Refusal};
 
@@ -6,11 +6,11 @@ use crate::clock::booth_time;
 use crate::error::Error;
 use crate::staff::{draw_password, make_hash};
 
-/// Draws a new password for an account, and lets the account in if it was shut out. Returns text with the password, which is
-/// kept nowhere else.
+/// Generates a new password for an account, and enables the account if it was disabled. Returns text with the
+/// password, which isn't stored anywhere else.
 ///
 /// # Errors
-/// There is no such account; or an error of the store or the system.
+/// There is no such account; an error of the store or the system.
 pub(crate) fn reset_password(booth: &Booth, name: &str, by: &str) -> Result<String, Error> {
     let failure = |error| Error::failure("password", error);
     let password = draw_password().map_err(failure)?;
@@ -27,7 +27,7 @@ pub(crate) fn reset_password(booth: &Booth, name: &str, by: &str) -> Result<Stri
     ))
 }
 
-/// Returns the error for an unknown name, with the names that there are.
+/// Returns the error for an unknown name. It lists the existing names.
 fn unknown_account(booth: &Booth, name: &str) -> Error {
     let accounts = match booth.list_accounts() {
         Ok(accounts) => accounts,

@@ -1,4 +1,4 @@
-//! A booth made of a backup. It is whole before it has its folder's name.
+//! Restores a booth from a backup. The folder gets its final name only when it is complete.
 
 use std::fs::{self, DirBuilder, File, OpenOptions};
 use std::io::{self, BufReader, Read as _, Write as _};
@@ -19,19 +19,19 @@ use crate::store::deletion_log::{DELETIONS, read_deletions};
 use crate::store::disk_files::parse_kept_name;
 use crate::store::own_file::OwnPart;
 
-/// Makes a booth of a backup, in a new folder. What `deletions` names beside what the backup does is deleted again.
-/// Returns what it says of it. `is_again` is whether it may have been restored on this day before.
+/// Restores a backup into a new folder. Also deletes what the log `deletions` names. Returns a report.
+/// `is_again` allows a second restore of the same backup on the same day.
 ///
 /// # Errors
-/// That the folder isn't empty, a file is none of `backup`'s, or the backup was restored today; what disk and database
-/// say. There is no folder then.
+/// The folder isn't empty, a file isn't a valid backup or log, or the backup was restored today already; an
+/// I/O or database error. Then the folder isn't made.
 pub(crate) fn restore(
     archive: &Path,
     folder: &Path,
     deletions: Option<&Path>,
     is_again: bool,
 ) -> Result<String, Error> {
-    // Read first: a wrong name is told before the disk is filled.
+    // Read the log first: a wrong name is reported before the disk is filled.
     let since = deletions.map(read_deletions).transpose()?.unwrap_or_default();
     let new = NewBooth::begin(folder)?;
     let copied_at = unpack(archive, new.path())?;
@@ -44,13 +44,13 @@ pub(crate) fn restore(
     let report = open.booth.make_restored(&deletions, copied_at, booth_time());
     let report = report.map_err(|refusal| bad(archive, &refusal))?;
     drop(open);
-    // Before there is a booth that hands badges out.
+    // Note the use before the new booth can hand out badges.
     use_of_today.note(archive)?;
     new.finish()?;
     Ok(tell(folder, &report))
 }
 
-/// A booth's folder under a temporary name, which is removed unless it is finished.
+/// A booth's folder under a temporary name. It is removed on drop unless it was finished.
 pub(crate) struct NewBooth<'a> {
     part: OwnPart,
     folder: &'a Path,
@@ -60,7 +60,7 @@ impl<'a> NewBooth<'a> {
     /// Makes the temporary folder.
     ///
     /// # Errors
-    /// [`Error::Input`] if `folder` is there and isn't empty; an I/O error.
+    /// [`Error::Input`] if `folder` exists and isn't empty; an I/O error.
     pub(crate) fn begin(folder: &'a Path) -> Result<Self, Error> {
         let is_free = fs::read_dir(folder).map_or_else(
             |error| error.kind() == io::ErrorKind::NotFound,
@@ -79,10 +79,10 @@ impl<'a> NewBooth<'a> {
         &self.part.path
     }
 
-    /// Syncs the folder, and gives it its name.
+    /// Syncs the folder, and renames it to its final name.
     ///
     /// # Errors
-    /// An I/O error. Then there is no such folder.
+    /// An I/O error. Then the folder isn't made.
     pub(crate) fn finish(self) -> Result<(), Error> {
         let NewBooth { part, folder } = self;
         let fail = |error: io::Error| Error::at(folder, error);
@@ -102,7 +102,8 @@ pub(crate) fn read_log(folder: &Path) -> Result<Vec<Deletion>, Error> {
     if log.is_file() { read_deletions(&log) } else { Ok(Vec::new()) }
 }
 
-/// That a backup was restored on a day. Two booths of one backup begin with the same badges on the same day.
+/// A record that a backup was restored on a day. Two booths restored from one backup on the same day would
+/// start with the same badges.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct UseOfBackup {
     copied_at: BoothTime,
@@ -110,7 +111,8 @@ struct UseOfBackup {
 }
 
 impl UseOfBackup {
-    /// The file beside the archive that says so. Of a newer archive of the same name it says nothing.
+    /// Returns the path of the record's file, beside the archive. A record doesn't apply to a newer archive
+    /// of the same name.
     fn path(archive: &Path) -> PathBuf {
         let mut name = archive.as_os_str().to_owned();
         name.push(".restored");
@@ -153,10 +155,10 @@ fn tell(folder: &Path, report: &RestoreReport) -> String {
     )
 }
 
-/// Unpacks an archive into an empty folder. Returns when it was made.
+/// Unpacks an archive into an empty folder. Returns the time at which the backup was made.
 ///
 /// # Errors
-/// That it is none of `backup`'s, or what the disk says. What was unpacked so far stays.
+/// The archive isn't a valid backup, or an I/O error. Files unpacked so far stay in the folder.
 pub(crate) fn unpack(archive: &Path, folder: &Path) -> Result<BoothTime, Error> {
     let fail = |error: ZipError| bad(archive, &tell_fault(archive, error));
     let file = File::open(archive).map_err(|error| bad(archive, &error))?;
@@ -191,10 +193,11 @@ pub(crate) fn unpack(archive: &Path, folder: &Path) -> Result<BoothTime, Error> 
     copied_at.ok_or_else(|| bad(archive, &format!("a ZIP archive of nothing; {EXPECTED}")))
 }
 
-/// What a file should have been.
+/// The last part of errors about wrong files.
 const EXPECTED: &str = "expected a backup of a booth, as `paros-booth backup` makes it";
 
-/// When a backup was made; or what it is instead of one that this program reads.
+/// Reads the time at which a backup was made. Returns a description of the file if this program can't read
+/// it.
 fn read_about(entry: &mut impl io::Read) -> Result<BoothTime, String> {
     let mut about = String::new();
     let read = entry.take(200).read_to_string(&mut about);
@@ -211,7 +214,7 @@ fn read_about(entry: &mut impl io::Read) -> Result<BoothTime, String> {
     }
 }
 
-/// What a file is that is no whole archive, as far as its beginning tells.
+/// Describes a file that isn't a complete archive, as far as its first bytes allow.
 fn tell_fault(archive: &Path, error: ZipError) -> String {
     let error = match error {
         ZipError::Io(error) => return error.to_string(),
@@ -233,7 +236,7 @@ fn tell_fault(archive: &Path, error: ZipError) -> String {
     }
 }
 
-/// Whether a backup has a file of this name: nothing else is written anywhere.
+/// Returns `true` if a backup may contain a file of this name. Other files are never unpacked.
 fn is_known(name: &str) -> bool {
     if let Some(kept) = name.strip_prefix("sculptures/") {
         return parse_kept_name(kept).is_some();
@@ -243,7 +246,7 @@ fn is_known(name: &str) -> bool {
 
 fn unpack_entry(entry: &mut ZipFile<'_, BufReader<File>>, path: &Path) -> io::Result<()> {
     let mut file = OpenOptions::new().write(true).create_new(true).mode(0o600).open(path)?;
-    // Its sum is checked at its end.
+    // The ZIP reader verifies the checksum at the end.
     io::copy(entry, &mut file)?;
     file.sync_all()
 }

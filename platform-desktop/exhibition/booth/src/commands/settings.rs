@@ -1,4 +1,4 @@
-//! What a booth was started with, for its admins to look at. No password is in it.
+//! The settings that a booth was started with, for its admins to view. Passwords are left out.
 
 use std::fmt::Display;
 use std::path::PathBuf;
@@ -13,21 +13,22 @@ use crate::public::PublicOptions;
 use crate::server::mailer::MailOptions;
 use crate::server::staff_certificate::{StaffCertificate, StaffCertificateOptions};
 
-/// What the pages tell of the booth itself.
+/// Facts of the booth that its pages show.
 pub(crate) struct SiteFacts {
-    /// The certificate of its authority, in PEM.
+    /// The certificate of the booth's certificate authority, in PEM.
     pub ca_pem: String,
-    /// When that certificate ends.
+    /// The time at which that certificate expires.
     pub ca_end: Option<BoothTime>,
-    /// Its settings: flag and value.
+    /// The booth's settings: pairs of flag and value.
     pub settings: Vec<(&'static str, String)>,
-    /// Facts of the museum for its visitors.
+    /// Facts of the museum that visitors see.
     pub museum: MuseumOptions,
-    /// The certificate that staff's browsers are shown.
+    /// The certificate for staff's browsers.
     pub of_staff: StaffCertificate,
 }
 
-/// The version, and each flag of the command line with its value. An option that isn't told here doesn't compile.
+/// Lists the version, and each command-line flag with its value. Destructures all options, so that a new one
+/// can't be forgotten.
 pub(crate) fn list_settings(options: &ServeOptions) -> Vec<(&'static str, String)> {
     let ServeOptions {
         folder,
@@ -69,7 +70,7 @@ pub(crate) fn list_settings(options: &ServeOptions) -> Vec<(&'static str, String
 fn list_shared(options: &SharedOptions) -> [(&'static str, String); 4] {
     let SharedOptions { database, database_password_file, database_ca, files } = options;
     [
-        // A password may be in it.
+        // The address may contain a password.
         ("--database", or_none(database.as_ref().map(|_| "postgres://…"))),
         ("--database-password-file", path(database_password_file)),
         ("--database-ca", path(database_ca)),

@@ -1,5 +1,5 @@
-//! What several booths share, where an exhibition outgrows one machine: a database of PostgreSQL, an S3-compatible
-//! store, and the site's keys, of which each has a copy in its folder.
+//! What several booths of one exhibition share: a PostgreSQL database, an S3-compatible store, and the site's
+//! keys, which are copied into each booth's folder.
 
 use std::convert::Infallible;
 use std::fmt;
@@ -39,21 +39,21 @@ pub struct SharedOptions {
     pub files: Option<String>,
 }
 
-/// A database's address. A password may be in it: it is never shown.
+/// A database address. It may contain a password, and is never shown.
 #[derive(Clone)]
 pub struct DatabaseUrl(String);
 
 impl SharedOptions {
-    /// Whether nobody else has the same records.
+    /// Returns `true` if no other booth shares the database.
     #[must_use]
     pub(crate) const fn is_alone(&self) -> bool {
         self.database.is_none()
     }
 
-    /// Opens the files of a booth in a folder.
+    /// Opens a booth's files, in `folder` or in the shared store.
     ///
     /// # Errors
-    /// What the disk or the store says.
+    /// The error of the disk or the store.
     pub(crate) fn open_files(&self, folder: &Path, quota: u64) -> Result<Arc<dyn Files>, Error> {
         Ok(match &self.files {
             None => {
@@ -69,11 +69,11 @@ impl SharedOptions {
         })
     }
 
-    /// Opens the database that others have too, if there is one, and loads the site's keys. The first of all draws
-    /// them.
+    /// Opens the shared database, if the options name one, and loads the site's keys. The first booth of a
+    /// new site generates them.
     ///
     /// # Errors
-    /// What the database or the disk says, or that the database is another site's.
+    /// The error of the database or the disk; the database belongs to another site.
     pub(crate) fn open_database(
         &self,
         folder: &Path,
@@ -83,7 +83,7 @@ impl SharedOptions {
         let failure = |error| Error::failure("--database", error);
         let store =
             PostgresStore::open(PostgresAddress::new(url, password, ca)?).map_err(failure)?;
-        // Of several in one folder the first draws keys, and the others load them.
+        // If several processes start in one folder, the first generates the keys and the others load them.
         let _one_at_a_time = FolderLock::take_in_turn(folder)?;
         let keys = BoothKeys::load_or_draw(folder, store.site().map_err(failure)?.is_none())?;
         let files = self.files.as_deref().unwrap_or_default();
@@ -117,7 +117,8 @@ fn site_row(keys: &SiteKeys, files: &str) -> SiteRow {
 impl FromStr for DatabaseUrl {
     type Err = Infallible;
 
-    /// Looked at later: what clap says of a bad value has it in full.
+    /// Accepts any text. It is checked later, as clap's error would show the text, which may contain a
+    /// password.
     fn from_str(text: &str) -> Result<Self, Infallible> {
         Ok(DatabaseUrl(text.to_owned()))
     }

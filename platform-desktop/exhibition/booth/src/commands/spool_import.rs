@@ -1,4 +1,4 @@
-//! Parcels that were copied by hand from a headset that is broken, or that has no way to the booth any more.
+//! Import of parcels that were copied by hand from a headset that is broken or can't reach the booth.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -15,7 +15,7 @@ use crate::clock::booth_time;
 use crate::error::Error;
 use crate::models::parcel_decode::check_parcel;
 
-/// The outcomes of a folder's parcels, as `--json` has them.
+/// The outcomes of a folder's parcels, as `--json` prints them.
 #[derive(Default, Serialize)]
 struct ImportReport {
     taken: Vec<String>,
@@ -24,28 +24,28 @@ struct ImportReport {
     refused: Vec<RefusedFile>,
 }
 
-/// A file that the booth can't take.
+/// A file that the booth refused.
 #[derive(Serialize)]
 struct RefusedFile {
     file: String,
     why: String,
 }
 
-/// Returns the sculpture of a parcel's file, by its name in an outbox.
+/// Returns the sculpture of a parcel's file in an outbox, by the file's name.
 ///
 /// # Errors
-/// [`Expected::ParcelName`] for another name, and for a damaged parcel's.
+/// [`Expected::ParcelName`] for any other name, and for that of a damaged parcel.
 pub(crate) fn read_parcel_name(name: &str) -> Result<SculptureId, Refusal> {
     let named = parse_parcel_name(name).filter(|(_, status)| *status != UploadStatus::Lost);
     named.map(|(id, _)| id).ok_or(Refusal::Unfit(Expected::ParcelName))
 }
 
-/// Takes the parcels of a folder as if the headset of this number had sent them. Changes nothing in the folder. Returns the
-/// outcomes, as text or as JSON.
+/// Imports the parcels in a folder as if the headset of this number had sent them. Doesn't change the folder.
+/// Returns the outcomes, as text or as JSON.
 ///
 /// # Errors
-/// [`Error::Input`] if the folder has no parcels, no headset has the number, or files were refused: the outcomes are printed
-/// before. The errors of disk and store end the import.
+/// [`Error::Input`] if the folder has no parcels, no headset has the number, or files were refused; in the
+/// last case the outcomes are printed first. An error of disk or store ends the import.
 pub(crate) fn import_spool(
     booth: &Booth,
     folder: &Path,
@@ -79,7 +79,7 @@ pub(crate) fn import_spool(
     Err(Error::Input(format!("{}: {count} files were not taken", folder.display())))
 }
 
-/// Lists the parcels in a folder by their names, sorted, with their sculptures.
+/// Lists the names of the parcels in a folder, sorted, with their sculptures.
 fn list_parcels(folder: &Path) -> Result<Vec<(String, SculptureId)>, Error> {
     let bad = |why: &dyn std::fmt::Display| Error::Input(format!("{}: {why}", folder.display()));
     let entries = fs::read_dir(folder).and_then(Iterator::collect::<io::Result<Vec<_>>>);
@@ -102,18 +102,18 @@ fn import_file(
     account: &str,
 ) -> Result<ImportOutcome, Refusal> {
     let file = read_regular_file_up_to(path, MAX_PARCEL_FILE_BYTES);
-    // A file of the copy, not of the booth.
+    // The copy can't be read. This isn't an error of the booth's own disk.
     let file = file.map_err(|error| Refusal::BadRequest(error.to_string()))?;
     booth.import_parcel(headset, (id, &file), &check_parcel, account, booth_time())
 }
 
 impl ImportReport {
     fn to_json(&self) -> String {
-        // Text in lists can always be written.
+        // Serialising lists of text doesn't fail.
         serde_json::to_string(self).unwrap_or_default() + "\n"
     }
 
-    /// Writes a line for each file that isn't the booth's now, and a summary.
+    /// Writes a line for each file that the booth didn't keep, and a summary.
     fn to_text(&self) -> String {
         let ImportReport { taken, known, deleted, refused } = self;
         let mut text = String::new();

@@ -1,4 +1,4 @@
-//! The thread that makes each sculpture's mesh and picture, one after the other.
+//! The export thread: makes the mesh and the picture of each sculpture, one sculpture after the other.
 
 use std::time::{Duration, Instant};
 
@@ -18,23 +18,23 @@ use crate::models::mesh_check::{MeshCheck, MeshReport};
 use crate::models::parcel_decode::unpack_volume;
 use crate::models::picture::draw_volume;
 
-/// How long a mesh may take: a hundred times what one at 256 does.
+/// The timeout of a mesh: a hundred times the time of one with 256 voxels a side.
 const MAX_EXPORT_TIME: Duration = Duration::from_secs(60);
 
-/// Bytes of a mesh at most: at 256 it has some 16 MB, and four times as many where every voxel is rough.
+/// The most bytes of a mesh: one with 256 voxels a side has 16 MB, and up to 64 MB if every voxel is rough.
 const MAX_MESH_BYTES: usize = 64 << 20;
 
-/// How often the thread looks for work that nobody told it of, as what was left by a start before.
+/// The poll interval for work without a notification, such as work left over from before a restart.
 const LOOK_AGAIN: Duration = Duration::from_secs(30);
 
-/// Makes the next mesh, if one is due. Returns for how long there is nothing to do.
+/// Makes the next mesh, if one is due. Returns the time until the next look for work.
 pub(crate) fn export_next(booth: &Booth) -> Duration {
     let made = booth.next_export(booth_time()).and_then(|next| {
         let Some(sculpture) = next else { return Ok(LOOK_AGAIN) };
         check_export(booth, &sculpture).map(|()| Duration::ZERO)
     });
     made.unwrap_or_else(|error| {
-        // Disk and database may be well again later.
+        // Retry later: the error of the disk or the database may be temporary.
         warn!(%error, "a mesh could not be made");
         LOOK_AGAIN
     })
@@ -64,35 +64,35 @@ fn check_export(booth: &Booth, sculpture: &Sculpture) -> Result<(), Refusal> {
     booth.note_export(&id, state)
 }
 
-/// Makes the mesh of a kept sculpture and checks it.
+/// Makes the mesh of a kept sculpture, and checks it.
 fn check_kept(kept: &[u8]) -> Result<MeshReport, String> {
     let stl = make_stl(kept)?;
     let mut check = MeshCheck::new();
-    // In pieces, as it copies them.
+    // Checks in pieces, as the check copies each piece.
     stl.chunks(1 << 16).for_each(|bytes| check.look_at(bytes));
     check.finish()
 }
 
-/// The STL of a kept sculpture.
+/// Makes the STL of a kept sculpture.
 ///
 /// # Errors
-/// What is wrong with it.
+/// A description of what is wrong with the sculpture's file.
 pub(crate) fn make_stl(kept: &[u8]) -> Result<Vec<u8>, String> {
     let (facts, volume) = read_kept(kept)?;
     export_volume(&facts, &volume)
 }
 
-/// The facts and the volume of a kept sculpture.
+/// Reads the facts and the volume from a kept sculpture's file.
 fn read_kept(kept: &[u8]) -> Result<(UploadFacts, Vec<u8>), String> {
     let (facts, packed) = UploadFacts::split_head(kept).map_err(|why| why.to_string())?;
     let volume = unpack_volume(&facts, packed)?;
     Ok((facts, volume))
 }
 
-/// The STL of a volume, in so many millimetres as its facts say.
+/// Makes the STL of a volume, scaled to the height in its facts.
 ///
 /// # Errors
-/// What is wrong with it.
+/// A description of what is wrong with the facts or the volume.
 pub(crate) fn export_volume(facts: &UploadFacts, bytes: &[u8]) -> Result<Vec<u8>, String> {
     let height_mm = f32::from(facts.height_mm_tenths) / 10.0;
     if !HEIGHT_RANGE_MM.contains(&height_mm) {
@@ -109,7 +109,7 @@ fn export<const N: usize, const K: usize>(bytes: &[u8], height_mm: f32) -> Resul
 where
     Grid<N>: Size + Resident<N, K>,
 {
-    // The maps are given back at once: uploads are decoded in them.
+    // Release the shared maps at once: uploads are decoded in them too.
     let mut bit_grid = Grid::<N>::lock_bit_grid();
     let mut maps = <Grid<N> as Resident<N, K>>::lock_range_maps();
     rmap::decode(bytes, &mut maps).map_err(|fault| fault.to_string())?;

@@ -1,4 +1,5 @@
-//! A mesh as GLB (glTF 2.0, binary), for viewers: each corner once, with its normal, in metres and y up.
+//! Writer of GLB (glTF 2.0, binary) for viewers: vertices are shared and have normals; units are metres, with
+//! y up.
 
 use std::fmt::Write as _;
 
@@ -9,13 +10,13 @@ const MAGIC: u32 = 0x4654_6C67;
 const JSON: u32 = 0x4E4F_534A;
 const BINARY: u32 = 0x004E_4942;
 
-/// Metres of a millimetre.
+/// Metres in a millimetre.
 const METRES: f32 = 1e-3;
 
-/// The GLB of a binary STL in millimetres with z up.
+/// Converts a binary STL in millimetres with z up to GLB.
 ///
 /// # Errors
-/// What is wrong with the STL, as that it has no triangles.
+/// A description of what is wrong with the STL; for example, it has no triangles.
 pub(crate) fn write_glb(stl: &[u8]) -> Result<Vec<u8>, String> {
     let (corners, triangles) = read_stl(stl)?;
     if triangles.is_empty() {
@@ -49,18 +50,18 @@ pub(crate) fn write_glb(stl: &[u8]) -> Result<Vec<u8>, String> {
     Ok(glb)
 }
 
-/// How often each normal is mixed with those around it. The mesh has a corner for each voxel's face, so that its slopes are
-/// steps a voxel high, and so many times reach over steps six voxels wide.
+/// The number of smoothing passes over the normals. The mesh has a vertex for each voxel face, so that slopes
+/// are steps one voxel high. This many passes smooth steps up to six voxels wide.
 const SMOOTHINGS: usize = 12;
 
-/// Finds smooth normals: the mean of those around each corner, again and again, so that steps of voxels don't show.
-/// Neighbours that look elsewhere count less, which keeps edges.
+/// Computes smooth normals: repeatedly averages the normals of neighbouring vertices, so that voxel steps
+/// don't show. Neighbours with another direction have less weight, which keeps edges sharp.
 fn find_smooth_normals(corners: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[f32; 3]> {
     let mut normals = find_normals(corners, triangles);
     for _ in 0..SMOOTHINGS {
         let mut sums = normals.clone();
         for [a, b, c] in triangles {
-            // Each edge is one of two triangles, in either direction.
+            // Each edge belongs to two triangles, once in each direction.
             for (from, to) in [(a, b), (b, c), (c, a)] {
                 let (from, to) = (*from as usize, *to as usize);
                 let (one, other) = (normals[from], normals[to]);
@@ -75,17 +76,18 @@ fn find_smooth_normals(corners: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[f32
     normals
 }
 
-/// Makes a normal one long.
+/// Scales a normal to length 1.
 fn normalise(normal: &mut [f32; 3]) {
     let length = normal.iter().map(|place| place * place).sum::<f32>().sqrt();
-    // A corner of no triangle, or of those that cancel out, looks upwards: glTF wants normals of length 1.
+    // A vertex without triangles, or whose triangles cancel out, gets a normal that points up, as glTF
+    // requires length 1.
     *normal = match length > 0.0 && length.is_finite() {
         true => normal.map(|place| place / length),
         false => [0.0, 1.0, 0.0],
     };
 }
 
-/// The mean of the normals of each corner's triangles, by their areas.
+/// Computes the normal of each vertex: the area-weighted mean of its triangles' normals.
 fn find_normals(corners: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<[f32; 3]> {
     let mut sums = vec![[0.0f32; 3]; corners.len()];
     for triangle in triangles {

@@ -1,32 +1,33 @@
-//! What is told of a mesh while its bytes pass by: whether it is a binary STL, and whether it is closed,
-//! which is that every edge of a triangle is walked the other way by another. It takes no memory worth the name.
+//! A streaming check of a mesh: is it a valid binary STL, and is it closed? A mesh is closed if each edge of
+//! a triangle also occurs in the opposite direction. Takes almost no memory.
 
 use std::hash::{BuildHasher as _, RandomState};
 
-/// Bytes of a binary STL before its triangles, and of each.
+/// The bytes of a binary STL's header, and of each triangle.
 const HEAD_BYTES: usize = 84;
 const TRIANGLE_BYTES: usize = 50;
 
-/// Looks at an STL piece by piece.
+/// A check that reads an STL piece by piece.
 pub(crate) struct MeshCheck {
-    /// What isn't a whole head or triangle yet.
+    /// Bytes of an incomplete header or triangle.
     rest: Vec<u8>,
-    /// Triangles that the head tells; `None` before it is whole.
+    /// The number of triangles in the header; `None` until the header is complete.
     told: Option<u32>,
     seen: u32,
     edges: EdgeSum,
     has_other_numbers: bool,
 }
 
-/// What a mesh is.
+/// The result of a check.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct MeshReport {
     pub(crate) triangles: u32,
     pub(crate) is_closed: bool,
 }
 
-/// The sum of a hash of each edge as it is walked, less that of the same edge walked back. It is zero where they are
-/// as often there; otherwise by a chance of about 1 in 2^64, as nobody knows the key of the corners' hash beforehand.
+/// The sum of a keyed hash of each edge, minus the hash of the same edge reversed. The sum is zero if each
+/// edge occurs equally often in both directions; otherwise it is zero with a probability of about 1 in 2^64,
+/// as the key is random.
 struct EdgeSum {
     hasher: RandomState,
     sum: u64,
@@ -43,7 +44,7 @@ impl MeshCheck {
         }
     }
 
-    /// Looks at the next bytes.
+    /// Reads the next bytes.
     pub(crate) fn look_at(&mut self, bytes: &[u8]) {
         self.rest.extend_from_slice(bytes);
         let mut rest = std::mem::take(&mut self.rest);
@@ -61,10 +62,10 @@ impl MeshCheck {
         self.rest = rest;
     }
 
-    /// What it was, once all bytes have passed.
+    /// Returns the result, after all bytes have been read.
     ///
     /// # Errors
-    /// Why it is no STL.
+    /// The reason why the bytes are not a valid STL.
     pub(crate) fn finish(self) -> Result<MeshReport, String> {
         let told = self.told.ok_or("STL: shorter than its head")?;
         if told != self.seen || !self.rest.is_empty() {
@@ -87,7 +88,7 @@ impl MeshCheck {
 }
 
 impl EdgeSum {
-    /// Corners are the same where all their bits are.
+    /// Adds the edges of a triangle. Corners are equal if all their bits are.
     fn walk_around(&mut self, corners: [&[u8]; 3]) {
         let [a, b, c] = corners.map(|corner| self.hasher.hash_one(corner));
         for (from, to) in [(a, b), (b, c), (c, a)] {
@@ -96,9 +97,10 @@ impl EdgeSum {
     }
 }
 
-/// Mixes two hashes by a folded multiply, which tells their order: SipHash of each edge would take most of a check.
+/// Mixes two hashes by a folded multiply that depends on their order. SipHash of each edge would take most of
+/// the check's time.
 const fn mix(from: u64, to: u64) -> u64 {
-    // Two halves of pi's digits.
+    // Digits of pi.
     let product = (from ^ 0x243f_6a88_85a3_08d3) as u128 * (to ^ 0x1319_8a2e_0370_7344) as u128;
     product as u64 ^ (product >> 64) as u64
 }
@@ -107,7 +109,7 @@ const fn mix(from: u64, to: u64) -> u64 {
 mod tests {
     use super::{MeshCheck, MeshReport};
 
-    /// A mesh of these triangles between four corners.
+    /// Makes a mesh of these triangles between four corners.
     fn mesh(triangles: &[[u8; 3]]) -> Vec<u8> {
         let mut stl = vec![0; 80];
         stl.extend((triangles.len() as u32).to_le_bytes());
@@ -135,7 +137,7 @@ mod tests {
         let mut turned = SIDES;
         turned[0].swap(0, 1);
         assert!(!is_closed(&turned));
-        // The same side twice closes nothing.
+        // The same triangle twice, in the same direction, doesn't close the mesh.
         assert!(!is_closed(&[SIDES[0], SIDES[0]]));
     }
 

@@ -1,4 +1,4 @@
-//! The formats in which a sculpture goes out.
+//! The file formats in which a sculpture can be downloaded.
 
 use axum::http::{HeaderName, header};
 use paros_booth_rules::records::Sculpture;
@@ -8,7 +8,7 @@ use crate::models::exporter::make_stl;
 use crate::models::glb::write_glb;
 use crate::models::threemf::write_3mf;
 
-/// A format of models.
+/// A file format of models.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum ModelFormat {
     /// Binary STL, as the headset makes it.
@@ -20,10 +20,10 @@ pub(crate) enum ModelFormat {
 }
 
 impl ModelFormat {
-    /// All of them.
+    /// All formats.
     pub(crate) const ALL: [ModelFormat; 3] = [ModelFormat::Stl, ModelFormat::Mf, ModelFormat::Glb];
 
-    /// For people.
+    /// Returns the format's name as people know it.
     pub(crate) const fn name(self) -> &'static str {
         match self {
             ModelFormat::Stl => "STL",
@@ -32,7 +32,7 @@ impl ModelFormat {
         }
     }
 
-    /// How a file's name ends.
+    /// Returns the file name extension.
     pub(crate) const fn ending(self) -> &'static str {
         match self {
             ModelFormat::Stl => "stl",
@@ -41,7 +41,7 @@ impl ModelFormat {
         }
     }
 
-    /// The heads of an answer that has it, as a file of this name.
+    /// Returns the headers of a response with a model, as a download with this file name.
     pub(crate) fn headers(self, name: &str) -> [(HeaderName, String); 2] {
         let kind = match self {
             ModelFormat::Stl => "model/stl",
@@ -52,10 +52,10 @@ impl ModelFormat {
         [(header::CONTENT_TYPE, kind.to_owned()), (header::CONTENT_DISPOSITION, file)]
     }
 
-    /// The model of a kept sculpture.
+    /// Makes the model of a kept sculpture in this format.
     ///
     /// # Errors
-    /// What the disk says, or why it has none.
+    /// The error of the disk, or why no model can be made.
     pub(crate) fn make(self, booth: &Booth, sculpture: &Sculpture) -> Result<Vec<u8>, Refusal> {
         let stl = make_stl(&booth.read_kept(sculpture)?);
         let model = stl.and_then(|stl| match self {

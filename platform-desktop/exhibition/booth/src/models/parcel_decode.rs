@@ -1,4 +1,5 @@
-//! What is in a parcel, checked before it is kept: bounded in memory, and in time by its length.
+//! Validation of a parcel's files before it is kept. Memory is bounded, and time is bounded by the parcel's
+//! length.
 
 use std::io::Read as _;
 
@@ -11,10 +12,10 @@ use paros_shell::rmap;
 use paros_shell::statics::Resident;
 use paros_shell::{with_intervals, with_size};
 
-/// Checks that a parcel's files are what its head says.
+/// Checks that a parcel's files match its head.
 ///
 /// # Errors
-/// What isn't, and what was expected.
+/// The part that doesn't match, and what was expected.
 pub fn check_parcel(facts: &UploadFacts, volume: &[u8], trace: &[u8]) -> Result<(), String> {
     check_volume(facts, &unpack_volume(facts, volume)?)?;
     if facts.trace_bytes > 0 {
@@ -23,16 +24,17 @@ pub fn check_parcel(facts: &UploadFacts, volume: &[u8], trace: &[u8]) -> Result<
     Ok(())
 }
 
-/// The volume of a parcel.
+/// Unpacks the volume of a parcel.
 ///
 /// # Errors
-/// What is wrong with it.
+/// A description of what is wrong with the volume.
 pub(crate) fn unpack_volume(facts: &UploadFacts, packed: &[u8]) -> Result<Vec<u8>, String> {
-    // The head was read: it says no more than may be.
+    // The length is safe to allocate: it was limited when the head was parsed.
     unpack(packed, facts.volume_raw_bytes).map_err(|why| format!("volume: {why}"))
 }
 
-/// Unpacks to exactly so many bytes, of all that is packed. A bomb is told by its first byte too many.
+/// Unpacks all of `packed` to exactly `length` bytes. Stops at the first extra byte, so that a decompression
+/// bomb is harmless.
 fn unpack(packed: &[u8], length: u32) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::with_capacity(length as usize);
     let mut decoder = DeflateDecoder::new(packed);
@@ -47,7 +49,7 @@ fn unpack(packed: &[u8], length: u32) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// Checks a packed trace record by record: unpacked it is too long to be held at once.
+/// Checks a packed trace record by record, as an unpacked trace is too large for memory.
 fn check_trace(packed: &[u8], length: u32) -> Result<(), String> {
     let mut unpacked = DeflateDecoder::new(packed).take(u64::from(length) + 1);
     let mut read = |bytes: &mut [u8]| {

@@ -1,4 +1,4 @@
-//! A small picture of a sculpture, by the renderer's CPU twin.
+//! A small picture of a sculpture, drawn by the CPU version of the renderer.
 
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
@@ -15,17 +15,19 @@ use paros_shell::{with_intervals, with_size};
 /// Pixels along a side.
 const SIDE: usize = 192;
 
-/// The view of the pictures: the side that is seen, and the height above the horizon, in radians.
+/// The view of the pictures, in radians: the direction from which the sculpture is seen, and the height above
+/// the horizon.
 pub(crate) const PICTURE_AZIMUTH: f32 = 0.45;
 pub(crate) const PICTURE_ELEVATION: f32 = 0.3;
 
-/// Stands for a picture that isn't there yet, or can't be made: an empty stool.
+/// The placeholder for a picture that isn't made yet, or can't be made: an empty stool.
 const BLANK: &str = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 192 192\">\
     <rect width=\"192\" height=\"192\" fill=\"#e7e3db\"/><g fill=\"none\" stroke=\"#8d877c\" stroke-width=\"4\" \
     stroke-linecap=\"round\"><ellipse cx=\"96\" cy=\"132\" rx=\"52\" ry=\"14\"/>\
     <path d=\"M44 132v12a52 14 0 0 0 104 0v-12\"/><path d=\"M72 124V70q24-26 48 0v54\" stroke-dasharray=\"3 9\"/></g></svg>";
 
-/// Answers with a sculpture's picture. Where there is none, with a drawing in its place, so that no page shows a broken picture.
+/// Responds with a sculpture's picture, or with the placeholder if there is none, so that no page shows a
+/// broken image.
 pub(crate) fn send_picture(png: Option<Vec<u8>>) -> Response {
     match png {
         Some(png) => ([(header::CONTENT_TYPE, "image/png")], png).into_response(),
@@ -33,7 +35,8 @@ pub(crate) fn send_picture(png: Option<Vec<u8>>) -> Response {
     }
 }
 
-/// The picture of a sculpture whose page is at an address. The picture's address changes once the picture is made.
+/// Returns the image element for the sculpture whose page has the address `at`. The picture's address changes
+/// once the picture is made, so that browsers load it again.
 pub(crate) fn draw_picture(at: &str, sculpture: &Sculpture, label: &str) -> Markup {
     let made = if sculpture.export == ExportState::Queued { "" } else { "?made" };
     html! {
@@ -41,10 +44,10 @@ pub(crate) fn draw_picture(at: &str, sculpture: &Sculpture, label: &str) -> Mark
     }
 }
 
-/// The PNG of the volume of an `.rmap` file's bytes.
+/// Draws the volume in the bytes of an `.rmap` file. Returns a PNG.
 ///
 /// # Errors
-/// What is wrong with them.
+/// A description of what is wrong with the bytes.
 pub(crate) fn draw_volume(bytes: &[u8]) -> Result<Vec<u8>, String> {
     let header = rmap::parse_header(bytes).map_err(|fault| fault.to_string())?;
     let other = || Err("a size that is unknown here".to_owned());

@@ -1,4 +1,5 @@
-//! A mesh as 3MF (3D Manufacturing Format, core specification 1.3): each corner once, packed. It is a third of the STL.
+//! Writer of 3MF (3D Manufacturing Format, core specification 1.3). Vertices are shared and the file is
+//! compressed: it is a third of the STL's size.
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -7,11 +8,11 @@ use std::io::{self, Cursor, Write as _};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
-/// Bytes of an STL before its triangles, and of a triangle.
+/// The bytes of an STL's header, and of a triangle.
 const STL_HEAD: usize = 84;
 const STL_TRIANGLE: usize = 50;
 
-/// Text that is packed at once.
+/// The bytes of text that are compressed at once.
 const PIECE: usize = 64 << 10;
 
 const CONTENT_TYPES: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
@@ -29,10 +30,11 @@ const MODEL_HEAD: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 const MODEL_END: &str =
     "</triangles></mesh></object></resources><build><item objectid=\"1\"/></build></model>\n";
 
-/// The 3MF of a binary STL in millimetres. Triangles of fewer than three corners, which 3MF forbids, are left out.
+/// Converts a binary STL in millimetres to 3MF. Leaves out triangles with fewer than three different corners,
+/// which 3MF forbids.
 ///
 /// # Errors
-/// What is wrong with the STL.
+/// A description of what is wrong with the STL.
 pub(crate) fn write_3mf(stl: &[u8]) -> Result<Vec<u8>, String> {
     let (corners, triangles) = read_stl(stl)?;
     pack(&corners, &triangles).map_err(|error| error.to_string())
@@ -40,7 +42,8 @@ pub(crate) fn write_3mf(stl: &[u8]) -> Result<Vec<u8>, String> {
 
 pub(crate) type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 
-/// Each corner once, in the order in which they come, and triangles of their numbers.
+/// Reads an STL. Returns each different corner once, in order of first use, and the triangles as indices of
+/// corners.
 pub(crate) fn read_stl(stl: &[u8]) -> Result<Mesh, String> {
     let triangles = stl.get(STL_HEAD..).ok_or("an STL is longer")?;
     if triangles.len() % STL_TRIANGLE != 0 {
@@ -52,7 +55,7 @@ pub(crate) fn read_stl(stl: &[u8]) -> Result<Mesh, String> {
         let mut of_triangle = [0; 3];
         for (number, bytes) in of_triangle.iter_mut().zip(triangle[12..48].chunks_exact(12)) {
             let float = |k: usize| f32::from_le_bytes([0, 1, 2, 3].map(|b| bytes[4 * k + b]));
-            // There is one zero.
+            // Adding 0.0 turns -0.0 into 0.0.
             let corner = [0, 1, 2].map(|k| float(k) + 0.0);
             if !corner.iter().all(|place| place.is_finite()) {
                 return Err("a corner of the STL is nowhere".into());
@@ -94,7 +97,7 @@ fn pack(corners: &[[f32; 3]], triangles: &[[u32; 3]]) -> io::Result<Vec<u8>> {
     Ok(zip.finish()?.into_inner())
 }
 
-/// Packs the text once it is so long.
+/// Compresses and clears the text if it has reached `length`.
 fn write_piece(zip: &mut impl io::Write, text: &mut String, length: usize) -> io::Result<()> {
     if text.len() >= length {
         zip.write_all(text.as_bytes())?;
@@ -122,7 +125,7 @@ mod tests {
         stl
     }
 
-    /// The numbers between quotes of all elements of a name.
+    /// Reads the quoted numbers of all elements with a name.
     fn elements<T: std::str::FromStr>(model: &str, name: &str) -> Vec<[T; 3]> {
         let lines = model.lines().filter(|line| line.starts_with(&format!("<{name} ")));
         let numbers = lines.map(|line| {
@@ -140,7 +143,7 @@ mod tests {
         let of = |numbers: [usize; 3]| numbers.map(|number| corners[number]);
         let mut triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]].map(of).to_vec();
         let expected = triangles.clone();
-        // One without an area is left out; one zero is the other.
+        // A triangle without an area is left out; -0.0 and 0.0 are the same corner.
         triangles.push(of([1, 1, 2]));
         triangles[1][0] = [-0.0, 0.0, -0.0];
         let packed = write_3mf(&stl_of(&triangles)).expect("a mesh");

@@ -1,27 +1,27 @@
-//! What PrusaSlicer writes of a print into the comments of its G-code. A file of another's is no harm: a little of it
-//! is read, and a number is a number.
+//! Reads PrusaSlicer's estimate from the comments of its G-code. Files from other programs are safe: little
+//! is read, and all numbers are checked.
 
 use std::fs::File;
 use std::io::{self, Read as _, Seek as _, SeekFrom};
 use std::path::Path;
 
-/// Bytes of the file's end that are read: after the estimate come the settings, some 20 KB.
+/// The bytes that are read at the file's end: the estimate stands before the settings, which take some 20 KB.
 const END_BYTES: u64 = 256 << 10;
 
-/// The longest print that is believed.
+/// The longest print time that is accepted.
 const MAX_MINUTES: u64 = 100 * 24 * 60;
 
-/// What a print takes.
+/// The time and the material that a print takes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Estimate {
     pub(crate) minutes: u32,
     pub(crate) tenths_gram: u32,
 }
 
-/// What the G-code of a file takes; `None` where it doesn't say.
+/// Reads the estimate of a G-code file. Returns `None` if the file has none.
 ///
 /// # Errors
-/// What the disk says.
+/// An I/O error.
 pub(crate) fn read_estimate(path: &Path) -> io::Result<Option<Estimate>> {
     let mut file = File::open(path)?;
     let length = file.metadata()?.len();
@@ -31,7 +31,7 @@ pub(crate) fn read_estimate(path: &Path) -> io::Result<Option<Estimate>> {
     Ok(parse_estimate(&String::from_utf8_lossy(&end)))
 }
 
-/// The same of the file's end.
+/// Parses the estimate in the last part of a G-code file.
 pub(crate) fn parse_estimate(text: &str) -> Option<Estimate> {
     let value = |name: &str| {
         let mut lines = text.lines().rev();
@@ -46,7 +46,7 @@ pub(crate) fn parse_estimate(text: &str) -> Option<Estimate> {
     Some(Estimate { minutes: minutes as u32, tenths_gram: (10.0 * grams).ceil() as u32 })
 }
 
-/// Seconds of a time as `1d 2h 3m 4s`.
+/// Parses a time such as `1d 2h 3m 4s` into seconds.
 fn parse_seconds(text: &str) -> Option<u64> {
     let mut seconds = 0u64;
     for part in text.split_whitespace() {

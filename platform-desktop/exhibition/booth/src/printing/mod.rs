@@ -1,4 +1,4 @@
-//! Prints: the slicer that tells their time and material, and printers on the network.
+//! Prints: the slicer that estimates time and material, and printers on the network.
 
 mod gcode;
 mod options;

@@ -1,4 +1,4 @@
-//! How prints are sliced and where they go.
+//! Options of the slicer and the printers.
 
 use std::path::PathBuf;
 

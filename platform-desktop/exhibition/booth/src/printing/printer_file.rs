@@ -1,4 +1,4 @@
-//! The file that names printers on the network.
+//! The file that lists printers on the network.
 
 use std::fmt;
 use std::fs;
@@ -9,20 +9,20 @@ use serde::Deserialize;
 use super::slicer::check_profile;
 use crate::error::Error;
 
-/// The most printers that a booth has: each has a thread.
+/// The most printers of a booth: each has a thread.
 const MAX_PRINTERS: usize = 32;
 
-/// Which protocol a printer speaks.
+/// The protocol of a printer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum PrinterKind {
-    /// Moonraker, before Klipper.
+    /// Moonraker, the web API of Klipper.
     Moonraker,
     /// PrusaLink.
     PrusaLink,
 }
 
-/// A printer's key, which no log shows.
+/// A printer's API key. It never appears in a log.
 #[derive(Clone, PartialEq, Eq, Default, Deserialize)]
 #[serde(transparent)]
 pub(crate) struct PrinterKey(pub(crate) String);
@@ -33,23 +33,23 @@ impl fmt::Debug for PrinterKey {
     }
 }
 
-/// A printer, as the file names it.
+/// An entry of the file: one printer.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PrinterEntry {
-    /// For people; no two have the same.
+    /// The printer's name, which staff see. It is unique.
     pub(crate) name: String,
     pub(crate) kind: PrinterKind,
-    /// `http://HOST` or `https://HOST`, with a port where it needs one.
+    /// `http://HOST` or `https://HOST`, with an optional port.
     pub(crate) address: String,
     #[serde(default)]
     pub(crate) key: PrinterKey,
-    /// PrusaLink's place for files.
+    /// The name of PrusaLink's storage for files.
     #[serde(default = "usb")]
     pub(crate) storage: String,
-    /// The slicer's settings for it; those of `--slicer-profile` where there are none.
+    /// The slicer's settings for this printer; by default those of `--slicer-profile`.
     pub(crate) profile: Option<PathBuf>,
-    /// The certificate authority in PEM that an `https://` address is checked by.
+    /// The certificate authority in PEM that verifies an `https://` address.
     pub(crate) ca: Option<PathBuf>,
 }
 
@@ -64,10 +64,10 @@ fn usb() -> String {
     "usb".to_owned()
 }
 
-/// Reads the file.
+/// Reads a printers file.
 ///
 /// # Errors
-/// That it can't be read, or what is wrong with it and where. A key is never part of that.
+/// The file can't be read, or what is wrong with it and where. The message never contains a key.
 pub(crate) fn read_printers(path: &Path) -> Result<Vec<PrinterEntry>, Error> {
     let bad = |why: &dyn fmt::Display| Error::Input(format!("{}: {why}", path.display()));
     let text = fs::read_to_string(path).map_err(|error| bad(&error))?;
@@ -82,13 +82,13 @@ pub(crate) fn read_printers(path: &Path) -> Result<Vec<PrinterEntry>, Error> {
     Ok(printers)
 }
 
-/// Takes the text of such a file. Paths in it are as they stand there.
+/// Parses the text of a printers file. Relative paths are left as they are.
 ///
 /// # Errors
-/// What is wrong with it and where. A key is never part of that.
+/// A description of what is wrong with the text and where. The message never contains a key.
 pub(crate) fn parse_printers(text: &str) -> Result<Vec<PrinterEntry>, String> {
     let file: PrinterFile = toml::from_str(text).map_err(|error| {
-        // Not the line itself: it may have a key.
+        // Doesn't quote the line, which may contain a key.
         let before = error.span().map_or("", |span| &text[..span.start.min(text.len())]);
         format!("line {}: {}", 1 + before.matches('\n').count(), error.message())
     })?;

@@ -1,4 +1,4 @@
-//! What a printer on the network is asked, by the two protocols that printers speak:
+//! The client of a printer on the network, for the two protocols that printers speak:
 //!
 //! | | Moonraker | PrusaLink |
 //! |---|---|---|
@@ -6,9 +6,10 @@
 //! | upload and start | `POST /server/files/upload` (a form: `root`, `print`, `file`) | `PUT /api/v1/files/{storage}/{name}` with `Print-After-Upload` and `Overwrite` |
 //! | stop | `POST /printer/print/cancel` | `DELETE /api/v1/job/{id}` |
 //!
-//! Both take their key as `X-Api-Key`. Source: Moonraker's documentation of its external API (*Printer administration*,
-//! *File management*), and PrusaLink's OpenAPI description (`prusa3d/Prusa-Link-Web`, `spec/openapi.yaml`). What a
-//! printer answers is hostile: a little of it is read, and none of its words are passed on.
+//! Both protocols take the API key in the header `X-Api-Key`. Source: Moonraker's documentation of its
+//! external API (*Printer administration*, *File management*), and PrusaLink's OpenAPI description
+//! (`prusa3d/Prusa-Link-Web`, `spec/openapi.yaml`). Responses are untrusted: their length is limited, and
+//! their error texts are not passed on.
 
 use std::fs::{self, File};
 use std::io::{Chain, Cursor, Read as _};
@@ -25,19 +26,19 @@ use ureq::{Agent, Body, SendBody};
 use super::printer_file::{PrinterEntry, PrinterKind};
 use crate::error::Error;
 
-/// Bytes of an answer that are read.
+/// The most bytes of a response that are read.
 const MAX_ANSWER: u64 = 64 << 10;
 
-/// How long an answer may take.
+/// The timeout of a response.
 const ANSWER_TIME: Duration = Duration::from_secs(10);
 
-/// How long a file may take: 200 MB over a slow radio.
+/// The timeout of an upload: 200 MB over a slow wireless network.
 const UPLOAD_TIME: Duration = Duration::from_secs(1200);
 
-/// What stands between the parts of a form. A line of G-code never begins with it.
+/// The boundary between the parts of a multipart form. No line of G-code begins with it.
 const BOUNDARY: &str = "----paros-booth-print-7c1f";
 
-/// A printer.
+/// The connection to a printer.
 pub(crate) struct PrinterLink {
     kind: PrinterKind,
     address: String,
@@ -46,49 +47,49 @@ pub(crate) struct PrinterLink {
     agent: Agent,
 }
 
-/// How a printer is.
+/// The status of a printer.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct PrinterStatus {
     pub(crate) activity: Activity,
-    /// The file that it is or was at last.
+    /// The current or last file.
     pub(crate) file: Option<String>,
-    /// How much of it is printed, in hundredths, while it prints.
+    /// The progress in percent, while it prints.
     pub(crate) percent: Option<u8>,
-    /// PrusaLink's number of the job.
+    /// PrusaLink's job number.
     job: Option<u64>,
 }
 
-/// What a printer is at.
+/// The activity of a printer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Activity {
-    /// It may get a print.
+    /// Ready for a print.
     Idle,
-    /// It is at its file, or has paused it.
+    /// Printing its file, or paused.
     Printing,
-    /// It has printed its file.
+    /// Finished its file.
     Finished,
-    /// It was stopped at its file.
+    /// The print of its file was cancelled.
     Stopped,
-    /// It broke off.
+    /// The print failed.
     Broken,
-    /// Something else, for which it has to be left alone.
+    /// Busy with something else: leave it alone.
     Busy,
 }
 
-/// Why a printer didn't do it.
+/// The reason why a request to a printer failed.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum PrinterFault {
-    /// Nothing was heard of it, or nothing in time: what it got, nobody knows.
+    /// No response in time. It is unknown whether the printer got the request.
     Silent,
-    /// It said no.
+    /// The printer refused the request.
     Refused(String),
 }
 
 impl PrinterLink {
-    /// To a printer of the file.
+    /// Makes the client of a printer in the printers file.
     ///
     /// # Errors
-    /// That its certificate authority can't be read.
+    /// The certificate authority's file can't be read.
     pub(crate) fn new(entry: &PrinterEntry) -> Result<Self, Error> {
         let mut tls = TlsConfig::builder()
             .provider(TlsProvider::Rustls)
@@ -119,10 +120,10 @@ impl PrinterLink {
         })
     }
 
-    /// How it is.
+    /// Requests the printer's status.
     ///
     /// # Errors
-    /// Why it doesn't say.
+    /// The printer doesn't respond, refuses, or sends something invalid.
     pub(crate) fn status(&self) -> Result<PrinterStatus, PrinterFault> {
         match self.kind {
             PrinterKind::Moonraker => {
@@ -133,17 +134,17 @@ impl PrinterLink {
             PrinterKind::PrusaLink => {
                 let status = read(self.get("/api/v1/status")?)?;
                 let job = self.get("/api/v1/job")?;
-                // 204 where there is none.
+                // 204: there is no job.
                 let job = if job.status() == 204 { Value::Null } else { read(job)? };
                 read_prusalink(&status, &job).ok_or_else(nonsense)
             }
         }
     }
 
-    /// Gives it a file under a name, and has it print that.
+    /// Uploads a file under a name, and starts to print it.
     ///
     /// # Errors
-    /// Why it doesn't.
+    /// The printer doesn't respond, or refuses.
     pub(crate) fn send(&self, name: &str, gcode: &Path) -> Result<(), PrinterFault> {
         let failed = |_| PrinterFault::Refused("the slicer's file is gone".into());
         let file = File::open(gcode).map_err(failed)?;
@@ -165,10 +166,10 @@ impl PrinterLink {
         check(answer.map_err(|_| PrinterFault::Silent)?).map(drop)
     }
 
-    /// Stops the print of this status.
+    /// Cancels the print that `status` describes.
     ///
     /// # Errors
-    /// Why it doesn't.
+    /// The printer doesn't respond, or refuses; `status` has no job number, which PrusaLink needs.
     pub(crate) fn stop(&self, status: &PrinterStatus) -> Result<(), PrinterFault> {
         let answer = match (self.kind, status.job) {
             (PrinterKind::Moonraker, _) => {
@@ -241,8 +242,8 @@ fn read(answer: Response<Body>) -> Result<Value, PrinterFault> {
     serde_json::from_slice(&bytes.map_err(|_| PrinterFault::Silent)?).map_err(|_| nonsense())
 }
 
-/// The status in the bodies of a printer's answers: of Moonraker the first, of PrusaLink both; `None` where it isn't
-/// understood.
+/// Parses the bodies of a printer's responses: Moonraker sends one, PrusaLink two. Returns `None` if they are
+/// invalid.
 pub(crate) fn read_answers(first: &[u8], second: Option<&[u8]>) -> Option<PrinterStatus> {
     let first = serde_json::from_slice(first).ok()?;
     match second {
@@ -251,7 +252,7 @@ pub(crate) fn read_answers(first: &[u8], second: Option<&[u8]>) -> Option<Printe
     }
 }
 
-/// Hundredths of a part between 0 and 1, or of a hundred.
+/// Converts a part of `whole` to percent.
 fn percent(part: Option<f64>, whole: f64) -> Option<u8> {
     part.map(|part| (100.0 * part / whole).clamp(0.0, 100.0) as u8)
 }
@@ -282,7 +283,7 @@ fn read_prusalink(status: &Value, job: &Value) -> Option<PrinterStatus> {
         "ERROR" => Activity::Broken,
         _ => Activity::Busy,
     };
-    // `name` may be the short one of a FAT.
+    // `name` may be the short name of a FAT file system.
     let name = |field: &str| job["file"][field].as_str().map(str::to_owned);
     let percent = percent(job["progress"].as_f64(), 100.0);
     Some(PrinterStatus {

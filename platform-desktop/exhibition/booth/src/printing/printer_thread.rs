@@ -1,5 +1,5 @@
-//! A thread for each printer on the network: it sends what is to be sent, asks how it is, and stops what was taken back.
-//! A printer that is off costs its own thread a few seconds now and then, and nobody else anything.
+//! One thread for each printer on the network. It uploads due prints, polls the printer's status, and cancels
+//! prints that staff took back. A printer that is switched off delays only its own thread.
 
 use std::io;
 use std::path::PathBuf;
@@ -20,29 +20,29 @@ use crate::models::exporter::make_stl;
 use crate::server::work_keeper::keep_work;
 use crate::server::worker::{Waker, Worker};
 
-/// How often a printer is looked at that prints, or is to.
+/// The poll interval of a printer with a current or due print.
 const LOOK_OFTEN: Duration = Duration::from_secs(5);
 
-/// How often one is looked at otherwise.
+/// The poll interval of other printers.
 const LOOK_AGAIN: Duration = Duration::from_secs(30);
 
-/// What the page shows of a printer.
+/// A printer's state as the staff page shows it.
 #[derive(Clone)]
 pub(crate) struct PrinterView {
-    /// Its name.
+    /// The printer's name.
     pub(crate) name: String,
-    /// How it was when it was last asked; `None` where it doesn't answer.
+    /// The last polled status; `None` if the printer didn't respond.
     pub(crate) status: Option<PrinterStatus>,
 }
 
-/// A printer, as pages know it.
+/// The pages' handle of a printer.
 pub(crate) struct Printer {
     name: String,
     waker: Waker,
     last: Arc<Mutex<Option<PrinterStatus>>>,
 }
 
-/// A printer, as its thread knows it.
+/// The state of a printer's thread.
 struct PrinterThread {
     name: String,
     link: PrinterLink,
@@ -53,27 +53,27 @@ struct PrinterThread {
 }
 
 impl Printer {
-    /// How it was when it was last asked.
+    /// Returns the printer's name and its last polled status.
     pub(crate) fn view(&self) -> PrinterView {
         let status = self.last.lock().unwrap_or_else(PoisonError::into_inner).clone();
         PrinterView { name: self.name.clone(), status }
     }
 
-    /// Its name.
+    /// Returns the printer's name.
     pub(crate) fn name(&self) -> &str {
         &self.name
     }
 
-    /// Tells its thread that there is work.
+    /// Wakes the printer's thread, as there is work.
     pub(crate) fn wake(&self) {
         self.waker.wake();
     }
 }
 
-/// Starts a thread for each printer of a file.
+/// Starts a thread for each printer in a printers file.
 ///
 /// # Errors
-/// What is wrong with the file.
+/// A description of what is wrong with the file, or that there is no slicer.
 pub(crate) fn start_printers(
     file: &std::path::Path,
     booth: &Booth,
@@ -104,7 +104,7 @@ pub(crate) fn start_printers(
 }
 
 impl PrinterThread {
-    /// Does what is to be done. Returns for how long there is nothing.
+    /// Polls the printer, and does its next task if there is one. Returns the time until the next poll.
     fn look(&self) -> Duration {
         let task = match self.booth.next_printer_task(&self.name, booth_time()) {
             Ok(task) => task,
@@ -124,7 +124,8 @@ impl PrinterThread {
                 PrinterTask::Watch(order) => self.watch(&order, &status),
                 PrinterTask::Stop(order) => self.stop(&order, &status),
             }),
-            // One that doesn't answer is asked again, perhaps by a booth that reaches it: what it has, it has.
+            // The printer doesn't respond. Release the task: another booth may reach the printer. A file that
+            // was sent already stays there.
             Err(_) => self.booth.leave_work(WorkKind::Printer, subject),
         };
         if let Err(error) = done {
@@ -138,7 +139,8 @@ impl PrinterThread {
     }
 
     fn send(&self, job: &PrintJob, status: &PrinterStatus) -> Result<(), Refusal> {
-        // Whoever sent it says that the bed is empty: what it printed last doesn't matter.
+        // The print that ended last doesn't matter: staff confirmed by sending this print that the bed is
+        // empty.
         if matches!(status.activity, Activity::Printing | Activity::Busy | Activity::Broken) {
             return Ok(());
         }
@@ -162,14 +164,14 @@ impl PrinterThread {
         };
         drop(stl);
         let name = format!("paros-{order:016x}.gcode");
-        // What the booth says it has begun it never begins again, should the power fail now.
+        // Record the begin before the upload, so that a print is never sent twice, even after a power cut.
         if !self.booth.begin_print(order, &name, booth_time())? {
             return Ok(());
         }
         let sent = self.link.send(&name, &sliced.gcode);
         info!(printer = self.name, order, ?sent, "print sent");
         match sent {
-            // Whether it has got it, it says when it is asked.
+            // If the response is missing, the next status poll shows whether the file arrived.
             Ok(()) | Err(PrinterFault::Silent) => Ok(()),
             Err(PrinterFault::Refused(why)) => self.booth.refuse_print(order, &why, booth_time()),
         }
@@ -192,9 +194,9 @@ impl PrinterThread {
     }
 }
 
-/// What a printer's status says of the booth's print, which it knows by its name.
+/// Interprets a printer's status for the booth's print, which is identified by its file name.
 fn word_of(order: &PrintOrder, status: &PrinterStatus) -> PrinterWord {
-    // Where no file is told, as by some while they finish, nothing is known.
+    // Some printers report no file while they finish. Then nothing is known about the print.
     if status.file.is_none() || status.file != order.job {
         return PrinterWord::Other;
     }

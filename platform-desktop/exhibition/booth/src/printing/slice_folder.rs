@@ -1,4 +1,4 @@
-//! Folders in which a slicer works.
+//! Working folders of the slicer.
 
 use std::fs;
 use std::io;
@@ -11,19 +11,19 @@ use crate::error::Error;
 use crate::random::random_number;
 use crate::store::folder_lock::FolderLock;
 
-/// A folder of this process, with one of each slice in it.
+/// The folder of this process, with a subfolder for each slice.
 pub(crate) struct SliceFolders {
     folder: PathBuf,
     count: AtomicU64,
-    // Others that start leave the folder alone while it is held.
+    // While the lock is held, other processes that start don't remove the folder.
     _lock: FolderLock,
 }
 
 impl SliceFolders {
-    /// Makes this process' own in `all`, and removes those of processes that are gone.
+    /// Makes this process' folder in `all`, and removes those of processes that have ended.
     ///
     /// # Errors
-    /// What the disk says.
+    /// The error of the disk or the system.
     pub(crate) fn take(all: &Path) -> Result<Self, Error> {
         remove_left(all);
         let own = random_number().map_err(|error| Error::failure("random bits", error))?;
@@ -32,10 +32,10 @@ impl SliceFolders {
         Ok(SliceFolders { folder, count: AtomicU64::new(0), _lock: lock })
     }
 
-    /// A folder for the next slice.
+    /// Makes the folder of the next slice.
     ///
     /// # Errors
-    /// What the disk says.
+    /// An I/O error.
     pub(crate) fn make_next(&self) -> io::Result<SliceFolder> {
         let number = self.count.fetch_add(1, Ordering::Relaxed);
         let folder = SliceFolder(self.folder.join(number.to_string()));
@@ -51,12 +51,12 @@ impl SliceFolders {
 
 impl Drop for SliceFolders {
     fn drop(&mut self) {
-        // What stays is removed at the next start.
+        // If removal fails, the next start removes the folder.
         let _ = fs::remove_dir_all(&self.folder);
     }
 }
 
-/// A folder that is removed when this is dropped.
+/// A folder that is removed on drop.
 #[derive(Debug)]
 pub(crate) struct SliceFolder(PathBuf);
 
@@ -68,13 +68,13 @@ impl SliceFolder {
 
 impl Drop for SliceFolder {
     fn drop(&mut self) {
-        // What stays goes with the folder of its process.
+        // If removal fails, the folder is removed with that of its process.
         let _ = fs::remove_dir_all(&self.0);
     }
 }
 
-/// Removes what processes left that were killed. A slicer outlives its booth, and may still write there: what can't be
-/// removed is no reason not to serve, and is tried again at the next start.
+/// Removes the folders of processes that were killed. A slicer may outlive its booth and still write to its
+/// folder: failures don't stop the server, and removal is retried at the next start.
 fn remove_left(all: &Path) {
     for left in fs::read_dir(all).into_iter().flatten().flatten() {
         let path = left.path();
@@ -129,7 +129,7 @@ mod tests {
         let is_over = AtomicBool::new(false);
         let started: Vec<_> = thread::scope(|scope| {
             scope.spawn(|| {
-                // It is full again as soon as it is empty.
+                // Fills the folder again whenever it is empty.
                 for number in (0_u64..).take_while(|_| !is_over.load(Ordering::Relaxed)) {
                     let _ = fs::create_dir_all(&left);
                     let _ = fs::write(left.join(number.to_string()), "");

@@ -1,5 +1,5 @@
-//! PrusaSlicer as a program: one at a time, in a folder of its own, without the booth's environment, bounded in time,
-//! memory and what it writes. What it says is another's word.
+//! Runs PrusaSlicer as a subprocess: one at a time, in its own folder, without the booth's environment, and
+//! with limits on time, memory and file size. Its output is untrusted.
 
 use std::fs::{self, File};
 use std::io::{self, Read as _, Write as _};
@@ -19,25 +19,25 @@ use crate::error::Error;
 use crate::server::worker::LOW_PRIORITY;
 use crate::store::own_file::check_folder;
 
-/// How long a slice may take: a sculpture at 256 takes some twenty seconds of a small processor.
+/// The timeout of a slice: a sculpture with 256 voxels a side takes some twenty seconds on a small processor.
 const MAX_SLICE_TIME: Duration = Duration::from_secs(240);
 
-/// Bytes of memory that it may have: it needs half a gigabyte for a sculpture at 256.
+/// The most bytes of memory: a sculpture with 256 voxels a side takes half a gigabyte.
 const MAX_MEMORY: u64 = 4 << 30;
 
-/// Bytes of a file that it may write. A print of a week has some 200 MB.
+/// The most bytes of a file that the slicer writes. The G-code of a week's print has some 200 MB.
 const MAX_FILE: u64 = 1 << 30;
 
-/// Bytes of its words that are looked at.
+/// The most bytes of the slicer's output that are read.
 const MAX_WORDS: u64 = 64 << 10;
 
-/// Grams of a cubic centimetre of PLA, which most prints are of, where no profile says otherwise.
+/// The density of PLA, the most common material, in grams per cubic centimetre. Used if there is no profile.
 const PLA_DENSITY: &str = "1.24";
 
-/// How often it is looked at.
+/// The poll interval for the slicer's exit.
 const LOOK_AGAIN: Duration = Duration::from_millis(30);
 
-/// PrusaSlicer.
+/// A runner of PrusaSlicer.
 pub(crate) struct Slicer {
     program: PathBuf,
     profile: Option<PathBuf>,
@@ -47,7 +47,7 @@ pub(crate) struct Slicer {
     bounds: Bounds,
 }
 
-/// Bounds of a slice.
+/// Limits of a slice.
 #[derive(Clone, Copy)]
 struct Bounds {
     time: Duration,
@@ -55,20 +55,20 @@ struct Bounds {
     file: u64,
 }
 
-/// Why there is no slice.
+/// The reason why a slice failed.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum SliceFault {
-    /// The print is larger than its printer.
+    /// The print is larger than the printer.
     TooLarge,
-    /// The slicer's folder can't be written, as on a full disk: try again later.
+    /// The slicer's folder can't be written, for example on a full disk: retry later.
     Disk(String),
-    /// Something else, for people.
+    /// Any other reason, as text for staff.
     Failed(String),
-    /// The booth ends.
+    /// The program is ending.
     Over,
 }
 
-/// G-code in a folder, which goes with this.
+/// G-code in a folder that is removed when this value is dropped.
 #[derive(Debug)]
 pub(crate) struct SlicedPrint {
     pub(crate) estimate: Estimate,
@@ -77,10 +77,11 @@ pub(crate) struct SlicedPrint {
 }
 
 impl Slicer {
-    /// By the options; `None` where there is none. Slices lie in a folder of this process in `folder`.
+    /// Finds the slicer by the options. Returns `None` if there is none. Slices are made in a folder of this
+    /// process in `folder`.
     ///
     /// # Errors
-    /// A program or a file that was named and isn't there; what the disk says.
+    /// A program or file that the options name doesn't exist; the error of the disk.
     pub(crate) fn find(options: &SlicerOptions, folder: &Path) -> Result<Option<Self>, Error> {
         let program = match &options.slicer {
             Some(none) if none.as_os_str() == "none" => return Ok(None),
@@ -104,15 +105,15 @@ impl Slicer {
         }))
     }
 
-    /// What ends a slice at once when it is set: the program ends.
+    /// Returns a flag that ends a running slice at once when it is set.
     pub(crate) fn end(&self) -> Arc<AtomicBool> {
         self.is_over.clone()
     }
 
-    /// Slices a model, scaled, by a profile; by that of the options where there is none.
+    /// Slices a scaled model with a profile; by default the profile of the options.
     ///
     /// # Errors
-    /// Why there is no slice.
+    /// The reason why the slice failed.
     pub(crate) fn slice(
         &self,
         stl: &[u8],
@@ -169,7 +170,7 @@ impl Slicer {
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(words)
-            // What it starts itself ends with it.
+            // A process group, so that the slicer's own child processes are killed with it.
             .process_group(0);
         let mut child = command.spawn().map_err(failed)?;
         let bounded = self.bound(&child);
@@ -180,11 +181,11 @@ impl Slicer {
         ended
     }
 
-    /// Bounds it before it has read its model.
+    /// Sets the limits of the process before it has read its model.
     fn bound(&self, child: &Child) -> Result<(), SliceFault> {
         let pid = Pid::from_child(child);
         let Bounds { time, memory, file } = self.bounds;
-        // Should the booth be killed, its time on a processor ends it.
+        // If the booth is killed, the limit of processor time still ends the slicer.
         for (resource, most) in [
             (Resource::As, memory),
             (Resource::Fsize, file),
@@ -199,7 +200,7 @@ impl Slicer {
                 }
             }
         }
-        // Whoever waits at the page goes first.
+        // Requests of the pages take precedence.
         let _ = rustix::process::setpriority_process(Some(pid), LOW_PRIORITY);
         Ok(())
     }
@@ -220,14 +221,14 @@ impl Slicer {
     }
 }
 
-/// A profile that is there, as the slicer finds it from its folder.
+/// Checks that a profile exists. Returns its absolute path, as the slicer runs in another folder.
 pub(crate) fn check_profile(path: &Path) -> Result<PathBuf, Error> {
     let found = fs::canonicalize(path).ok().filter(|found| found.is_file());
     let expected = "expected a file of the slicer's settings";
     found.ok_or_else(|| Error::Input(format!("{}: {expected}", path.display())))
 }
 
-/// A program by its path, or by its name where programs are.
+/// Finds a program by its path, or by its name in `PATH`.
 fn find_program(name: &Path) -> Option<PathBuf> {
     if name.components().count() > 1 {
         return fs::canonicalize(name).ok().filter(|found| found.is_file());
@@ -242,7 +243,7 @@ fn kill(child: &mut Child) {
     let _ = child.wait();
 }
 
-/// Why it failed: what is known of its words, and never the words.
+/// Returns why the slicer failed. Recognises known messages in its output, but never quotes the output.
 fn fault_of(folder: &Path, status: ExitStatus) -> SliceFault {
     let mut words = Vec::new();
     let read = File::open(folder.join("words"))
@@ -265,7 +266,7 @@ mod tests {
 
     use super::{Bounds, SliceFault, Slicer, SlicerOptions};
 
-    /// A slicer that is a script of the shell's.
+    /// Makes a slicer from a shell script.
     fn slicer(name: &str, script: &str) -> Slicer {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../target/tmp/slicer");
         let folder = folder.join(name);
@@ -273,8 +274,8 @@ mod tests {
         std::fs::create_dir_all(&folder).unwrap();
         let [draft, program] = ["draft", "slicer"].map(|name| folder.join(name));
         std::fs::write(&draft, format!("#!/bin/sh\n{script}\n")).unwrap();
-        // A process of its own writes it: a child that another test starts would inherit this one's descriptor ("text file
-        // busy").
+        // A separate process writes the program: a child of another test would inherit this process' file
+        // descriptor, and then starting the program would fail ("text file busy").
         let installed = std::process::Command::new("install").arg(draft).arg(&program).status();
         assert!(installed.unwrap().success());
         let options = SlicerOptions { slicer: Some(program), slicer_profile: None, printers: None };
@@ -317,7 +318,7 @@ mod tests {
         assert!(start.elapsed() < Duration::from_secs(20));
         let child = std::fs::read_to_string(slicer.folders.path().join("child")).unwrap();
         let of_child = PathBuf::from(format!("/proc/{}/stat", child.trim()));
-        // Killed, it may wait for somebody to ask how it ended.
+        // A killed process may remain as a zombie until it is reaped.
         let is_gone =
             || std::fs::read_to_string(&of_child).map_or(true, |stat| stat.contains(") Z"));
         let start = Instant::now();
@@ -329,7 +330,7 @@ mod tests {
 
     #[test]
     fn it_is_bounded_in_what_it_writes_and_in_memory() {
-        // The limits may come a moment after it began.
+        // The script sleeps, as the limits are set shortly after it starts.
         let slicer_of_file =
             slicer("file", "sleep 0.3; head -c 9000000 /dev/zero >print.gcode || exit 3");
         assert_eq!(fault(&slicer_of_file), "the slicer ended with code 3");

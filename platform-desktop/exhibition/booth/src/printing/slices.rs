@@ -1,4 +1,4 @@
-//! The thread that slices one print after the other, and finds the size that fits a time.
+//! The slicing thread: slices one print after the other, and finds the size that fits a print time.
 
 use std::io;
 use std::sync::Arc;
@@ -14,10 +14,10 @@ use crate::clock::booth_time;
 use crate::models::exporter::make_stl;
 use crate::server::work_keeper::keep_work;
 
-/// How often the thread looks for work that nobody told it of, as what was left by a start before.
+/// The poll interval for work without a notification, such as work left over from before a restart.
 const LOOK_AGAIN: Duration = Duration::from_secs(30);
 
-/// Slices the next print, if there is one. Returns for how long there is nothing to do.
+/// Slices the next print, if there is one. Returns the time until the next look for work.
 pub(crate) fn slice_next(booth: &Booth, slicer: &Arc<Slicer>) -> Duration {
     let sliced = booth.next_slice(booth_time()).and_then(|job| {
         let Some(job) = job else { return Ok(LOOK_AGAIN) };
@@ -28,7 +28,7 @@ pub(crate) fn slice_next(booth: &Booth, slicer: &Arc<Slicer>) -> Duration {
             return Ok(LOOK_AGAIN);
         };
         let outcome = outcome.inspect_err(|_| {
-            // If this fails too, the lease ends by itself.
+            // If this fails too, the lease expires by itself.
             let _ = booth.leave_work(WorkKind::Slice, &subject);
         })?;
         info!(order = job.order.order, ?outcome, "print sliced");
@@ -36,13 +36,13 @@ pub(crate) fn slice_next(booth: &Booth, slicer: &Arc<Slicer>) -> Duration {
         Ok(Duration::ZERO)
     });
     sliced.unwrap_or_else(|error| {
-        // Disk and database may be well again later.
+        // Retry later: the error of the disk or the database may be temporary.
         warn!(%error, "a print could not be sliced");
         LOOK_AGAIN
     })
 }
 
-/// What the slicer tells of a print; `None` where the booth ends.
+/// Slices a print, and returns its estimate. Returns `None` if the program is ending.
 fn slice(booth: &Booth, slicer: &Slicer, job: &PrintJob) -> Result<Option<SliceOutcome>, Refusal> {
     let unknown = |why: &str| Ok(Some(SliceOutcome::Unknown(why.to_owned())));
     let stl = match make_stl(&booth.read_kept(&job.sculpture)?) {
@@ -70,7 +70,7 @@ fn slice(booth: &Booth, slicer: &Slicer, job: &PrintJob) -> Result<Option<SliceO
     }
 }
 
-/// The greatest height whose print takes so many minutes at most, and what it takes.
+/// Finds the greatest height whose print takes at most `most` minutes. Returns it with its estimate.
 fn find_size(
     most: u32,
     first: u32,
@@ -85,7 +85,7 @@ fn find_size(
                 }
                 estimate.minutes
             }
-            // One that is larger than the printer takes longer than any time.
+            // A print that is larger than the printer counts as longer than any time.
             Err(SliceFault::TooLarge) => u32::MAX,
             Err(fault) => return Err(fault),
         };
@@ -94,7 +94,7 @@ fn find_size(
     best.ok_or_else(|| SliceFault::Failed("no size was found that fits the time".into()))
 }
 
-/// How high the model of a binary STL is, in millimetres; `None` where it has no height.
+/// Returns the height of the model of a binary STL, in millimetres; `None` if it has no height.
 pub(crate) fn height_of(stl: &[u8]) -> Option<f64> {
     let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
     for triangle in stl.get(84..)?.chunks_exact(50) {

@@ -1,4 +1,4 @@
-//! Where visitors' pages are, and links to them.
+//! The address of visitors' pages, and links to them.
 
 use std::fmt::Write as _;
 use std::net::SocketAddr;
@@ -18,24 +18,24 @@ use super::PublicOptions;
 use crate::error::Error;
 use crate::server::staff_certificate::load_certificate;
 
-/// White modules around a QR code, as its standard wants them.
+/// The quiet zone around a QR code, in modules, as the standard requires.
 const QUIET: usize = 4;
 
-/// Where visitors' pages are.
+/// The address of visitors' pages.
 #[derive(Clone)]
 pub(crate) struct PublicAddress {
-    /// Where the booth listens.
+    /// The address at which the booth listens.
     pub(crate) listen: SocketAddr,
-    /// TLS, where no proxy sees to it.
+    /// The TLS configuration; `None` behind a proxy that terminates TLS.
     pub(crate) tls: Option<TlsAcceptor>,
     url: Arc<str>,
 }
 
 impl PublicAddress {
-    /// By the options; `None` where visitors have no pages.
+    /// Makes the address from the options. Returns `None` if visitors have no pages.
     ///
     /// # Errors
-    /// An address that is none; a certificate or key that is none.
+    /// The address, the certificate or the key is invalid.
     pub(crate) fn new(options: &PublicOptions) -> Result<Option<Self>, Error> {
         let (Some(listen), Some(url)) = (options.public_listen, &options.public_url) else {
             return Ok(None);
@@ -53,22 +53,22 @@ impl PublicAddress {
         Ok(Some(PublicAddress { listen, tls, url: url.into() }))
     }
 
-    /// A visitor's link. It is shown to the visitor and to staff alone, and never logged.
+    /// Returns the link to a visitor's page. It is shown only to the visitor and to staff, and never logged.
     pub(crate) fn link(&self, id: &SculptureId, token: &LinkToken) -> String {
         format!("{}{}", self.url, path_of(id, token))
     }
 }
 
-/// The path of a visitor's page.
+/// Returns the path of a visitor's page.
 pub(crate) fn path_of(id: &SculptureId, token: &LinkToken) -> String {
-    // A token has the form of an id.
+    // A token has the same format as an id.
     format!("/s/{id}/{}", SculptureId(token.0))
 }
 
-/// A text as a QR code that survives a crease.
+/// Draws a text as a QR code with error correction, so that it is readable on creased paper.
 pub(crate) fn draw_qr(text: &str, label: &str) -> Markup {
     let Ok(code) = QrCode::with_error_correction_level(text, EcLevel::M) else {
-        // A link that long can't be: it has a host of thousands of letters.
+        // The text is too long for a QR code, which needs a host name of thousands of letters.
         return html! { p { (text) } };
     };
     let (side, colours) = (code.width(), code.to_colors());

@@ -1,4 +1,4 @@
-//! The visitor's own page: at an address of its own, behind a link that nobody guesses, and nothing else there.
+//! The visitors' pages: a separate listener that serves only pages behind links that can't be guessed.
 
 mod address;
 mod pages;

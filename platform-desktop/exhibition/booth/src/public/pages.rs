@@ -1,5 +1,5 @@
-//! The visitor's pages. Each stands behind its link; without a valid one all answers are the same. A wrong link costs a look
-//! into the database, and keeps nobody out: of 2^128 tokens none is guessed, however often somebody tries.
+//! The visitors' pages. Each is behind its link; all invalid links get the same response. An invalid link
+//! costs one database query. There is no rate limit, as one of 2^128 tokens can't be guessed.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -32,22 +32,22 @@ use crate::server::routes::bound_and_count;
 use crate::staff::draw_badge;
 use crate::viewer::{self, draw_downloads, draw_viewer};
 
-/// Bytes of a form: a word.
+/// The most bytes of a form: it has one word.
 const MAX_FORM_BYTES: usize = 4 << 10;
 
-/// The sculpture of a valid link, and in which language its page is.
+/// The sculpture of a valid link, and the language of its page.
 pub(crate) struct PageVisit {
     sculpture: Sculpture,
     token: LinkToken,
     texts: &'static PublicTexts,
 }
 
-/// Why a visitor sees nothing.
+/// A refusal as a visitor's page.
 pub(crate) struct PublicAnswer(&'static PublicTexts, Refusal);
 
 type Answer = Result<Response, PublicAnswer>;
 
-/// All routes of the visitors' listener.
+/// Makes the routes of the visitors' listener.
 pub(crate) fn router(app: &Arc<BoothApp>) -> Router {
     let of_visit = Router::new()
         .route("/s/{id}/{token}", get(show))
@@ -80,7 +80,7 @@ pub(crate) fn router(app: &Arc<BoothApp>) -> Router {
         .with_state(app.clone())
 }
 
-/// Keeps the address, which is the key, from search engines and from the log of a proxy.
+/// Keeps the address, which is secret, out of search engines and out of other sites' logs.
 async fn hide_address(request: Request, next: Next) -> Response {
     let mut answer = next.run(request).await;
     let robots = HeaderName::from_static("x-robots-tag");
@@ -103,7 +103,7 @@ impl FromRequestParts<Arc<BoothApp>> for PageVisit {
         let hex = |name| SculptureId::parse_hex(link.as_ref()?.get(name)?);
         let found = match (hex("id"), hex("token")) {
             (Some(id), Some(token)) => {
-                // A token has the form of an id.
+                // A token has the same format as an id.
                 let token = LinkToken(token.0);
                 let found = app.run(move |app| app.booth.find_by_link(&id, &token));
                 found.await.map(|sculpture| (sculpture, token))
@@ -179,7 +179,7 @@ async fn send_model(
     Ok((head, Body::from(model)).into_response())
 }
 
-/// `GET /s/{id}/{token}/delete`: asks whether it is meant.
+/// `GET /s/{id}/{token}/delete`: asks for confirmation.
 async fn ask_delete(visit: PageVisit) -> Response {
     let (texts, at) = (visit.texts, visit.path());
     page(
@@ -217,7 +217,7 @@ async fn send_style() -> Response {
     ([(header::CONTENT_TYPE, "text/css")], include_str!("../staff/style.css")).into_response()
 }
 
-/// A page; with the way to the other language where it has an address.
+/// Makes a page. If `at` is its address, adds a link to the other language.
 fn page(texts: &PublicTexts, at: Option<&str>, body: &Markup) -> Response {
     let markup = html! {
         (DOCTYPE)
@@ -252,7 +252,7 @@ impl IntoResponse for PublicAnswer {
             _ => texts.busy,
         };
         if refusal.is_failure() {
-            // What store and disk say names no link.
+            // Errors of the store and the disk contain no link.
             warn!(%refusal, "a visitor's page failed");
         }
         let mut answer = page(texts, None, &html! { p class="note" role="alert" { (why) } });
@@ -265,7 +265,7 @@ impl IntoResponse for PublicAnswer {
     }
 }
 
-/// Without a sculpture there is the browser's language.
+/// Returns the texts in the browser's language, for pages without a sculpture.
 fn texts_of_browser(headers: &HeaderMap) -> &'static PublicTexts {
     let wanted = headers.get(header::ACCEPT_LANGUAGE).and_then(|value| value.to_str().ok());
     let is_greek = wanted.is_some_and(|wanted| wanted.starts_with("el"));

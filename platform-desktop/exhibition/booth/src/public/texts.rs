@@ -1,8 +1,8 @@
-//! What a visitor's page says, in two languages.
+//! The texts of a visitor's page, in two languages.
 
 use paros_core::badge::Language;
 
-/// What a visitor's page says.
+/// The texts of a visitor's page.
 pub(crate) struct PublicTexts {
     pub(crate) language: Language,
     pub(crate) code: &'static str,

@@ -1,4 +1,4 @@
-//! What all requests share.
+//! The state that all requests share, and the limits on concurrent work.
 
 use std::fs;
 use std::net::IpAddr;
@@ -28,72 +28,79 @@ use crate::server::worker::Waker;
 use crate::staff::LoginGate;
 use crate::store::files::Files;
 
-/// Heartbeats and tokens that are at the store at once. They have places of their own: each takes a moment, and
-/// doesn't wait behind parcels that are synced to the disk.
+/// The most heartbeats and token checks that use the store at once. They have a separate limit, as they are
+/// short and mustn't wait behind parcels that are synced to disk.
 const MAX_SMALL: usize = 4;
 
-/// Other requests that are at the store or the disk at once: more only wait there, each with its memory.
+/// The most other requests that use the store or the disk at once. More would only wait there and take
+/// memory.
 const MAX_WORK: usize = 6;
 
-/// Parcels that are unpacked and checked at once: each holds its packed and unpacked bytes.
+/// The most parcels that are decoded at once: each takes memory for its packed and unpacked bytes.
 const MAX_DECODES: usize = 2;
 
-/// Models that are made for downloads at once: each takes a processor for a second, and uploads go on beside.
+/// The most models that are made for downloads at once: each takes a second of a processor, which uploads
+/// need too.
 const MAX_MODELS: usize = 1;
 
-/// Downloads that wait for their model.
+/// The most downloads that wait for their model.
 const MAX_WAITING_MODELS: usize = 16;
 
-/// How long one waits: somebody looks at a browser.
+/// The longest wait of a download for its model: a person is waiting at a browser.
 const LONGEST_WAIT_FOR_MODEL: Duration = Duration::from_secs(20);
 
-/// Threads for work that waits for the disk.
+/// The number of threads for work that waits for the disk.
 pub(crate) const WORK_THREADS: usize = MAX_SMALL + MAX_WORK;
 
-/// Threads for work on whole parcels and models. They are others: an allocator keeps for each thread what its largest work
-/// took, and that was a third of the booth's memory where any thread might get it.
+/// The number of threads for work on whole parcels and models. They are separate threads, as the allocator
+/// keeps for each thread the memory of its largest work; on shared threads that was a third of the booth's
+/// memory.
 pub(crate) const WHOLE_THREADS: usize = MAX_DECODES + MAX_MODELS;
 
-/// Bytes of a parcel that is small: a hundred times what a volume usually takes.
+/// The most bytes of a small parcel: a hundred times a usual volume.
 pub(crate) const SMALL_PARCEL_BYTES: u64 = 1 << 20;
 
-/// Small parcels that are in memory at once: 32 MiB at most.
+/// The most small parcels in memory at once: 32 MiB in total.
 const MAX_SMALL_PARCELS: usize = 32;
 
-/// Larger parcels, with traces, that are in memory at once. A slow one holds up no small one.
+/// The most larger parcels, with traces, in memory at once. A slow large parcel doesn't delay small ones.
 const MAX_LARGE_PARCELS: usize = 1;
 
-/// Parcels of a headset at once: one, and one that its headset gave up.
+/// The most parcels of one headset at once: the current one, and one that the headset has given up.
 const MAX_PARCELS_OF_ONE: usize = 2;
 
-/// Requests that wait for one of these: about as many as connections may be open; whoever waits holds little.
+/// The most requests that wait at one gate: about as many as connections may be open. A waiting request takes
+/// little memory.
 const MAX_WAITING: usize = 640;
 
-/// How long a request waits in a line of the booth's, so that its headset hears before it gives up by itself.
+/// The longest wait of a request at a gate: shorter than the headset's own timeout, so that it gets a
+/// response.
 const LONGEST_WAIT: Duration = Duration::from_secs(5);
 
-/// The time for which a health check holds: anybody may ask for one, and each writes to the disk.
+/// The time for which the result of a health check is reused: anybody may request one, and each writes to the
+/// disk.
 const CHECK_LIFE: Duration = Duration::from_secs(2);
 
-/// What all requests share.
+/// The state that all requests share.
 pub(crate) struct BoothApp {
-    /// What decides.
+    /// The rules, which make every decision.
     pub booth: Booth,
-    /// Where files are.
+    /// The files of sculptures.
     pub files: Arc<dyn Files>,
-    /// What changes in its records.
+    /// Notifications of changes in the records.
     pub changes: Changes,
-    /// What is counted.
+    /// The counters for Prometheus.
     pub metrics: Metrics,
-    /// Tell threads of work.
+    /// The wakers of the worker threads.
     pub wakers: Wakers,
     /// Printers on the network.
     pub printers: Vec<Printer>,
-    /// Where visitors' pages are, if they have some.
+    /// The address of visitors' pages, if they have some.
     pub public_address: Option<PublicAddress>,
-    /// Models of a sculpture that its visitor's link asks for: each takes a second of a processor.
+    /// The rate limit of models that are downloaded by a visitor's link, for each sculpture: each takes a
+    /// second of a processor.
     pub(crate) models_of_links: RateLimiter<[u8; 16]>,
-    /// What pages tell of the booth itself.
+    /// Facts of the booth that pages show.
     pub(crate) facts: SiteFacts,
     pub(crate) logins: LoginGate,
     pub(crate) of_device: RateLimiter<u32>,
@@ -111,33 +118,33 @@ pub(crate) struct BoothApp {
     checked_at: Mutex<Option<Instant>>,
 }
 
-/// What tells threads of work.
+/// The wakers of the worker threads.
 pub(crate) struct Wakers {
-    /// The exporter.
+    /// Wakes the exporter.
     pub exports: Waker,
-    /// The mailer, where mails are sent.
+    /// Wakes the mailer; `None` without a mail server.
     pub mails: Option<Waker>,
-    /// The slicer, where there is one.
+    /// Wakes the slicer; `None` without one.
     pub slices: Option<Waker>,
 }
 
-/// A booth's parts in a folder.
+/// The parts of a booth that a folder, or what several booths share, holds.
 pub(crate) struct OpenBooth {
-    /// What decides.
+    /// The rules, which make every decision.
     pub booth: Booth,
-    /// Where files are.
+    /// The files of sculptures.
     pub files: Arc<dyn Files>,
-    /// What changes in its records.
+    /// Notifications of changes in the records.
     pub changes: Changes,
-    /// Who it is.
+    /// The keys of the booth's site.
     pub keys: BoothKeys,
 }
 
 impl OpenBooth {
-    /// Opens the booth of a folder, for a command beside the server.
+    /// Opens an existing booth, for a command beside the server.
     ///
     /// # Errors
-    /// There is no booth; or those of [`OpenBooth::open_or_make`].
+    /// There is no booth in the folder; the errors of [`OpenBooth::open_or_make`].
     pub(crate) fn open(
         folder: &Path,
         shared: &SharedOptions,
@@ -151,7 +158,7 @@ impl OpenBooth {
         OpenBooth::open_or_make(folder, shared, plan, quota_bytes)
     }
 
-    /// Opens the booth of a folder, which is made at the server's first start; or what several booths share.
+    /// Opens a booth's folder and what it shares with others. Makes a new booth at the server's first start.
     ///
     /// # Errors
     /// An I/O error, a database error, or keys or records that are damaged or missing.
@@ -191,7 +198,7 @@ fn open_sqlite(folder: &Path) -> Result<(Arc<dyn Store>, BoothKeys), Error> {
 }
 
 impl BoothApp {
-    /// Of a booth.
+    /// Makes the state of a booth. `of_wholes` runs work on whole parcels and models.
     #[must_use]
     pub(crate) fn new(
         (booth, files, changes): (Booth, Arc<dyn Files>, Changes),
@@ -213,7 +220,7 @@ impl BoothApp {
             facts,
             logins,
             of_device: RateLimiter::new(200, 50.0),
-            // A wall of headsets that enrol at once, behind one address.
+            // Allows a whole fleet of headsets behind one address to enrol at once.
             of_stranger: RateLimiter::new(250, 2.0),
             small_parcels: Gate::new(MAX_SMALL_PARCELS, MAX_WAITING, LONGEST_WAIT),
             large_parcels: Gate::new(MAX_LARGE_PARCELS, MAX_WAITING, LONGEST_WAIT),
@@ -227,10 +234,10 @@ impl BoothApp {
         }
     }
 
-    /// Checks that the store and the files can be written to; not again within [`CHECK_LIFE`].
+    /// Checks that the store and the files can be written to. Reuses a successful result for [`CHECK_LIFE`].
     ///
     /// # Errors
-    /// Those of store and disk.
+    /// The errors of the store and the disk.
     pub(crate) fn check_writes(&self) -> Result<(), Refusal> {
         let mut checked_at = self.checked_at.lock().unwrap_or_else(PoisonError::into_inner);
         if checked_at.is_some_and(|at| at.elapsed() < CHECK_LIFE) {
@@ -243,10 +250,10 @@ impl BoothApp {
         Ok(())
     }
 
-    /// Does work that waits for the disk, on a thread for such, when it is its turn.
+    /// Runs work that waits for the disk on a blocking thread, after waiting at the gate.
     ///
     /// # Errors
-    /// The work's, or [`Refusal::Overloaded`].
+    /// The work's error, or [`Refusal::Overloaded`].
     pub(crate) async fn run<T: Send + 'static>(
         self: &Arc<Self>,
         work: impl FnOnce(&BoothApp) -> Result<T, Refusal> + Send + 'static,
@@ -254,10 +261,10 @@ impl BoothApp {
         self.run_behind(&self.work, &Handle::current(), work).await
     }
 
-    /// Does work that takes a moment and is asked for often.
+    /// Runs short, frequent work.
     ///
     /// # Errors
-    /// The work's, or [`Refusal::Overloaded`].
+    /// The work's error, or [`Refusal::Overloaded`].
     pub(crate) async fn run_small<T: Send + 'static>(
         self: &Arc<Self>,
         work: impl FnOnce(&BoothApp) -> Result<T, Refusal> + Send + 'static,
@@ -265,10 +272,10 @@ impl BoothApp {
         self.run_behind(&self.small, &Handle::current(), work).await
     }
 
-    /// Does work that unpacks a parcel.
+    /// Runs work that unpacks a parcel.
     ///
     /// # Errors
-    /// The work's, or [`Refusal::Overloaded`].
+    /// The work's error, or [`Refusal::Overloaded`].
     pub(crate) async fn run_decode<T: Send + 'static>(
         self: &Arc<Self>,
         work: impl FnOnce(&BoothApp) -> Result<T, Refusal> + Send + 'static,
@@ -276,10 +283,10 @@ impl BoothApp {
         self.run_behind(&self.decodes, &self.of_wholes, work).await
     }
 
-    /// Does work that makes a model.
+    /// Runs work that makes a model.
     ///
     /// # Errors
-    /// The work's, or [`Refusal::Overloaded`].
+    /// The work's error, or [`Refusal::Overloaded`].
     pub(crate) async fn run_model<T: Send + 'static>(
         self: &Arc<Self>,
         work: impl FnOnce(&BoothApp) -> Result<T, Refusal> + Send + 'static,
@@ -296,7 +303,7 @@ impl BoothApp {
         let permit = gate.enter().await?;
         let app = self.clone();
         let done = threads.spawn_blocking(move || {
-            // The work goes on where nobody waits for it any more, and holds its place.
+            // If the request is cancelled, the work still runs to its end and keeps its permit.
             let _permit = permit;
             work(&app)
         });

@@ -1,5 +1,5 @@
-//! What comes of a request after its head: bounded in time from when the booth begins to read it, so that what
-//! the booth itself takes is nobody's fault.
+//! Request bodies with timeouts. The times count from when the booth begins to read the body, so that the
+//! booth's own delays don't count.
 
 use std::io;
 use std::pin::Pin;
@@ -12,34 +12,34 @@ use axum::body::{Body, Bytes};
 use hyper::body::{Body as HttpBody, Frame, SizeHint};
 use tokio::time::{Instant, Sleep, sleep};
 
-/// Bytes of a request's body at most, but for a parcel's.
+/// The most bytes of a request's body, except for parcels.
 pub(crate) const MAX_REQUEST_BYTES: usize = 256 << 10;
 
-/// The times of a request's body.
+/// The timeouts of a request's body.
 #[derive(Clone, Copy)]
 pub(crate) struct BodyTimes {
-    /// From when it is first read to its end.
+    /// The time from the first read to the end.
     pub(crate) whole: Duration,
-    /// Without progress.
+    /// The longest time without progress.
     pub(crate) idle: Duration,
 }
 
-/// A body that has to be there within its times.
+/// A body with timeouts.
 struct TimedBody {
     body: Body,
     times: BodyTimes,
-    /// When it is too late, once somebody reads it.
+    /// The deadlines, which are set at the first read.
     deadlines: Option<Deadlines>,
     is_late: Arc<AtomicBool>,
 }
 
-/// When a body is too late: in all, and without progress.
+/// The deadlines of a body: of the whole, and of the next progress.
 struct Deadlines {
     end: Pin<Box<Sleep>>,
     idle: Pin<Box<Sleep>>,
 }
 
-/// A body with times, and a flag that says whether it came too late.
+/// Adds timeouts to a body. Returns it with a flag that becomes `true` if it is late.
 pub(crate) fn bound_body(body: Body, times: BodyTimes) -> (Body, Arc<AtomicBool>) {
     let is_late = Arc::new(AtomicBool::new(false));
     let timed = TimedBody { body, times, deadlines: None, is_late: is_late.clone() };
@@ -82,7 +82,8 @@ impl HttpBody for TimedBody {
     }
 }
 
-/// Takes what comes of a body and forgets it: who is still sending when the connection is closed doesn't hear why.
+/// Reads and discards a body. Otherwise a client that is still sending when the connection closes may not get
+/// the response.
 pub(crate) async fn pass_over(mut body: Body) {
     let mut left = MAX_REQUEST_BYTES;
     let mut body = Pin::new(&mut body);
@@ -105,7 +106,7 @@ mod tests {
 
     use super::*;
 
-    /// Whether a body comes too late that sends so many pieces, each after so many milliseconds.
+    /// Returns `true` if a body of `pieces` pieces, each after `each_ms` milliseconds, is late.
     async fn is_late(pieces: usize, each_ms: u64, times: BodyTimes) -> bool {
         let pieces = stream::iter(0..pieces).then(move |_| async move {
             sleep(Duration::from_millis(each_ms)).await;

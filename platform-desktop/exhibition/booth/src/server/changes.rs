@@ -1,19 +1,21 @@
-//! Changes of the records, so that open pages can follow them.
+//! Notifications of changes in the records, so that open pages can follow them.
 
 use std::sync::Arc;
 
 use paros_booth_rules::{Access, Row, Store, StoreError, Transaction, Value};
 use tokio::sync::watch;
 
-/// The tables that pages show, and the one of logins, with which pages end. Heartbeats change others, several times a second.
+/// The tables that pages show, and the table of logins, as pages end with their login. Heartbeats change
+/// other tables several times a second.
 const SHOWN: [&str; 6] =
     ["announcements", "commands", "mail_orders", "print_orders", "sculptures", "staff_sessions"];
 
-/// Tells of changes that this process has committed to the tables that pages show, and whether the program ends.
+/// Notifies of changes that this process has committed to the tables that pages show, and of the program's
+/// end.
 #[derive(Clone)]
 pub(crate) struct Changes(watch::Sender<bool>);
 
-/// Waits for changes.
+/// A receiver of the notifications.
 pub(crate) struct ChangeWatch(watch::Receiver<bool>);
 
 impl Changes {
@@ -22,24 +24,24 @@ impl Changes {
         Changes(watch::Sender::default())
     }
 
-    /// Returns the same store, whose changes are told here.
+    /// Wraps a store, so that its changes are notified here.
     #[must_use]
     pub(crate) fn watch_store(&self, store: Arc<dyn Store>) -> Arc<dyn Store> {
         Arc::new(WatchedStore { store, changes: self.clone() })
     }
 
-    /// Waits for changes from now on.
+    /// Returns a receiver of changes from now on.
     #[must_use]
     pub(crate) fn watch(&self) -> ChangeWatch {
         ChangeWatch(self.0.subscribe())
     }
 
-    /// Ends all waiting: the program ends.
+    /// Ends all waiting, as the program ends.
     pub(crate) fn end(&self) {
         self.0.send_replace(true);
     }
 
-    /// Wakes all that wait.
+    /// Wakes all receivers.
     fn tell(&self) {
         self.0.send_modify(|_| {});
     }
@@ -52,7 +54,7 @@ impl ChangeWatch {
     }
 }
 
-/// A store whose changes are told.
+/// A store that notifies of its changes.
 struct WatchedStore {
     store: Arc<dyn Store>,
     changes: Changes,

@@ -1,4 +1,4 @@
-//! Connections that are open, and which one makes room for a new one.
+//! The open connections of a listener. Decides which one is closed to make room for a new one.
 
 use std::cmp::Reverse;
 use std::collections::HashMap;
@@ -8,26 +8,28 @@ use std::time::Instant;
 
 use tokio::sync::Notify;
 
-/// Connections at once: two of each of 256 headsets, and 128 of staff, of visitors, and of those who don't say who they are.
+/// The most connections at once: two for each of 256 headsets, and 128 for staff, visitors and unknown
+/// clients.
 pub(crate) const MAX_CONNECTIONS: usize = 640;
 
-/// Connections that a headset keeps under pressure: one for heartbeats, one for a parcel.
+/// The connections that a headset keeps when the limit is reached: one for heartbeats, one for a parcel.
 const KEPT_OF_HEADSET: usize = 2;
 
-/// Connections that an account keeps under pressure: a browser opens six at once, and an account is used on two tablets.
+/// The connections that an account keeps when the limit is reached: a browser opens six at once, and an
+/// account may be used on two tablets.
 const KEPT_OF_ACCOUNT: usize = 12;
 
-/// Connections that the link of a sculpture keeps under pressure: a browser opens six at once.
+/// The connections that the link of a sculpture keeps when the limit is reached: a browser opens six at once.
 const KEPT_OF_LINK: usize = 6;
 
-/// The holder of a connection: its address, until a request on it proves more.
+/// The holder of a connection: its network, until a request on it is authenticated.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub(crate) enum Holder {
-    /// A network whose requests have proved nothing yet.
+    /// A network without an authenticated request.
     Network(IpAddr),
-    /// A headset that is enrolled.
+    /// An enrolled headset.
     Headset(u32),
-    /// An account that is logged in.
+    /// A logged-in account.
     Account(String),
     /// A visitor with the link of this sculpture.
     Link([u8; 16]),
@@ -46,9 +48,10 @@ impl Holder {
 
 /// All open connections of a listener.
 ///
-/// If all places are taken, a new connection closes another one: of the holder that has most beyond
-/// what it keeps, the one that has been without a new request for longest. So idle connections are closed first, a holder of many
-/// closes its own, and the connections that a headset, an account or a link keeps are never closed for others.
+/// At the limit, a new connection closes another one: of the holder that exceeds its kept connections by
+/// most, the one whose last request is oldest. So idle connections are closed first, a holder of many
+/// connections loses its own, and the kept connections of a headset, an account or a link are never closed
+/// for others.
 pub(crate) struct Connections {
     most: usize,
     open: Mutex<Table>,
@@ -66,7 +69,7 @@ struct Entry {
     close: Arc<Notify>,
 }
 
-/// An open connection. Its place is free when this is dropped.
+/// An open connection. Dropping it frees its place.
 pub(crate) struct Connection {
     all: Arc<Connections>,
     number: u64,
@@ -79,7 +82,7 @@ impl Connections {
         Connections { most, open: Mutex::default() }
     }
 
-    /// Opens a connection, and closes another one if all places are taken. Returns `None` if none of them may be closed.
+    /// Opens a connection. At the limit, closes another one; returns `None` if none may be closed.
     pub(crate) fn open(self: &Arc<Self>, holder: Holder, now: Instant) -> Option<Arc<Connection>> {
         let close = Arc::new(Notify::new());
         let mut table = self.open.lock().unwrap_or_else(PoisonError::into_inner);
@@ -95,7 +98,7 @@ impl Connections {
 
     fn change(&self, number: u64, change: impl FnOnce(&mut Entry)) {
         let mut table = self.open.lock().unwrap_or_else(PoisonError::into_inner);
-        // It isn't there any more if it is about to be closed.
+        // A connection that is about to be closed has no entry any more.
         if let Some(entry) = table.entries.get_mut(&number) {
             change(entry);
         }
@@ -103,7 +106,7 @@ impl Connections {
 }
 
 impl Table {
-    /// Finds the connection that makes room for a new one.
+    /// Finds the connection to close to make room for a new one.
     fn find_closable(&self) -> Option<u64> {
         let mut counts = HashMap::<&Holder, usize>::new();
         for entry in self.entries.values() {
@@ -117,17 +120,17 @@ impl Table {
 }
 
 impl Connection {
-    /// Notes who the connection is of, as its request has proved.
+    /// Sets the connection's holder, after a request on it was authenticated.
     pub(crate) fn hold(&self, holder: Holder) {
         self.all.change(self.number, |entry| entry.holder = holder);
     }
 
-    /// Notes that a request has begun.
+    /// Notes the begin of a request.
     pub(crate) fn touch(&self, now: Instant) {
         self.all.change(self.number, |entry| entry.used_at = now);
     }
 
-    /// Waits until the connection has to make room for another one.
+    /// Waits until the connection has to close to make room for another one.
     pub(crate) async fn closed(&self) {
         self.close.notified().await;
     }
@@ -150,7 +153,7 @@ mod tests {
 
     use super::{Connection, Connections, Holder, KEPT_OF_ACCOUNT, KEPT_OF_HEADSET, KEPT_OF_LINK};
 
-    /// A table of so many places, its clock, and the connections in the order in which they came.
+    /// A table with a limit, its clock, and its connections in order of arrival.
     struct Rig {
         all: Arc<Connections>,
         now: Instant,
@@ -168,7 +171,7 @@ mod tests {
             self.came.last().is_some_and(Option::is_some)
         }
 
-        /// Takes the connections that have to close, by their places in the order.
+        /// Takes the connections that have to close. Returns their places in the order of arrival.
         fn take_closed(&mut self) -> Vec<usize> {
             let must_close = |came: &Option<Arc<Connection>>| {
                 came.as_ref().is_some_and(|open| open.closed().now_or_never().is_some())
@@ -212,7 +215,7 @@ mod tests {
             [(&ana, KEPT_OF_ACCOUNT), (&headset, KEPT_OF_HEADSET), (&link, KEPT_OF_LINK)]
         {
             for _ in 0..kept {
-                // Each comes as a stranger's.
+                // Each connection is a stranger's at first.
                 assert!(rig.open(&network(1)));
                 let open = rig.came.last().and_then(Option::as_ref);
                 open.expect("there is room").hold(holder.clone());

@@ -1,5 +1,5 @@
-//! Where requests wait for their turn, in a line that is bounded in length and time: who finds it too long is told at
-//! once when to ask again, instead of being cut off later.
+//! A semaphore with a waiting line of limited length and time. If the line is full, a request is rejected at
+//! once with a time to retry, instead of a timeout later.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -9,10 +9,10 @@ use paros_booth_rules::Refusal;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::time::timeout;
 
-/// Seconds after which somebody may ask again for whom the line was too long.
+/// The seconds after which a rejected request may be retried.
 const RETRY_AFTER: u32 = 3;
 
-/// Places for so many at once, and a line before them.
+/// A limited number of places, and a waiting line.
 pub(crate) struct Gate {
     places: Arc<Semaphore>,
     waiting: AtomicUsize,
@@ -20,7 +20,7 @@ pub(crate) struct Gate {
     longest_wait: Duration,
 }
 
-/// Somebody in the line; gone from it when this is dropped.
+/// A place in the waiting line. It is left on drop.
 struct Waiting<'a>(&'a AtomicUsize);
 
 impl Drop for Waiting<'_> {
@@ -36,10 +36,10 @@ impl Gate {
         Gate { places, waiting: AtomicUsize::new(0), most_waiting, longest_wait }
     }
 
-    /// A place, first come, first served.
+    /// Waits for a place, first come, first served.
     ///
     /// # Errors
-    /// [`Refusal::Overloaded`] where the line is too long, or has been.
+    /// [`Refusal::Overloaded`] if the line is full, or the wait took too long.
     pub(crate) async fn enter(&self) -> Result<OwnedSemaphorePermit, Refusal> {
         const OVERLOADED: Refusal = Refusal::Overloaded { retry_after: RETRY_AFTER };
         if let Ok(place) = self.places.clone().try_acquire_owned() {

@@ -1,5 +1,5 @@
-//! What makes a site this one: its name, the secret of its links, its certificate authority.
-//! All are drawn at the first start, and lie in files that only their owner reads.
+//! The keys of a site: its name, the secret of visitors' links, and its certificate authority. They are
+//! generated at the first start, and stored in files with mode 0600.
 
 use std::fs::{self, DirBuilder};
 use std::os::unix::fs::DirBuilderExt as _;
@@ -17,19 +17,19 @@ use tokio_rustls::rustls::pki_types::{CertificateDer, pem::PemObject as _};
 use crate::error::Error;
 use crate::random::random_bytes;
 
-/// The first bytes of the file of secrets; the last one is its version.
+/// The magic bytes of the file of secrets. The last byte is the version.
 const SECRETS_MAGIC: [u8; 8] = *b"PBSITE\0\x02";
 
-/// A site's name, the secret of its links.
+/// The length of the file: magic, the site's name, the secret of its links.
 const SECRETS_BYTES: usize = 8 + 16 + 32;
 
 /// The keys of a site.
 pub(crate) struct BoothKeys {
-    /// For decisions.
+    /// The keys that the rules use.
     pub site: SiteKeys,
     /// The certificate authority's certificate, in PEM.
     pub ca_pem: String,
-    /// What it signs by.
+    /// The certificate authority's private key.
     pub ca_key: KeyPair,
 }
 
@@ -39,10 +39,11 @@ impl BoothKeys {
         folder.join("keys/site.key").exists()
     }
 
-    /// Loads the keys of a booth's folder, or draws them at its first start, of which `is_new` says whether it is.
+    /// Loads the keys in a booth's folder. If there are none and `is_new` is `true`, generates them.
     ///
     /// # Errors
-    /// What the disk says; damaged keys; or none where there must be some.
+    /// The error of the disk or the system; the keys are damaged; the keys are missing and `is_new` is
+    /// `false`.
     pub(crate) fn load_or_draw(folder: &Path, is_new: bool) -> Result<Self, Error> {
         let folder = folder.join("keys");
         let secrets = folder.join("site.key");
@@ -57,13 +58,13 @@ impl BoothKeys {
     }
 }
 
-/// What a site's authority says of itself.
+/// Returns the certificate parameters of a site's authority.
 pub(crate) fn ca_params(site: &SiteId) -> CertificateParams {
     let mut params = CertificateParams::default();
     params.distinguished_name = Default::default();
-    // Each site's is another, so that a tablet may know several.
+    // Each site has another name, so that a tablet can trust several sites.
     params.distinguished_name.push(DnType::CommonName, format!("Paros site {site}"));
-    // A headset's clock may be anywhere.
+    // The validity is long, as a headset's clock may be wrong by years.
     params.not_before = date_time_ymd(2020, 1, 1);
     params.not_after = date_time_ymd(2099, 1, 1);
     params.is_ca = IsCa::Ca(BasicConstraints::Constrained(0));
@@ -71,7 +72,7 @@ pub(crate) fn ca_params(site: &SiteId) -> CertificateParams {
     params
 }
 
-/// Draws all keys. The secrets are written last: without them none was used.
+/// Generates all keys. The secrets are written last: if their file is missing, no key was used yet.
 fn draw(folder: &Path) -> Result<(), Error> {
     let made = DirBuilder::new().recursive(true).mode(0o700).create(folder);
     made.map_err(|error| Error::at(folder, error))?;

@@ -1,5 +1,5 @@
-//! The certificate that the booth shows, signed by its own authority, and made anew while it runs: in good time
-//! before it ends, and when the machine's addresses have become others.
+//! The booth's TLS server certificate (the leaf), signed by its own authority. It is renewed while the booth
+//! runs, well before it expires and when the machine's addresses change.
 
 use std::fmt;
 use std::net::IpAddr;
@@ -21,16 +21,16 @@ use crate::error::Error;
 use crate::server::keys::{BoothKeys, ca_params};
 use crate::server::staff_certificate::{StaffCertificate, has_name};
 
-/// How long a leaf is valid. Browsers of tablets take none that is valid for longer than 825 days.
+/// The validity of a leaf. Browsers of tablets reject a validity of more than 825 days.
 const LEAF_LIFE: Duration = Duration::from_secs(800 * 86_400);
 
-/// How old a leaf may be until a new one takes its place.
+/// The age at which a leaf is renewed.
 const LEAF_AGE: Duration = Duration::from_secs(400 * 86_400);
 
-/// The leaf of now.
+/// The current leaf, and the certificate for staff's browsers.
 pub(crate) struct LeafKeeper {
     keys: BoothKeys,
-    /// Another's, for who asks by its names.
+    /// A certificate from another authority, for clients that connect by its names.
     of_staff: StaffCertificate,
     leaf: RwLock<Leaf>,
 }
@@ -42,10 +42,10 @@ struct Leaf {
 }
 
 impl LeafKeeper {
-    /// With a leaf for these names and addresses.
+    /// Makes a leaf for these names and addresses.
     ///
     /// # Errors
-    /// A name that is none, or what the libraries say.
+    /// A name is invalid, or an error of the cryptographic libraries.
     pub(crate) fn new(
         keys: BoothKeys,
         of_staff: StaffCertificate,
@@ -57,14 +57,14 @@ impl LeafKeeper {
         Ok(Arc::new(LeafKeeper { keys, of_staff, leaf }))
     }
 
-    /// Makes a new leaf where the names are others than the leaf's, or it is old. Returns whether it did.
+    /// Renews the leaf if its names have changed, or it is old. Returns `true` if it was renewed.
     ///
     /// # Errors
-    /// As of [`LeafKeeper::new`]; the leaf stays as it is.
+    /// The errors of [`LeafKeeper::new`]. Then the leaf isn't changed.
     pub(crate) fn renew_if_due(&self, names: &[String], now: SystemTime) -> Result<bool, Error> {
         let is_due = {
             let leaf = self.leaf.read().unwrap_or_else(PoisonError::into_inner);
-            // A clock that was put back tells no age.
+            // If the clock was set back, the age counts as zero.
             let age = now.duration_since(leaf.made_at).unwrap_or_default();
             age >= LEAF_AGE || leaf.names != names
         };
@@ -74,10 +74,10 @@ impl LeafKeeper {
         Ok(is_due)
     }
 
-    /// Makes a new leaf, and loads the staff's certificate again. Connections that are open stay.
+    /// Makes a new leaf, and loads the staff's certificate again. Open connections are kept.
     ///
     /// # Errors
-    /// Those of [`LeafKeeper::new`] and [`StaffCertificate::load`]. The leaf stays as it is then.
+    /// The errors of [`LeafKeeper::new`] and [`StaffCertificate::load`]. Then the leaf isn't changed.
     pub(crate) fn reload(&self, names: &[String], now: SystemTime) -> Result<(), Error> {
         self.of_staff.reload()?;
         self.renew(names, now)
@@ -90,10 +90,10 @@ impl LeafKeeper {
         Ok(())
     }
 
-    /// TLS by whatever leaf there is when somebody connects.
+    /// Returns a TLS configuration that presents the leaf that is current at each handshake.
     ///
     /// # Errors
-    /// What the libraries say.
+    /// An error of the cryptographic libraries.
     pub(crate) fn tls_config(self: &Arc<Self>) -> Result<ServerConfig, Error> {
         let mut config = ServerConfig::builder_with_provider(default_provider().into())
             .with_protocol_versions(&[&TLS13])
@@ -118,14 +118,14 @@ impl ResolvesServerCert for LeafKeeper {
     }
 }
 
-/// Doesn't show the keys.
+/// Hides the keys.
 impl fmt::Debug for LeafKeeper {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("LeafKeeper")
     }
 }
 
-/// The names and addresses by which this machine may be asked.
+/// Returns the names and addresses by which clients reach this machine.
 #[must_use]
 pub(crate) fn local_names(listen: IpAddr, others: &[String]) -> Vec<String> {
     let mut names = vec!["localhost".to_owned(), "127.0.0.1".to_owned(), "::1".to_owned()];
@@ -136,11 +136,11 @@ pub(crate) fn local_names(listen: IpAddr, others: &[String]) -> Vec<String> {
     names
 }
 
-/// The address from which this machine would go to others. Nothing is sent.
+/// Returns the address from which this machine connects to others. Sends nothing.
 #[must_use]
 pub(crate) fn primary_address() -> Option<IpAddr> {
     let socket = std::net::UdpSocket::bind("0.0.0.0:0").ok()?;
-    // A network that is reserved for documents: any would do.
+    // An address reserved for documentation: connecting a UDP socket only selects a route.
     socket.connect("192.0.2.1:9").ok()?;
     socket.local_addr().ok().map(|address| address.ip())
 }

@@ -1,4 +1,4 @@
-//! Connections: TLS, bounds against those who hold them without a word, and a graceful end.
+//! Accepts connections: TLS, timeouts against idle clients, and a graceful shutdown.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -19,22 +19,24 @@ use crate::server::app::BoothApp;
 use crate::server::connections::{Connections, Holder, MAX_CONNECTIONS};
 use crate::server::routes::Peer;
 
-/// How long a handshake may take.
+/// The timeout of a TLS handshake.
 const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// How long a connection may be without the whole head of a request: a headset asks every two seconds.
+/// The timeout of a request's head. It also ends idle connections; a headset sends a request every two
+/// seconds.
 const HEAD_TIMEOUT: Duration = Duration::from_secs(15);
 
-/// Bytes of a request's head.
+/// The most bytes of a request's head.
 const MAX_HEAD_BYTES: usize = 16 << 10;
 
-/// How long requests may take to their end after the program was told to end.
+/// The time for open requests to finish at shutdown.
 const END_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Makes the routes of a connection.
 pub(crate) type MakeRouter = fn(&Arc<BoothApp>) -> Router;
 
-/// Serves routes, over TLS or plain, until `end` is there; then takes no more connections, and ends when all requests have.
+/// Serves routes, over TLS or plain, until `end` is ready. Then accepts no more connections, and returns when
+/// all requests have finished.
 pub(crate) async fn serve(
     app: Arc<BoothApp>,
     listener: TcpListener,
@@ -70,7 +72,7 @@ pub(crate) async fn serve(
             }
             Err(error) => {
                 warn!(%error, "no connection could be taken");
-                // As when no more files can be open: it takes a moment.
+                // An error such as too many open files may pass in a moment.
                 tokio::time::sleep(Duration::from_millis(100)).await;
             }
         }
@@ -89,7 +91,7 @@ async fn serve_connection(
     tls: Option<TlsAcceptor>,
     watcher: Watcher,
 ) {
-    // Small answers go at once.
+    // Sends small responses without delay.
     let _ = stream.set_nodelay(true);
     let Some(tls) = tls else { return serve_stream(routes, stream, peer, watcher).await };
     match timeout(HANDSHAKE_TIMEOUT, tls.accept(stream)).await {

@@ -1,4 +1,4 @@
-//! The thread that sends mails, one after the other, to the server that the booth was told of.
+//! The mail thread: sends mails, one after the other, to the mail server of the options.
 
 use std::error::Error as _;
 use std::fs;
@@ -27,13 +27,13 @@ use crate::models::exporter::make_stl;
 use crate::models::threemf::write_3mf;
 use crate::public::PublicAddress;
 
-/// Bytes of a model that goes by mail: most servers take no more, in the letters that a mail is made of.
+/// The most bytes of a model in a mail: most servers accept no more, as encoding makes it longer.
 const MAX_MODEL_BYTES: usize = 10_000_000;
 
-/// How long a server may be silent.
+/// The timeout of the mail server.
 const SMTP_TIMEOUT: Duration = Duration::from_secs(20);
 
-/// How often the thread looks for mails whose time has come.
+/// The poll interval for mails that are due.
 const LOOK_AGAIN: Duration = Duration::from_secs(15);
 
 /// How mails go. Without a server none can be asked for.
@@ -70,15 +70,15 @@ pub enum SmtpTls {
     None,
 }
 
-/// What a mail brings beside the picture.
+/// The content of a mail beside the picture.
 enum MailContent {
     /// The model in 3MF.
     Model(Vec<u8>),
-    /// Where the model is, as it is too large.
+    /// A link to the model, which is too large for a mail.
     Link(String),
 }
 
-/// Where mails go, and from whom.
+/// The mail server and the sender's address.
 pub(crate) struct Mailer {
     transport: SmtpTransport,
     from: Mailbox,
@@ -86,10 +86,11 @@ pub(crate) struct Mailer {
 }
 
 impl Mailer {
-    /// By the options; `None` without a server. What is too large for a mail is found where visitors' pages are.
+    /// Makes the mailer of the options. Returns `None` without a mail server. Models that are too large for a
+    /// mail are linked to on the visitors' pages at `public`.
     ///
     /// # Errors
-    /// What is wrong with them, or with a file.
+    /// A description of what is wrong with the options, or with a file that they name.
     pub(crate) fn new(
         options: &MailOptions,
         public: Option<PublicAddress>,
@@ -125,7 +126,7 @@ impl Mailer {
         Ok(Some(Mailer { transport: transport.build(), from, public }))
     }
 
-    /// Sends the next mail, if one is due. Returns for how long there is nothing to do.
+    /// Sends the next mail, if one is due. Returns the time until the next look for work.
     pub(crate) fn send_next(&self, booth: &Booth) -> Duration {
         let sent = booth.next_mail(booth_time()).and_then(|job| {
             let Some(job) = job else { return Ok(LOOK_AGAIN) };
@@ -135,7 +136,7 @@ impl Mailer {
             Ok(Duration::ZERO)
         });
         sent.unwrap_or_else(|error| {
-            // Disk and database may be well again later.
+            // Retry later: the error of the disk or the database may be temporary.
             warn!(%error, "a mail could not be sent");
             LOOK_AGAIN
         })
@@ -153,7 +154,7 @@ impl Mailer {
             Err(why) => return Ok(MailOutcome::Refused(why)),
         };
         let Some(message) = self.write_message(job, picture, content) else {
-            // Why may name the address.
+            // The error isn't passed on: it may contain the address.
             return Ok(MailOutcome::Refused("no mail can be made of it".into()));
         };
         Ok(match self.transport.send(&message) {
@@ -162,7 +163,7 @@ impl Mailer {
         })
     }
 
-    /// The visitor's link, where visitors have pages and it wasn't taken back.
+    /// Returns the visitor's link, if visitors have pages and the link isn't revoked.
     fn link_of(&self, booth: &Booth, job: &MailJob) -> Option<String> {
         let id = SculptureId(job.sculpture.id);
         let token = booth.link_token(&id).ok()?;
@@ -190,7 +191,7 @@ impl Mailer {
             .from(self.from.clone())
             .to(Mailbox::new(None, to))
             .subject(subject)
-            // Sent twice, as after a power cut, it is one mail still.
+            // The id is stable: a mail that is sent twice, for example after a power cut, counts as one.
             .message_id(Some(format!("<{:016x}@{}>", job.order, self.from.email.domain())))
             .date_now()
             .multipart(parts);
@@ -198,7 +199,7 @@ impl Mailer {
     }
 }
 
-/// The model where a mail can carry it, otherwise the link, if there is one.
+/// Returns the model if it fits into a mail, otherwise the link if there is one.
 fn choose_content(
     model: Vec<u8>,
     link: impl FnOnce() -> Option<String>,
@@ -209,7 +210,7 @@ fn choose_content(
     link().map(MailContent::Link).ok_or_else(|| "its model is too large for a mail".into())
 }
 
-/// Whether what is said to a host doesn't leave the machine.
+/// Returns `true` if `host` is a loopback address.
 fn is_this_machine(host: &str) -> bool {
     host == "localhost" || host.parse().is_ok_and(|address: IpAddr| address.is_loopback())
 }
@@ -226,13 +227,13 @@ fn tls_parameters(host: &str, options: &MailOptions) -> Result<TlsParameters, Er
     tls.build_rustls().map_err(|error| Error::failure("mail server", error))
 }
 
-/// What a failure means. What servers say may name the address: of that the code alone is told.
+/// Interprets an SMTP error. Uses only the code of a server's response, as the text may contain the address.
 fn outcome_of(error: &lettre::transport::smtp::Error) -> MailOutcome {
     let Some(code) = error.status() else {
         return MailOutcome::Later(format!("the mail server {}", fault_without_code(error)));
     };
     let code = code.to_string();
-    // To log in is the booth's matter, and may be set right.
+    // A failed login is the booth's fault, and its configuration may be corrected: retry later.
     let is_login = ["530", "534", "535", "538"].contains(&code.as_str());
     if is_login {
         return MailOutcome::Later(format!("the mail server refuses the booth's login, by {code}"));
@@ -241,7 +242,7 @@ fn outcome_of(error: &lettre::transport::smtp::Error) -> MailOutcome {
     if error.is_permanent() { MailOutcome::Refused(why) } else { MailOutcome::Later(why) }
 }
 
-/// What is wrong with a server that doesn't answer as one does. All of these may be set right.
+/// Describes an error without an SMTP code. All of these may be temporary.
 fn fault_without_code(error: &lettre::transport::smtp::Error) -> &'static str {
     let mut source = error.source();
     while let Some(cause) = source {
@@ -254,7 +255,7 @@ fn fault_without_code(error: &lettre::transport::smtp::Error) -> &'static str {
             None => source = cause.source(),
         }
     }
-    // The library says no more than this; what it says names nobody.
+    // The library distinguishes these cases only by their text, which contains no address.
     let words = error.to_string();
     match () {
         () if error.is_timeout() => "was silent",
@@ -264,7 +265,7 @@ fn fault_without_code(error: &lettre::transport::smtp::Error) -> &'static str {
     }
 }
 
-/// Subject and text, in the visitor's language.
+/// Writes the subject and the text, in the visitor's language.
 fn write_text(job: &MailJob, content: &MailContent) -> (&'static str, String) {
     let mut words = String::new();
     if let Some(badge) = job.sculpture.badge.and_then(BadgeNumber::new) {

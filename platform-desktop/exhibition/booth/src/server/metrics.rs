@@ -1,12 +1,12 @@
-//! Counts for Prometheus.
+//! Counters for Prometheus.
 
 use std::fmt::Write as _;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What is counted since the start.
+/// The counters since the start.
 #[derive(Default)]
 pub(crate) struct Metrics {
-    /// Requests by the first digit of their answer's status, from 2.
+    /// The number of responses by the first digit of their status, from 2.
     answers: [AtomicU64; 4],
     /// Heartbeats answered.
     pub heartbeats: Count,
@@ -16,28 +16,28 @@ pub(crate) struct Metrics {
     pub parcels: Count,
     /// Connections that are open.
     pub connections: Count,
-    /// Connections that were turned away, as all places were taken by those who keep theirs.
+    /// Connections that were rejected, as every open connection was kept by its holder.
     pub turned_away: Count,
-    /// Connections that made room for others.
+    /// Connections that were closed to make room for others.
     pub closed_early: Count,
 }
 
-/// A number that threads count.
+/// A counter that several threads may change.
 #[derive(Default)]
 pub(crate) struct Count(AtomicU64);
 
 impl Count {
-    /// So many more.
+    /// Adds to the counter.
     pub(crate) fn add(&self, more: u64) {
         self.0.fetch_add(more, Ordering::Relaxed);
     }
 
-    /// One less.
+    /// Subtracts one.
     pub(crate) fn subtract_one(&self) {
         self.0.fetch_sub(1, Ordering::Relaxed);
     }
 
-    /// How many.
+    /// Returns the count.
     #[must_use]
     pub(crate) fn get(&self) -> u64 {
         self.0.load(Ordering::Relaxed)
@@ -45,13 +45,13 @@ impl Count {
 }
 
 impl Metrics {
-    /// Counts an answer.
+    /// Counts a response.
     pub(crate) fn count_answer(&self, status: u16) {
         let place = usize::from(status / 100).clamp(2, 5) - 2;
         self.answers[place].fetch_add(1, Ordering::Relaxed);
     }
 
-    /// All counts in Prometheus' text format, with what is measured as it is asked: name, help, value.
+    /// Writes all counters in Prometheus' text format, followed by `gauges`: name, help, value.
     #[must_use]
     pub(crate) fn write(&self, gauges: &[(&str, &str, u64)]) -> String {
         let mut text = String::new();

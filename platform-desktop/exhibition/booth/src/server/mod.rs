@@ -1,4 +1,4 @@
-//! The running booth: its routes, what they share, and the threads beside them.
+//! The running booth: its routes, their shared state, and the worker threads.
 
 pub(crate) mod app;
 pub(crate) mod body;

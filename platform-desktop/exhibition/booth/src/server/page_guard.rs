@@ -1,12 +1,13 @@
-//! What browsers are told of every page, the staff's and the visitors'.
+//! Security headers of all pages, the staff's and the visitors'.
 
 use axum::extract::Request;
 use axum::http::{HeaderName, HeaderValue, header};
 use axum::middleware::Next;
 use axum::response::Response;
 
-/// Nothing is taken from elsewhere, nothing runs but the booth's scripts, nobody frames it, nobody keeps it, and no other
-/// site is told where one came from. With `no-referrer` browsers would send `Origin: null` with the booth's own forms.
+/// The headers: pages load only the booth's own content and scripts, can't be framed or cached, and send no
+/// referrer to other sites. The policy isn't `no-referrer`: then browsers would send `Origin: null` with the
+/// booth's own forms.
 const HEADERS: [(HeaderName, &str); 5] = [
     (
         header::CONTENT_SECURITY_POLICY,
@@ -19,14 +20,14 @@ const HEADERS: [(HeaderName, &str); 5] = [
     (header::X_FRAME_OPTIONS, "DENY"),
 ];
 
-/// Adds these to every answer.
+/// Adds the security headers to every response.
 pub(crate) async fn guard(request: Request, next: Next) -> Response {
     let mut answer = next.run(request).await;
     add_headers(&mut answer);
     answer
 }
 
-/// Adds these to an answer.
+/// Adds the security headers to a response.
 pub(crate) fn add_headers(answer: &mut Response) {
     for (name, value) in HEADERS {
         answer.headers_mut().insert(name, HeaderValue::from_static(value));

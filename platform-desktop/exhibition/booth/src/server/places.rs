@@ -1,16 +1,16 @@
-//! Places, so many for each of those who want one.
+//! A concurrency limit for each client.
 
 use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Who has how many places.
+/// The number of places that each client has taken.
 pub(crate) struct Places<K> {
     most_of_one: usize,
     counts: Mutex<HashMap<K, usize>>,
 }
 
-/// A place, given back when it is dropped.
+/// A place. It is given back on drop.
 pub(crate) struct Place<K: Eq + Hash> {
     places: Arc<Places<K>>,
     who: K,
@@ -21,7 +21,7 @@ impl<K: Eq + Hash + Copy> Places<K> {
         Places { most_of_one, counts: Mutex::default() }
     }
 
-    /// A place for somebody; `None` where all of theirs are taken.
+    /// Takes a place for a client. Returns `None` if the client has taken all of its places.
     pub(crate) fn take(self: &Arc<Self>, who: K) -> Option<Place<K>> {
         let mut counts = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
         let count = counts.get(&who).copied().unwrap_or(0);

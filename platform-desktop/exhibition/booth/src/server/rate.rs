@@ -1,18 +1,18 @@
-//! Token buckets: how often somebody may ask.
+//! Rate limits by token buckets.
 
 use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// Whoever asks that a limiter remembers: some hundred kilobytes. Where there are more it forgets who may ask most.
+/// The most buckets that a limiter remembers: some hundred kilobytes. Beyond, it forgets the fullest one.
 const MAX_BUCKETS: usize = 4096;
 
-/// A bucket for each of those who ask.
+/// A rate limiter with a token bucket for each client.
 pub(crate) struct RateLimiter<K> {
-    /// Requests at once.
+    /// The most requests at once: the size of a bucket.
     burst: f32,
-    /// Requests a second in the long run.
+    /// The sustained number of requests a second: the rate at which a bucket fills.
     per_second: f32,
     buckets: Mutex<HashMap<K, Bucket>>,
 }
@@ -23,13 +23,13 @@ struct Bucket {
 }
 
 impl<K: Eq + Hash + Clone> RateLimiter<K> {
-    /// Of full buckets.
+    /// Makes a limiter whose buckets are full.
     #[must_use]
     pub(crate) fn new(burst: u16, per_second: f32) -> Self {
         RateLimiter { burst: burst.into(), per_second, buckets: Mutex::default() }
     }
 
-    /// Takes a request from somebody's bucket; false where none is left.
+    /// Takes a request from a client's bucket. Returns `false` if the bucket is empty.
     pub(crate) fn take(&self, who: K, now: Instant) -> bool {
         let mut buckets = self.buckets.lock().unwrap_or_else(PoisonError::into_inner);
         if buckets.len() >= MAX_BUCKETS && !buckets.contains_key(&who) {
@@ -51,13 +51,13 @@ impl<K: Eq + Hash + Clone> RateLimiter<K> {
         is_there
     }
 
-    /// Returns how many of somebody's requests the bucket has not got back yet.
+    /// Returns the number of requests that are missing from a client's bucket.
     pub(crate) fn used(&self, who: &K, now: Instant) -> f32 {
         let buckets = self.buckets.lock().unwrap_or_else(PoisonError::into_inner);
         buckets.get(who).map_or(0.0, |bucket| self.burst - self.fill(bucket, now))
     }
 
-    /// Gives a request back that was taken.
+    /// Gives a taken request back to a client's bucket.
     pub(crate) fn give_back(&self, who: &K) {
         let mut buckets = self.buckets.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(bucket) = buckets.get_mut(who) {

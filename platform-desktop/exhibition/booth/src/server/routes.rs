@@ -1,4 +1,4 @@
-//! Requests and answers: what headsets and those who watch the booth ask.
+//! The routes of headsets and of monitoring, and what all routes share.
 
 use std::fmt::Display;
 use std::net::IpAddr;
@@ -32,19 +32,20 @@ use crate::server::connections::{Connection, Holder};
 use crate::server::places::Place;
 use crate::staff;
 
-/// The times of a request's body.
+/// The timeouts of a request's body, except for parcels.
 const BODY_TIMES: BodyTimes =
     BodyTimes { whole: Duration::from_secs(30), idle: Duration::from_secs(30) };
 
-/// How long a parcel may make no progress: over a slow radio.
+/// The longest time without progress of a parcel, over a slow wireless network.
 const LONGEST_IDLE: Duration = Duration::from_secs(60);
 
-/// Who asks.
+/// The client's address.
 #[derive(Clone, Copy)]
 pub(crate) struct Peer(pub(crate) IpAddr);
 
 impl Peer {
-    /// Returns the network that the address counts as: 64 bits of IPv6, as a household has all of these addresses.
+    /// Returns the network that the address counts as. For IPv6 this is the first 64 bits, as one household
+    /// may use all addresses of such a network.
     pub(crate) fn network(self) -> IpAddr {
         match self.0.to_canonical() {
             IpAddr::V6(address) => IpAddr::V6((address.to_bits() >> 64 << 64).into()),
@@ -55,10 +56,10 @@ impl Peer {
 
 type Answer = Result<Response, RefusalAnswer>;
 
-/// A refusal as an answer.
+/// A refusal as a response.
 pub(crate) struct RefusalAnswer(Refusal);
 
-/// All routes.
+/// Makes all routes of the listener for headsets and staff.
 pub(crate) fn router(app: &Arc<BoothApp>) -> Router {
     let of_headsets = Router::new()
         .route(&format!("{PARCEL_PATH}{{id}}"), put(put_parcel))
@@ -79,7 +80,7 @@ pub(crate) fn router(app: &Arc<BoothApp>) -> Router {
         .with_state(app.clone())
 }
 
-/// Ends a request whose body takes too long, counts its answer, and notes that its connection is used.
+/// Applies the limits on a request's body, counts the response, and notes that the connection is used.
 pub(crate) async fn bound_and_count(
     State(app): State<Arc<BoothApp>>,
     Extension(connection): Extension<Arc<Connection>>,
@@ -109,23 +110,23 @@ pub(crate) async fn bound_and_count(
     answer
 }
 
-/// The times of a parcel of so many bytes: as long as its headset waits.
+/// Returns the timeouts of a parcel with this length: the headset waits as long.
 fn parcel_times(length: u64) -> BodyTimes {
     let whole = LinkTimes::default().of_parcel(usize::try_from(length).unwrap_or(usize::MAX));
     BodyTimes { whole, idle: LONGEST_IDLE }
 }
 
-/// Reads the length of a request's body.
+/// Reads the length of a request's body from its headers.
 ///
 /// # Errors
-/// Its head has none.
+/// There is no valid length.
 pub(crate) fn read_length(headers: &HeaderMap) -> Result<u64, Refusal> {
     let length = headers.get(header::CONTENT_LENGTH).and_then(|length| length.to_str().ok());
     let bad = || Refusal::BadRequest("expected Content-Length: a number".into());
     length.and_then(|length| length.parse().ok()).ok_or_else(bad)
 }
 
-/// Lets headsets in that have a token.
+/// Authenticates a headset by its token.
 async fn authenticate(
     State(app): State<Arc<BoothApp>>,
     Extension(Peer(peer)): Extension<Peer>,
@@ -172,7 +173,7 @@ async fn limit_stranger(
     }
 }
 
-/// Passes over the body of a request, so that its sender reads the refusal. Returns the refusal.
+/// Reads and discards the body of a request, so that its sender gets the refusal. Returns the refusal.
 pub(crate) async fn refuse_after_body(request: Request, refusal: Refusal) -> Refusal {
     pass_over(request.into_body()).await;
     refusal
@@ -193,7 +194,8 @@ fn bearer_token(headers: &HeaderMap) -> Option<DeviceToken> {
     DeviceToken::parse_hex(value.strip_prefix("Bearer ")?)
 }
 
-/// `PUT /v1/sculptures/{id}`: a parcel with its hash. 200 if it is kept, 410 if it was deleted.
+/// `PUT /v1/sculptures/{id}`: a parcel with its hash. Responds with 200 if it is kept, and 410 if it was
+/// deleted.
 async fn put_parcel(
     State(app): State<Arc<BoothApp>>,
     Extension(device): Extension<Device>,
@@ -207,7 +209,7 @@ async fn put_parcel(
     let headset = device.headset;
     let (file, place) = read_parcel(&app, headset, length, request).await?;
     let outcome = app.run_decode(move |app| {
-        // Until it is on the disk its memory is in use.
+        // The place is held until the parcel is on disk, as its memory is in use.
         let _place = place;
         app.booth.take_parcel(headset, id, &file, &check_parcel, booth_time())
     });
@@ -220,7 +222,7 @@ async fn put_parcel(
     Ok((status_of(outcome.status()), outcome.body()).into_response())
 }
 
-/// Reads a parcel of a headset from the network when it is its turn. Returns it with its turn.
+/// Waits for a place, and reads a headset's parcel from the network. Returns the parcel with its place.
 pub(crate) async fn read_parcel(
     app: &BoothApp,
     headset: u32,
@@ -242,7 +244,8 @@ pub(crate) async fn read_parcel(
     Ok((bytes, (place, turn)))
 }
 
-/// Reads so many bytes into memory of their own: each frame pins a buffer of the connection's, however small it is.
+/// Copies a body of this length into one buffer, as each frame, however small, keeps a whole buffer of the
+/// connection in memory.
 async fn read_body(body: Body, length: u64) -> Result<Vec<u8>, Refusal> {
     let bad = |why: &dyn Display| Refusal::BadRequest(format!("no whole parcel: {why}"));
     let length = usize::try_from(length).map_err(|error| bad(&error))?;
@@ -257,7 +260,7 @@ async fn read_body(body: Body, length: u64) -> Result<Vec<u8>, Refusal> {
     Ok(bytes)
 }
 
-/// A sculpture, and the length of its parcel's file in bytes, as the address and the headers say.
+/// Reads the sculpture's id, and the length of its parcel's file in bytes, from the path and the headers.
 pub(crate) fn read_put(id: &str, headers: &HeaderMap) -> Result<(SculptureId, u64), Refusal> {
     let bad = || Refusal::BadRequest("expected an id of 32 hexadecimal digits".into());
     let id = SculptureId::parse_hex(id).ok_or_else(bad)?;
@@ -349,7 +352,7 @@ impl IntoResponse for RefusalAnswer {
     fn into_response(self) -> Response {
         let RefusalAnswer(refusal) = self;
         let status = refusal.status();
-        // What store and disk say is for the log.
+        // Errors of the store and the disk are only logged.
         let text = if refusal.is_failure() {
             warn!(%refusal, "a request failed");
             "the booth can't now; its log says why\n".to_owned()

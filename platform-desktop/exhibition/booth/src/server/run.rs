@@ -1,4 +1,4 @@
-//! The program that serves, from its start to its end.
+//! The server, from its start to its end.
 
 use std::io::{self, Write as _};
 use std::net::{IpAddr, SocketAddr};
@@ -36,19 +36,19 @@ use crate::server::worker::{LOW_PRIORITY, WHOLE_PRIORITY, Worker, go_behind};
 use crate::staff::LoginGate;
 use crate::store::folder_lock::FolderLock;
 
-/// How often what is past its time is deleted.
+/// The interval at which expired data is deleted.
 const SWEEP_EVERY: Duration = Duration::from_secs(300);
 
-/// How often the certificate's age and the machine's addresses are looked at.
+/// The interval at which the certificate's age and the machine's addresses are checked.
 const LOOK_AT_LEAF_EVERY: Duration = Duration::from_secs(86_400);
 
-/// Serves until the program is told to end by SIGTERM or SIGINT.
+/// Serves until SIGTERM or SIGINT.
 ///
 /// # Errors
-/// What keeps it from starting.
+/// The reason why the server can't start.
 pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     start_log(options.json);
-    // Pictures are drawn on one thread, behind all that is more urgent. A pool that is there already stays.
+    // Pictures are drawn on one thread with a low priority. An existing pool is kept.
     let pool =
         rayon::ThreadPoolBuilder::new().num_threads(1).start_handler(|_| go_behind(LOW_PRIORITY));
     let _ = pool.build_global();
@@ -58,7 +58,7 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     let quota = u64::from(options.quota_gb) * 1_000_000_000;
     let (runtime, of_wholes) =
         build_runtimes().map_err(|error| Error::failure("threads", error))?;
-    // First of all: where the port is another's, no folder is made. Who comes before all is there, waits.
+    // Binds first: if the port is in use, no folder is made. Early connections wait in the socket's backlog.
     let listeners = runtime.block_on(Listeners::bind(options.listen, public.as_ref()))?;
     let demo = DemoFolder::make(options)?;
     let folder = demo.as_ref().map_or(options.folder.path(), |demo| demo.path());
@@ -73,7 +73,7 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     }
     let names = LeafNames { listen: options.listen.ip(), others: options.name.clone() };
     let of_exports = open.booth.clone();
-    // No upload waits for it.
+    // The export thread has a low priority, so that it doesn't delay uploads.
     let exports = Worker::start_behind(move || export_next(&of_exports));
     let of_mails = open.booth.clone();
     let mails = mailer.map(|mailer| Worker::start(move || mailer.send_next(&of_mails)));
@@ -99,7 +99,7 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     let app = Arc::new(app);
     let serving = Serving { app: app.clone(), public, first_code, of_staff, names, listeners };
     let served = runtime.block_on(serving.serve_until_told(open.keys));
-    // Its threads end with what they do; the app goes with them, and then its workers can end.
+    // The order matters: the runtimes' threads finish, then the app is dropped, and then its workers can end.
     runtime.shutdown_timeout(Duration::from_secs(10));
     of_wholes.shutdown_timeout(Duration::from_secs(5));
     drop(app);
@@ -108,7 +108,7 @@ pub(crate) fn run(options: &ServeOptions) -> Result<(), Error> {
     served
 }
 
-/// What serves, and the threads for work on whole parcels and models.
+/// Makes the runtime that serves, and the one whose threads work on whole parcels and models.
 fn build_runtimes() -> io::Result<(Runtime, Runtime)> {
     let mut serving = Builder::new_multi_thread();
     let serving = serving.enable_all().max_blocking_threads(WORK_THREADS).build()?;
@@ -118,7 +118,7 @@ fn build_runtimes() -> io::Result<(Runtime, Runtime)> {
     Ok((serving, of_wholes))
 }
 
-/// What is served, and where.
+/// The parts that serving needs.
 struct Serving {
     app: Arc<BoothApp>,
     public: Option<PublicAddress>,
@@ -128,7 +128,7 @@ struct Serving {
     listeners: Listeners,
 }
 
-/// Where it listens: for staff and headsets, and for visitors where they have pages.
+/// The listeners: for staff and headsets, and for visitors if they have pages.
 struct Listeners {
     all: TcpListener,
     visitors: Option<TcpListener>,
@@ -155,7 +155,7 @@ async fn bind(address: SocketAddr, option: &str) -> Result<TcpListener, Error> {
 }
 
 impl Serving {
-    /// Serves staff and headsets, and visitors where they have pages, until the program is told to end.
+    /// Serves staff and headsets, and visitors if they have pages, until a signal ends the program.
     async fn serve_until_told(self, keys: BoothKeys) -> Result<(), Error> {
         let Serving { app, public, first_code, of_staff, names, listeners } = self;
         let Listeners { all: listener, visitors } = listeners;
@@ -180,7 +180,7 @@ impl Serving {
     }
 }
 
-/// Serves headsets and staff, and visitors where they have pages, until each end is there.
+/// Serves headsets and staff, and visitors if they have pages, until both `end` futures are ready.
 async fn serve_all(
     app: &Arc<BoothApp>,
     (listener, tls): (TcpListener, TlsAcceptor),
@@ -198,7 +198,7 @@ async fn serve_all(
     }
 }
 
-/// The threads that slice; they end in the middle of a slice.
+/// The threads that slice. Dropping this aborts a running slice.
 struct Slices {
     worker: Option<Worker>,
     of_printers: Vec<Worker>,
@@ -210,12 +210,13 @@ impl Drop for Slices {
         if let Some(end) = &self.end {
             end.store(true, Ordering::Relaxed);
         }
-        // One may wait for its printer to take a file: what it knows is written down before.
+        // Doesn't wait for a thread that is uploading to its printer: the state of the print is already
+        // recorded.
         self.of_printers.drain(..).for_each(Worker::leave);
     }
 }
 
-/// Starts the threads that slice, where there is a slicer.
+/// Starts the threads that slice, if there is a slicer.
 fn start_slices(
     booth: &Booth,
     options: &ServeOptions,
@@ -236,7 +237,7 @@ fn start_slices(
     Ok((Slices { worker, of_printers, end }, printers))
 }
 
-/// Tells on standard output where the booth is, once it can be reached.
+/// Prints the booth's address on standard output, once clients can connect.
 fn tell_address(listen: SocketAddr, fingerprint: &str, first_code: Option<&str>) {
     let ip = if listen.ip().is_unspecified() { primary_address() } else { Some(listen.ip()) };
     let ip = ip.unwrap_or(IpAddr::from([127, 0, 0, 1]));
@@ -249,7 +250,8 @@ fn tell_address(listen: SocketAddr, fingerprint: &str, first_code: Option<&str>)
     }
 }
 
-/// The code that the first account has to bring, as long as there is none. It isn't logged.
+/// Generates the code that is needed to create the first account. Returns `None` if there is an account. The
+/// code isn't logged.
 fn draw_first_code(booth: &Booth) -> Result<Option<String>, Error> {
     if booth.has_accounts()? {
         return Ok(None);
@@ -260,7 +262,7 @@ fn draw_first_code(booth: &Booth) -> Result<Option<String>, Error> {
     Ok(Some(pairs.join("-")))
 }
 
-/// Is there once the program is told to end.
+/// Returns a future that is ready after SIGTERM or SIGINT.
 fn end_of_program() -> Result<impl Future<Output = ()>, Error> {
     let fail = |error| Error::failure("signals", error);
     let mut terminate = signal(SignalKind::terminate()).map_err(fail)?;
@@ -274,7 +276,7 @@ fn end_of_program() -> Result<impl Future<Output = ()>, Error> {
     })
 }
 
-/// By which names and addresses the booth is asked.
+/// The names and addresses by which clients reach the booth.
 struct LeafNames {
     listen: IpAddr,
     others: Vec<String>,
@@ -286,7 +288,7 @@ impl LeafNames {
     }
 }
 
-/// Looks after the certificate: every day, and when it is told to by SIGHUP, which makes a new one.
+/// Renews the certificate: checks it every day, and makes a new one at SIGHUP.
 async fn keep_leaf(leaf: Arc<LeafKeeper>, names: LeafNames, mut hangup: Signal) {
     loop {
         let renewed = tokio::select! {
@@ -337,7 +339,7 @@ fn start_log(is_json: bool) {
         .with_max_level(tracing::Level::INFO)
         .with_writer(io::stderr)
         .with_target(false);
-    // A log that is there already stays.
+    // An existing logger is kept.
     if is_json {
         let _ = log.json().try_init();
     } else {

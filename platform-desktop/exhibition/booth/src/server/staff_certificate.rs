@@ -1,5 +1,6 @@
-//! A certificate that somebody else signed, for staff's browsers: shown to who asks by a name that it has. Headsets know
-//! the booth by its own authority, and ask by another name or by its address.
+//! An optional certificate from another authority, for staff's browsers. It is presented to clients that
+//! connect by one of its names. Headsets trust the booth's own authority, and connect by another name or by
+//! an address.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -31,7 +32,7 @@ pub struct StaffCertificateOptions {
     pub staff_key: Option<PathBuf>,
 }
 
-/// The certificate that is shown, if one was named. It can be loaded again while the booth serves.
+/// The staff's certificate, if the options name one. It can be reloaded while the booth serves.
 #[derive(Clone, Default)]
 pub(crate) struct StaffCertificate {
     options: StaffCertificateOptions,
@@ -39,10 +40,10 @@ pub(crate) struct StaffCertificate {
 }
 
 impl StaffCertificate {
-    /// Loads the certificate, if one was named.
+    /// Loads the certificate, if the options name one.
     ///
     /// # Errors
-    /// [`Error::Input`] for a file that isn't what it should be.
+    /// [`Error::Input`] if a file is invalid.
     pub(crate) fn load(options: &StaffCertificateOptions) -> Result<Self, Error> {
         let certificate = StaffCertificate { options: options.clone(), ..Self::default() };
         certificate.reload()?;
@@ -52,7 +53,7 @@ impl StaffCertificate {
     /// Loads the files again.
     ///
     /// # Errors
-    /// Those of [`StaffCertificate::load`]. The certificate stays as it is then.
+    /// The errors of [`StaffCertificate::load`]. Then the certificate isn't changed.
     pub(crate) fn reload(&self) -> Result<(), Error> {
         let StaffCertificateOptions { staff_cert: Some(cert), staff_key: Some(key) } =
             &self.options
@@ -64,21 +65,21 @@ impl StaffCertificate {
         Ok(())
     }
 
-    /// Returns the certificate, if one was named.
+    /// Returns the certificate, if the options name one.
     pub(crate) fn current(&self) -> Option<Arc<CertifiedKey>> {
         self.certified.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Returns the time at which it ends, if one was named.
+    /// Returns the time at which the certificate expires, if the options name one.
     pub(crate) fn end(&self) -> Option<BoothTime> {
         end_of(self.current()?.end_entity_cert().ok()?)
     }
 }
 
-/// Loads a certificate with its chain, and its key.
+/// Loads a certificate with its chain, and its private key.
 ///
 /// # Errors
-/// [`Error::Input`] for a file that isn't what it should be.
+/// [`Error::Input`] if a file is invalid.
 pub(crate) fn load_certificate(cert: &Path, key: &Path) -> Result<CertifiedKey, Error> {
     let bad = |path: &Path, expected: &str| {
         Error::Input(format!("{}: expected {expected}", path.display()))
@@ -95,18 +96,18 @@ pub(crate) fn load_certificate(cert: &Path, key: &Path) -> Result<CertifiedKey, 
         .map_err(|error| bad(key, &format!("the certificate's key ({error})")))
 }
 
-/// Returns the time at which a certificate in PEM ends; `None` if it can't be read.
+/// Returns the time at which a certificate in PEM expires; `None` if it can't be read.
 pub(crate) fn end_of_pem(pem: &str) -> Option<BoothTime> {
     end_of(&CertificateDer::from_pem_slice(pem.as_bytes()).ok()?)
 }
 
-/// Returns the time at which a certificate in DER ends; `None` if it can't be read.
+/// Returns the time at which a certificate in DER expires; `None` if it can't be read.
 fn end_of(der: &[u8]) -> Option<BoothTime> {
     let end = Certificate::from_der(der).ok()?.tbs_certificate.validity.not_after;
     Some(BoothTime(0).after(end.to_unix_duration()))
 }
 
-/// Whether a certificate is for a name.
+/// Returns `true` if a certificate is valid for a name.
 pub(crate) fn has_name(certified: &CertifiedKey, name: &str) -> bool {
     let parsed = certified.end_entity_cert().and_then(ParsedCertificate::try_from);
     let (Ok(parsed), Ok(name)) = (parsed, ServerName::try_from(name)) else { return false };

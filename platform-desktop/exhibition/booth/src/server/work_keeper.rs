@@ -1,4 +1,4 @@
-//! Keeps work that takes long from being taken over while it goes on.
+//! Renews the lease of long work, so that no other process takes the work over.
 
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
@@ -11,10 +11,10 @@ use tracing::warn;
 
 use crate::clock::booth_time;
 
-/// How often the lease is renewed: the database may be away for some of these times.
+/// The renewal interval: several renewals may fail before the lease expires.
 const RENEW_EVERY: Duration = Duration::from_secs(WORK_LIFE.as_secs() / 5);
 
-/// Does some work that this process has a lease of, which it renews meanwhile.
+/// Runs work whose lease this process holds, and renews the lease meanwhile.
 pub(crate) fn keep_work<T>(
     booth: &Booth,
     kind: WorkKind,
@@ -25,14 +25,15 @@ pub(crate) fn keep_work<T>(
         RENEW_EVERY,
         || {
             let renewed = booth.renew_work(kind, subject, booth_time());
-            // Another one that has it, as after this machine slept, is told apart by what it writes.
+            // After an error, keep trying. If another process took the work over meanwhile, for example while
+            // this machine slept, the rules record only the first result.
             renewed.map_err(|error| warn!(%error, "a lease could not be renewed")).unwrap_or(true)
         },
         work,
     )
 }
 
-/// Does some work, and beside it `renew` each time this much time went by, as long as it returns `true`.
+/// Runs work, and meanwhile calls `renew` at each interval until it returns `false`.
 fn renew_every<T>(
     every: Duration,
     mut renew: impl FnMut() -> bool + Send,

@@ -1,4 +1,4 @@
-//! Threads that do one thing after the other, when they are woken and now and then.
+//! Worker threads: each does one task after the other, when it is woken and at intervals.
 
 use std::mem;
 use std::sync::Arc;
@@ -7,25 +7,26 @@ use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// As that of slicers.
+/// The `nice` value of background work, such as slicing.
 pub(crate) const LOW_PRIORITY: i32 = 15;
 
-/// That of work on whole parcels, which headsets wait for: behind heartbeats, which take a moment.
+/// The `nice` value of work on whole parcels: headsets wait for it, but heartbeats, which are short, go
+/// first.
 pub(crate) const WHOLE_PRIORITY: i32 = 5;
 
-/// A thread; it ends when this is dropped, after what it does.
+/// A worker thread. Dropping this waits for its current task, and ends it.
 pub(crate) struct Worker {
     wake: SyncSender<()>,
     is_over: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
-/// What wakes the thread.
+/// A handle that wakes the thread.
 #[derive(Clone)]
 pub(crate) struct Waker(SyncSender<()>);
 
 impl Worker {
-    /// Starts the thread. `work` does one thing, and says for how long there is nothing to do if nobody wakes it.
+    /// Starts the thread. `work` does one task, and returns the time until its next call if nothing wakes it.
     #[must_use]
     pub(crate) fn start(mut work: impl FnMut() -> Duration + Send + 'static) -> Self {
         let (wake, woken) = sync_channel(1);
@@ -33,14 +34,15 @@ impl Worker {
         let ends = is_over.clone();
         let thread = thread::spawn(move || {
             while !ends.load(Ordering::Relaxed) {
-                // Woken or not, it looks again.
+                // Works again after a wake-up or a timeout.
                 let _ = woken.recv_timeout(work());
             }
         });
         Worker { wake, is_over, thread: Some(thread) }
     }
 
-    /// The same at a low priority: what waits for nobody, and takes a processor for a while.
+    /// Starts the thread with a low priority: for work that takes a processor for a while and that nothing
+    /// waits for.
     #[must_use]
     pub(crate) fn start_behind(mut work: impl FnMut() -> Duration + Send + 'static) -> Self {
         let mut is_behind = false;
@@ -52,13 +54,13 @@ impl Worker {
         })
     }
 
-    /// Ends the thread without waiting for what it does, as that may wait for somebody else.
+    /// Ends the thread without waiting for its current task, which may wait for another machine.
     pub(crate) fn leave(mut self) {
-        // Without its handle, nobody waits.
+        // Without its handle, the drop doesn't join the thread.
         self.thread = None;
     }
 
-    /// What tells the thread that there is work.
+    /// Returns a handle that wakes the thread.
     #[must_use]
     pub(crate) fn waker(&self) -> Waker {
         Waker(self.wake.clone())
@@ -66,26 +68,26 @@ impl Worker {
 }
 
 impl Waker {
-    /// Tells the thread that there is work.
+    /// Wakes the thread, as there is work.
     pub(crate) fn wake(&self) {
-        // Full, it is about to look; closed, nobody waits for it.
+        // A full channel means that the thread is about to work; a closed one, that it has ended.
         let _ = self.0.try_send(());
     }
 }
 
-/// Has threads of a smaller number go before this one, from now on: others have 0.
+/// Sets the `nice` value of this thread: threads with a smaller value go first. The default is 0.
 pub(crate) fn go_behind(priority: i32) {
-    // Where it isn't granted, it is a little slower for who waits. Linux counts it by threads.
+    // Without permission, only latency suffers. Linux sets the priority of a single thread.
     let _ = rustix::process::setpriority_process(Some(rustix::thread::gettid()), priority);
 }
 
 impl Drop for Worker {
     fn drop(&mut self) {
         self.is_over.store(true, Ordering::Relaxed);
-        // Full, it is about to look.
+        // If the channel is full, the thread is about to work anyway.
         let _ = self.wake.try_send(());
         if let Some(thread) = self.thread.take() {
-            // A panic of it was printed.
+            // A panic was printed already.
             let _ = thread.join();
         }
     }

@@ -1,4 +1,4 @@
-//! Who is logged in, and their password.
+//! The page of the logged-in account, where its owner changes the password.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use super::passwords::hash_password;
 use crate::clock::booth_time;
 use crate::server::app::BoothApp;
 
-/// The form's name on its page.
+/// The name of the form on the page.
 const PASSWORD_FORM: &str = "password";
 
 /// `GET /staff/account`.
@@ -48,7 +48,8 @@ fn account_page(view: &StaffView, refused: Option<&Refused>) -> Response {
     view.page(words.account, &body)
 }
 
-/// `POST /staff/account/password`: ends all logins of the account, and begins one anew.
+/// `POST /staff/account/password`: changes the password, ends all logins of the account, and begins a new
+/// one.
 pub(crate) async fn change_password(State(app): State<Arc<BoothApp>>, form: StaffForm) -> Response {
     match set_password(&app, &form).await {
         Ok(answer) => Done::PasswordChanged.tell_on_next_page(answer),
@@ -64,7 +65,7 @@ async fn set_password(
     StaffForm { login, fields, .. }: &StaffForm,
 ) -> Result<Response, Refusal> {
     let name = login.account.clone();
-    // Whoever found a tablet logged in guesses no faster than at the door.
+    // The same limits as for logins apply, for a person who finds a tablet that is logged in.
     let asker = Asker::Account(name.clone());
     if !check_password(app, &asker, &name, fields.get("old")).await? {
         return Err(Refusal::Forbidden(Reason::WrongPassword));

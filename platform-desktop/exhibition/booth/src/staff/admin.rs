@@ -1,4 +1,4 @@
-//! What admins alone see: accounts, the tokens of fleets, settings, and who did what.
+//! The pages for admins only: accounts, enrolment tokens, settings, and the audit log.
 
 use std::sync::Arc;
 
@@ -23,21 +23,21 @@ use crate::clock::{booth_time, write_time};
 use crate::commands::fleet_file::{FleetToken, make_fleet_file};
 use crate::server::app::BoothApp;
 
-/// Entries of the audit on a page.
+/// Entries of the audit log on one page.
 const LISTED_ENTRIES: usize = 100;
 
-/// Headsets that a token lets in at most, and days that it is valid.
+/// The most headsets that a token can enrol, and the longest validity in days.
 const MAX_USES: u32 = 1000;
 const MAX_DAYS: u16 = 365;
 
-/// The forms' names on the page.
+/// The names of the forms on the page.
 const ACCOUNT_FORM: &str = "account";
 const TOKEN_FORM: &str = "token";
 const RESET_FORM: &str = "reset";
 
 type Answer = Result<Response, StaffAnswer>;
 
-/// Lets admins on; attendants are told that they aren't.
+/// Lets admins through, and refuses attendants.
 pub(crate) async fn require_admin(
     Extension(login): Extension<LoggedIn>,
     request: Request,
@@ -57,7 +57,7 @@ pub(crate) async fn show_admin(
     admin_page(&app, &view, &headers, None).await
 }
 
-/// The admins' page, and why one of its forms was refused.
+/// Makes the admins' page. `refused` is a form on it that was refused.
 async fn admin_page(
     app: &Arc<BoothApp>,
     view: &StaffView,
@@ -97,7 +97,7 @@ async fn admin_page(
     Ok(view.page(words.admin, &body))
 }
 
-/// The admins' page with one of its forms as it was refused.
+/// Responds with the admins' page, where a refused form shows the reason.
 async fn refuse_form(
     app: &Arc<BoothApp>,
     headers: &HeaderMap,
@@ -135,7 +135,7 @@ async fn make_account(
     app.run(move |app| app.booth.add_account(name.trim(), &hash, role, &by, booth_time())).await
 }
 
-/// `POST /staff/admin/accounts/{name}/password`: a new password for somebody who forgot theirs.
+/// `POST /staff/admin/accounts/{name}/password`: sets a new password for another account.
 pub(crate) async fn reset_password(
     State(app): State<Arc<BoothApp>>,
     Path(name): Path<String>,
@@ -153,7 +153,7 @@ async fn set_password_of(
     name: String,
     StaffForm { login, fields, .. }: &StaffForm,
 ) -> Result<(), Refusal> {
-    // The form for their own asks for the password of now, as a tablet may be left on a table.
+    // The form for one's own password asks for the current one, as a tablet may be left unattended.
     if name == login.account {
         return Err(Refusal::Forbidden(Reason::OwnPassword));
     }
@@ -183,7 +183,7 @@ pub(crate) async fn change_account(
     Ok(told.lead_to("/staff/admin"))
 }
 
-/// `POST /staff/admin/tokens`: makes one, and sends the fleet's file, which is all that ever shows it.
+/// `POST /staff/admin/tokens`: makes a token, and sends the fleet file. The token isn't shown anywhere else.
 pub(crate) async fn add_token(
     State(app): State<Arc<BoothApp>>,
     headers: HeaderMap,
@@ -293,7 +293,7 @@ fn accounts_table(
     }
 }
 
-/// The form that gives another's account a new password.
+/// Draws the form that sets a new password for another account.
 fn reset_form(words: &AdminTexts, login: &LoggedIn, name: &str, form: FormView<'_>) -> Markup {
     let form = form.only_if("name", name);
     html! {

@@ -1,4 +1,4 @@
-//! What pages of accounts, admins and privacy say, in two languages.
+//! The texts of the pages about accounts, administration and privacy, in two languages.
 
 use paros_booth_rules::records::StaffRole;
 use paros_booth_rules::{BoothPlan, ImportOutcome};
@@ -6,7 +6,7 @@ use paros_core::badge::Language;
 
 use super::texts::Texts;
 
-/// What these pages say.
+/// The texts of these pages.
 pub(crate) struct AdminTexts {
     language: Language,
     pub(crate) admin: &'static str,
@@ -53,7 +53,7 @@ pub(crate) struct AdminTexts {
     pub(crate) kept_until: &'static str,
     pub(crate) has_trace: &'static str,
     pub(crate) print: &'static str,
-    /// Of a tapped picture.
+    /// Removes the last tapped picture from the search.
     pub(crate) take_back: &'static str,
     pub(crate) keep_address: &'static str,
     pub(crate) privacy_title: &'static str,
@@ -67,7 +67,7 @@ pub(crate) struct AdminTexts {
 }
 
 impl AdminTexts {
-    /// Those of a page's language.
+    /// Returns the texts in the language of a page.
     pub(crate) const fn of(texts: &Texts) -> &'static AdminTexts {
         match texts.language {
             Language::English => &ENGLISH,
@@ -83,7 +83,7 @@ impl AdminTexts {
         self.import_outcomes[outcome as usize]
     }
 
-    /// Says that a fleet's file ends on a day, and how the next one is made.
+    /// Writes that the fleet file expires on a day, and how to make the next one.
     pub(crate) fn file_ends(&self, note: &str, day: &str) -> String {
         match self.language {
             Language::English => format!(
@@ -95,7 +95,7 @@ impl AdminTexts {
         }
     }
 
-    /// Says that the certificate of `--staff-cert` ends on a day, and how the next one is loaded.
+    /// Writes that the certificate of `--staff-cert` expires on a day, and how to load the next one.
     pub(crate) fn staff_certificate_ends(&self, day: &str) -> String {
         match self.language {
             Language::English => format!(
@@ -107,7 +107,7 @@ impl AdminTexts {
         }
     }
 
-    /// Asks whether a clock that jumped is right.
+    /// Writes the question whether a clock that jumped is right.
     pub(crate) fn clock_jumped(&self, now: &str, seen_at: &str) -> String {
         match self.language {
             Language::English => format!(
@@ -119,7 +119,7 @@ impl AdminTexts {
         }
     }
 
-    /// Says that the site's own authority ends on a day.
+    /// Writes that the certificate of the site's own authority expires on a day.
     pub(crate) fn authority_ends(&self, day: &str) -> String {
         match self.language {
             Language::English => format!(
@@ -131,7 +131,7 @@ impl AdminTexts {
         }
     }
 
-    /// What is kept for how long, in paragraphs.
+    /// Writes the paragraphs about what is kept and for how long.
     pub(crate) fn privacy(&self, plan: &BoothPlan) -> Vec<String> {
         let BoothPlan { retention_days, trace_days, withdrawn_days, horizon_days } = plan;
         match self.language {

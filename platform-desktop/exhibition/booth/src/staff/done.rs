@@ -1,5 +1,5 @@
-//! What was just done, told once on the page that it leads to. A cookie of a minute carries which of these it was: nothing
-//! of it is in an address, and nobody's words are in it.
+//! Confirmations of actions, shown once on the next page. A cookie that lives for a minute carries a key of
+//! the confirmation: nothing is in the address, and the text can't be forged.
 
 use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Redirect, Response};
@@ -9,7 +9,7 @@ use paros_core::badge::Language;
 
 use super::page::{find_cookie, with_cookie};
 
-/// What was done.
+/// An action that is confirmed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Done {
     MailAsked,
@@ -37,7 +37,7 @@ pub(crate) enum Done {
     ClockConfirmed,
 }
 
-/// As the cookie has it, and as people are told in English and in Greek, by [`Done`].
+/// The cookie's key and the text in English and Greek of each confirmation, in the order of [`Done`].
 const TEXTS: [(Done, &str, [&str; 2]); 23] = [
     (
         Done::MailAsked,
@@ -136,28 +136,28 @@ const TEXTS: [(Done, &str, [&str; 2]); 23] = [
     ),
 ];
 
-/// What of a cookie is the same each time.
+/// The attributes of the cookie.
 const ATTRIBUTES: &str = "Path=/staff; Secure; HttpOnly; SameSite=Strict";
 
 impl Done {
-    /// Leads to a page, which tells it.
+    /// Redirects to a page that shows the confirmation.
     pub(crate) fn lead_to(self, to: &str) -> Response {
         self.tell_on_next_page(Redirect::to(to).into_response())
     }
 
-    /// Has the next page tell it.
+    /// Sets the cookie, so that the next page shows the confirmation.
     pub(crate) fn tell_on_next_page(self, answer: Response) -> Response {
         let (_, key, _) = TEXTS[self as usize];
         with_cookie(answer, &format!("done={key}; {ATTRIBUTES}; Max-Age=60"))
     }
 
-    /// What a browser was told to have told.
+    /// Reads the confirmation from a request's cookie.
     pub(crate) fn of_request(headers: &HeaderMap) -> Option<Done> {
         let key = find_cookie(headers, "done")?;
         TEXTS.into_iter().find(|(_, other, _)| *other == key).map(|(done, ..)| done)
     }
 
-    /// A step that somebody took by hand; `None` for what printers do.
+    /// Returns the confirmation of a step that staff take; `None` for a step of the slicer.
     pub(crate) const fn of_step(step: PrintStep) -> Option<Done> {
         Some(match step {
             PrintStep::Slice => return None,
@@ -169,14 +169,14 @@ impl Done {
         })
     }
 
-    /// As the page tells it; screen readers say it.
+    /// Draws the confirmation. Screen readers announce it.
     pub(crate) fn draw(self, language: Language) -> Markup {
         let (.., texts) = TEXTS[self as usize];
         html! { p class="done" role="status" id="done" { (texts[language as usize]) } }
     }
 }
 
-/// An answer after which nothing is told any more.
+/// Removes the cookie, so that the confirmation isn't shown again.
 pub(crate) fn forget_done(answer: Response) -> Response {
     with_cookie(answer, &format!("done=; {ATTRIBUTES}; Max-Age=0"))
 }

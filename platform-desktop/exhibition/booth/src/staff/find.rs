@@ -1,4 +1,5 @@
-//! Finding a sculpture by its badge: by words, or tapped. One or two pictures lead to the list of all that have them.
+//! The search for a sculpture by its badge, by words or tapped pictures. A search for one or two pictures
+//! redirects to the list of matching sculptures.
 
 use std::sync::Arc;
 
@@ -17,7 +18,7 @@ use super::svg::{draw_badge, draw_colour, draw_pictogram};
 use super::texts::Texts;
 use crate::server::app::BoothApp;
 
-/// `GET /staff/find`: by words, or by the numbers of a colour and four pictograms.
+/// `GET /staff/find`: searches by words, or by the numbers of a colour and up to four pictograms.
 pub(crate) async fn find(
     State(app): State<Arc<BoothApp>>,
     view: StaffView,
@@ -81,7 +82,7 @@ pub(crate) async fn find(
     Ok(view.page(texts.find, &body))
 }
 
-/// Reads what was tapped: the number of a colour, and those of up to four pictograms with dashes between them.
+/// Parses a tapped badge: the number of a colour, and those of up to four pictograms, separated by dashes.
 fn read_tapped(colour: &str, pictures: &str) -> Option<HeardBadge> {
     let colour = match colour {
         "" => None,
@@ -93,7 +94,7 @@ fn read_tapped(colour: &str, pictures: &str) -> Option<HeardBadge> {
     (pictograms.len() <= 4).then(|| HeardBadge::new(colour, pictograms))
 }
 
-/// Names a colour and pictograms, as somebody would type them.
+/// Writes the names of a colour and pictograms, as a person would type them.
 fn name_parts(texts: &Texts, heard: &HeardBadge) -> String {
     let colour = heard.colour().map(|colour| colour.name(texts.language));
     let pictograms = heard.pictograms().iter().map(|pictogram| pictogram.name(texts.language));
@@ -118,7 +119,7 @@ fn found_by_badge(texts: &Texts, heard: &HeardBadge, found: &FoundByBadge) -> Ma
     }
 }
 
-/// Tells which of the pictures that were said a badge has.
+/// Draws which of the searched pictures a badge has.
 fn compared(texts: &Texts, heard: &HeardBadge, badge: &Badge) -> Markup {
     let BadgeComparison { right, wrong, is_in_order, is_colour_right } = heard.compare(badge);
     let names = |pictograms: &[Pictogram]| {

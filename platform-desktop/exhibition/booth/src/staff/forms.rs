@@ -1,4 +1,4 @@
-//! A form that was refused comes back as its own page, with what was typed and the reason beside it.
+//! Refused forms: the form's page is shown again, with the input and the reason beside the field.
 
 use axum::http::{StatusCode, header};
 use axum::response::Response;
@@ -10,10 +10,10 @@ use super::passwords::MIN_PASSWORD_CHARS;
 use super::refusal_texts::tell_refusal;
 use super::texts::Texts;
 
-/// What ties a field to the reason beside it.
+/// The id of the reason's element, which the field refers to.
 const REASON: &str = "reason";
 
-/// A form as it was sent, and why it was refused.
+/// The content of a refused form, and the reason.
 pub(crate) struct Refused {
     form: &'static str,
     fields: Fields,
@@ -23,12 +23,12 @@ pub(crate) struct Refused {
     retry_after: Option<u32>,
 }
 
-/// What a form shows: nothing but its defaults, or what was typed in it.
+/// The content that a form shows: its defaults, or the input that was refused.
 #[derive(Clone, Copy)]
 pub(crate) struct FormView<'a>(Option<&'a Refused>);
 
 impl Refused {
-    /// A form of a page, by its name there.
+    /// Makes a refused form. `form` is its name on the page.
     pub(crate) fn new(
         texts: &Texts,
         form: &'static str,
@@ -46,7 +46,7 @@ impl Refused {
         }
     }
 
-    /// The page that the form is on, as the answer to it.
+    /// Adds the refusal's status to the form's page.
     pub(crate) fn answer(&self, mut page: Response) -> Response {
         *page.status_mut() = self.status;
         if let Some(seconds) = self.retry_after {
@@ -57,27 +57,28 @@ impl Refused {
 }
 
 impl<'a> FormView<'a> {
-    /// A form of a page on which one may have been refused.
+    /// Returns the view of the form with this name; `refused` is the refused form of the page, if any.
     pub(crate) fn of(refused: Option<&'a Refused>, form: &str) -> Self {
         FormView(refused.filter(|refused| refused.form == form))
     }
 
-    /// The same form, if it was sent with this value in a field: of several forms on a page one was refused.
+    /// Keeps the input only if a field has this value, to find the refused one of several equal forms on a
+    /// page.
     pub(crate) fn only_if(self, name: &str, value: &str) -> Self {
         FormView(self.0.filter(|refused| refused.fields.get(name) == value))
     }
 
-    /// Whether it was refused.
+    /// Returns `true` if the form was refused.
     pub(crate) const fn is_refused(self) -> bool {
         self.0.is_some()
     }
 
-    /// What was typed into a field, or its default.
+    /// Returns the input of a field, or its default.
     pub(crate) fn value(self, name: &str, default: &str) -> String {
         self.0.map_or_else(|| default.to_owned(), |refused| refused.fields.get(name))
     }
 
-    /// The reason, where it is about this field; about none of them, where the form begins (`""`).
+    /// Draws the reason if it concerns this field. The field `""` stands for the whole form.
     pub(crate) fn why(self, field: &str) -> Markup {
         html! {
             @if let Some(refused) = self.about(field) {
@@ -86,17 +87,17 @@ impl<'a> FormView<'a> {
         }
     }
 
-    /// What tells that a field is wrong to those who don't see where the reason stands.
+    /// Returns the value of `aria-invalid` for a field, which screen readers use.
     pub(crate) fn invalid(self, field: &str) -> Option<&'static str> {
         self.about(field).map(|_| "true")
     }
 
-    /// Where the reason of a field stands.
+    /// Returns the value of `aria-describedby` for a field: the id of the reason.
     pub(crate) fn described(self, field: &str) -> Option<&'static str> {
         self.about(field).map(|_| REASON)
     }
 
-    /// A field for the password that an account is to have, and the reason beside it.
+    /// Draws a field for a new password, and the reason beside it.
     pub(crate) fn new_password_field(self, label: &str, name: &str) -> Markup {
         html! {
             label {
@@ -113,7 +114,7 @@ impl<'a> FormView<'a> {
     }
 }
 
-/// The field that a refusal is about; none of them otherwise.
+/// Returns the name of the field that a refusal concerns; otherwise `""`.
 const fn field_of(refusal: &Refusal) -> &'static str {
     match refusal {
         Refusal::Unfit(expected) => match expected {

@@ -1,4 +1,4 @@
-//! The frame that errors keep: the menu of who is logged in, and the way back to where they were.
+//! Error pages with the staff's frame: the menu of the logged-in account, and a link back.
 
 use axum::extract::Request;
 use axum::http::{Method, StatusCode, header};
@@ -12,8 +12,8 @@ use super::refusal_texts::tell_refusal;
 use super::texts::Texts;
 use crate::server::page_guard::add_headers;
 
-/// Makes a page of every error that isn't one, in the language of the browser. Who asks for a form's address, as by
-/// pressing Enter there after it was refused, gets its page.
+/// Renders bare HTTP errors as pages in the browser's language. Redirects a GET of a form's address, such as
+/// a reload after a refusal, to the form's page.
 pub(crate) async fn keep_frame(request: Request, next: Next) -> Response {
     let path = request.uri().path().to_owned();
     if !is_for_people(&path) {
@@ -47,7 +47,7 @@ pub(crate) async fn keep_frame(request: Request, next: Next) -> Response {
     framed
 }
 
-/// The page on which a form or a file is; that of all sculptures otherwise.
+/// Returns the page that contains a form or a file; otherwise the list of sculptures.
 fn page_of(path: &str) -> &str {
     let end_of = |count: usize| path.match_indices('/').nth(count).map(|(end, _)| &path[..end]);
     let (page, parts) = match path.split('/').nth(2) {
@@ -60,7 +60,7 @@ fn page_of(path: &str) -> &str {
     page.filter(|_| path.split('/').count() > parts).unwrap_or("/staff")
 }
 
-/// Whether people ask there, not headsets or what watches the booth.
+/// Returns `true` if people visit this path, not headsets or monitoring.
 fn is_for_people(path: &str) -> bool {
     !["/v1/", "/viewer/", "/healthz", "/metrics"].iter().any(|start| path.starts_with(start))
 }
@@ -74,7 +74,7 @@ fn is_page(answer: &Response) -> bool {
     kind.is_some_and(|kind| kind.starts_with("text/html"))
 }
 
-/// What an error means that came from below the pages.
+/// Interprets the status of an error that didn't come from the pages.
 const fn refusal_of(status: StatusCode) -> Refusal {
     match status {
         StatusCode::NOT_FOUND | StatusCode::METHOD_NOT_ALLOWED => Refusal::NotFound(Reason::NoPage),

@@ -1,4 +1,4 @@
-//! The queue of those whose passwords are hashed, which is fair between those who ask: who sends many waits for their own.
+//! A fair queue for password hashing: a client that sends many passwords waits only for its own.
 
 use std::collections::HashMap;
 use std::hash::Hash;
@@ -10,22 +10,23 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use crate::server::gate::Gate;
 
-/// Passwords that are hashed at once: each takes 19 MiB.
+/// The most passwords that are hashed at once: each takes 19 MiB.
 const MAX_HASHES: usize = 2;
 
-/// Passwords of one asker that wait at once: half a second's work.
+/// The most waiting passwords of one client: half a second's work.
 const MAX_WAITING: usize = 16;
 
-/// The longest wait behind others of the same asker: a person looks at a browser.
+/// The longest wait for other passwords of the same client: a person is waiting at a browser.
 const LONGEST_WAIT: Duration = Duration::from_secs(10);
 
-/// Places for hashes, of which one asker has one at a time: the other one is for the others.
+/// Limits hashing in total, and to one password at a time for each client, so that a place is left for
+/// others.
 pub(crate) struct HashQueue<K> {
     places: Arc<Semaphore>,
     askers: Mutex<HashMap<K, Arc<Gate>>>,
 }
 
-/// A turn to hash a password.
+/// A turn to hash a password. It ends on drop.
 pub(crate) struct HashTurn {
     _of_asker: OwnedSemaphorePermit,
     _of_all: Option<OwnedSemaphorePermit>,
@@ -37,11 +38,11 @@ impl<K: Eq + Hash> HashQueue<K> {
         HashQueue { places: Arc::new(Semaphore::new(MAX_HASHES)), askers: Mutex::default() }
     }
 
-    /// Waits for a turn. As each asker has one password at most before the places, nobody waits there for more than one
-    /// password of each other asker.
+    /// Waits for a turn. As each client has at most one password in the line for a place, a client waits for
+    /// at most one password of each other client.
     ///
     /// # Errors
-    /// [`Refusal::Overloaded`] where too many of the same asker wait.
+    /// [`Refusal::Overloaded`] if too many passwords of the same client wait.
     pub(crate) async fn enter(&self, asker: K) -> Result<HashTurn, Refusal> {
         let gate = self.gate_of(asker);
         let of_asker = gate.enter().await?;

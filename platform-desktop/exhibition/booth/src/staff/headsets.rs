@@ -1,4 +1,4 @@
-//! Headsets: how they are, and what they are asked to do.
+//! The page of headsets: their state, and the commands for them.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -17,12 +17,12 @@ use super::texts::Texts;
 use crate::clock::{booth_time, write_time};
 use crate::server::app::BoothApp;
 
-/// Commands of a headset that are shown.
+/// The most commands of a headset that are shown.
 const LISTED_COMMANDS: usize = 3;
 
 type Answer = Result<Response, StaffAnswer>;
 
-/// A headset, as it is shown.
+/// A headset as the page shows it.
 struct HeadsetView {
     device: Device,
     status: Option<Heartbeat>,

@@ -1,4 +1,5 @@
-//! Where admins bring parcels that were copied from a headset's disk: the page's script sends each file by itself.
+//! The page where admins import parcels that were copied from a headset's disk. Its script sends each file in
+//! a separate request.
 
 use std::sync::Arc;
 
@@ -17,10 +18,10 @@ use crate::models::parcel_decode::check_parcel;
 use crate::server::app::BoothApp;
 use crate::server::routes::{read_length, read_parcel, refuse_after_body};
 
-/// The path of parcels that an admin brings, before the headset's number and the file's name.
+/// The path of imported parcels, before the headset's number and the file's name.
 pub(crate) const IMPORT_PATH: &str = "/staff/import/";
 
-/// The header with the form's token: the body is the file.
+/// The header with the form's token, as the body is the file.
 const FORM_HEADER: &str = "form";
 
 type Answer = Result<Response, StaffAnswer>;
@@ -55,7 +56,8 @@ pub(crate) async fn show_import(State(app): State<Arc<BoothApp>>, view: StaffVie
     Ok(view.page(words.import, &body))
 }
 
-/// `PUT /staff/import/{headset}/{name}`: a file of the headset's outbox. Answers with a sentence.
+/// `PUT /staff/import/{headset}/{name}`: a file of the headset's outbox. Responds with a sentence about the
+/// outcome.
 pub(crate) async fn import_parcel(
     State(app): State<Arc<BoothApp>>,
     Path((headset, name)): Path<(u32, String)>,
@@ -94,7 +96,7 @@ async fn take_file(
     .await
 }
 
-/// Checks that the page of this login sent a file, and returns its sculpture and length.
+/// Checks that this login's own page sent a file. Returns its sculpture and length.
 fn check_head(
     login: &LoggedIn,
     name: &str,

@@ -1,4 +1,4 @@
-//! The list of sculptures: thumbnails, in pages, filtered. What was asked for stands in the address.
+//! The list of sculptures: thumbnails in pages, with filters. The filters are in the address.
 
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ use crate::clock::{booth_time, time_of_day, today, write_time};
 use crate::models::picture::draw_picture;
 use crate::server::app::BoothApp;
 
-/// The values of the field `state` that show withdrawn sculptures, and those that were announced and aren't here yet.
+/// The values of the field `state` for withdrawn sculptures, and for announced ones that haven't arrived.
 const WITHDRAWN: &str = "withdrawn";
 const MISSING: &str = "missing";
 
@@ -105,7 +105,8 @@ pub(crate) async fn show_list(
 }
 
 impl ListForm {
-    /// Reads what was sent. An hour without a day is one of today, and a value that the form doesn't offer counts as empty.
+    /// Reads the fields. An hour without a day means today's, and a value that the form doesn't offer counts
+    /// as empty.
     fn read(fields: &Fields, now: BoothTime) -> Self {
         let get = |name| fields.get(name).trim().to_owned();
         let hour = get("hour").parse::<u8>().ok().filter(|hour| *hour < 24);
@@ -119,7 +120,7 @@ impl ListForm {
             day: day.map(|date| date.to_string()).unwrap_or_default(),
             hour: hour.map(|hour| hour.to_string()).unwrap_or_default(),
             headset: get("headset"),
-            // Of what isn't here yet these aren't known.
+            // The language and the start of a sculpture that hasn't arrived are unknown.
             language: Some(get("language"))
                 .filter(|code| !is_missing && is_language(code))
                 .unwrap_or_default(),
@@ -133,7 +134,7 @@ impl ListForm {
     /// Makes the filter.
     ///
     /// # Errors
-    /// The words are no pictures and no colour of one badge.
+    /// The words don't name pictures and a colour of one badge.
     fn filter(&self) -> Result<ListFilter, WordsFault> {
         let badge = match self.words.is_empty() {
             true => None,
@@ -144,7 +145,7 @@ impl ListForm {
         Ok(ListFilter {
             is_withdrawn: self.state == WITHDRAWN,
             received,
-            // A number that no headset has finds nothing.
+            // An invalid number becomes one that no headset has.
             headset: (!self.headset.is_empty()).then(|| self.headset.parse().unwrap_or(u32::MAX)),
             language: self.language.as_bytes().try_into().ok(),
             starts: modes_of(&self.start),
@@ -152,7 +153,7 @@ impl ListForm {
         })
     }
 
-    /// Returns the address of a page of what the form asks for.
+    /// Returns the address of a page of the filtered list.
     fn link(&self, start: PageStart) -> String {
         let place = |ListPlace { at, id }| format!("{}-{}", at.0, SculptureId(id));
         let (name, place) = match start {
@@ -171,12 +172,12 @@ impl ListForm {
             (name, &place),
         ];
         let set: Vec<_> = fields.into_iter().filter(|(_, value)| !value.is_empty()).collect();
-        // Pairs of texts are always written.
+        // Encoding pairs of text doesn't fail.
         format!("/staff?{}", serde_urlencoded::to_string(set).unwrap_or_default())
     }
 }
 
-/// Reads the query of the list's address. Returns the same address as the booth writes it, and the filter.
+/// Reads the query of the list's address. Returns the normalised address and the filter.
 pub(crate) fn read_query(
     fields: &Fields,
     now: BoothTime,
@@ -185,12 +186,12 @@ pub(crate) fn read_query(
     (form.link(read_start(fields)), form.filter())
 }
 
-/// Returns the address of the list of the sculptures whose badge has what words name.
+/// Returns the address of the list, filtered by words that name parts of a badge.
 pub(super) fn link_to_badge(words: String) -> String {
     ListForm { words, ..ListForm::default() }.link(PageStart::Newest)
 }
 
-/// Returns the modes of a start of [`STARTS`]; none for another name.
+/// Returns the session modes of a start in [`STARTS`]; none for another name.
 fn modes_of(start: &str) -> Vec<SessionMode> {
     match start {
         "stone" => vec![SessionMode::FreeForm],
@@ -270,7 +271,7 @@ fn draw_form(texts: &Texts, form: &ListForm) -> Markup {
     }
 }
 
-/// Draws the words that were not understood, if there are any.
+/// Draws a note with the words that were not recognised, if there are any.
 pub(super) fn unknown_words(texts: &Texts, heard: &HeardBadge) -> Markup {
     html! {
         @if !heard.unknown.is_empty() {

@@ -1,4 +1,4 @@
-//! Open pages that follow what changes: a stream of events, at each of which a page reads itself again.
+//! Live updates of open pages by server-sent events: at each event, a page loads its contents again.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -18,24 +18,25 @@ use crate::clock::booth_time;
 use crate::server::app::BoothApp;
 use crate::server::changes::ChangeWatch;
 
-/// The header of requests that a page makes by itself. They don't count as a use of the login.
+/// The header of requests that a page's script makes. They don't prolong the login.
 pub(super) const LIVE: &str = "paros-live";
 
-/// Where the events are.
+/// The address of the event stream.
 pub(super) const CHANGES_PATH: &str = "/staff/changes";
 
-/// The longest time between two events: printers, and other booths on the same records, change without a change here.
+/// The longest time between two events: changes by printers, and by other booths with the same records, are
+/// not notified.
 const LONGEST: Duration = Duration::from_secs(10);
 
-/// The shortest time between two events. A page takes some milliseconds.
+/// The shortest time between two events, as a page takes some milliseconds.
 const SHORTEST: Duration = Duration::from_secs(1);
 
-/// Marks a part of a page, by a name of its own there, that follows what changes.
+/// Marks a part of a page that is updated live. `name` is unique on the page.
 pub(super) fn live(name: &str, body: &Markup) -> Markup {
     html! { div id={ "live-" (name) } data-live { (body) } }
 }
 
-/// What a stream of events goes on with.
+/// The state of an event stream.
 struct LiveStream {
     app: Arc<BoothApp>,
     cookie: [u8; 32],
@@ -43,14 +44,14 @@ struct LiveStream {
     is_over: bool,
 }
 
-/// `GET /staff/changes`: an event of `text/event-stream` after each change, and every ten seconds; an event `ended` at the
-/// end of the login.
+/// `GET /staff/changes`: a `text/event-stream` with an event after each change and every ten seconds, and an
+/// event `ended` at the end of the login.
 pub(crate) async fn stream_changes(
     State(app): State<Arc<BoothApp>>,
     headers: HeaderMap,
 ) -> Response {
     let changes = app.changes.watch();
-    // Whoever comes here is logged in.
+    // The route requires a login.
     let cookie = read_token(&headers, COOKIE).unwrap_or_default();
     let first = LiveStream { app, cookie, changes, is_over: false };
     let events = stream::unfold(first, |stream| async move {
@@ -61,7 +62,7 @@ pub(crate) async fn stream_changes(
 }
 
 impl LiveStream {
-    /// Waits for the next event; `None` if the login or the program has ended.
+    /// Waits for the next event. Returns `None` after the login or the program has ended.
     async fn next_event(mut self) -> Option<(&'static str, Self)> {
         if self.is_over {
             return None;

@@ -1,4 +1,4 @@
-//! Logging in and out, and the first account.
+//! Login, logout, and the creation of the first account.
 
 use std::sync::Arc;
 
@@ -23,21 +23,21 @@ use crate::server::app::BoothApp;
 use crate::server::connections::{Connection, Holder};
 use crate::server::routes::Peer;
 
-/// The cookie of a login: sent to this host alone, over TLS alone, unseen by scripts, from no other site's pages.
+/// The session cookie. It is sent only to this host, over TLS, and from its own pages; scripts can't read it.
 pub(super) const COOKIE: &str = "__Host-paros";
 
-/// The cookie of a browser in which somebody was logged in before. It grants no access: it keeps the logins there apart from
-/// those of others.
+/// The cookie of a browser in which somebody has logged in before. It grants no access: it gives the
+/// browser's logins their own rate limit.
 pub(super) const BROWSER_COOKIE: &str = "__Host-paros-browser";
 
 /// The longest time for which browsers keep a cookie, 400 days, in seconds.
 const BROWSER_COOKIE_LIFE: u32 = 400 * 86_400;
 
-/// The forms' names on their pages.
+/// The names of the forms on their pages.
 const LOGIN_FORM: &str = "login";
 const FIRST_FORM: &str = "first";
 
-/// Lets those on who are logged in, and sends others to log in.
+/// Lets requests with a valid login through, and redirects others to the login page.
 pub(crate) async fn require_login(
     State(app): State<Arc<BoothApp>>,
     Extension(connection): Extension<Arc<Connection>>,
@@ -157,7 +157,8 @@ pub(crate) async fn log_out(
     Ok(with_cookie(Redirect::to("/staff/login").into_response(), &gone))
 }
 
-/// Begins a session of an account that was authenticated. The answer sets the cookies of the session and of the browser.
+/// Begins a session of an authenticated account. The response sets the cookies of the session and of the
+/// browser.
 pub(super) async fn begin_session(app: &Arc<BoothApp>, name: String) -> Result<Response, Refusal> {
     let bits = SessionBits { cookie: random_bytes()?, form_token: random_bytes()? };
     let browser = app.booth.make_browser_token(&name);
@@ -172,7 +173,7 @@ pub(super) async fn begin_session(app: &Arc<BoothApp>, name: String) -> Result<R
     Ok(with_cookie(answer, &browser))
 }
 
-/// Writes the 256 bits of a cookie, as [`read_token`] reads them.
+/// Writes the 256 bits of a cookie in the format of [`read_token`].
 fn write_token(token: [u8; 32]) -> String {
     DeviceToken(token).reveal().to_string()
 }
@@ -180,7 +181,7 @@ fn write_token(token: [u8; 32]) -> String {
 /// Reads the 256 bits of a cookie, by its name.
 pub(super) fn read_token(headers: &HeaderMap, name: &str) -> Option<[u8; 32]> {
     let value = find_cookie(headers, name)?;
-    // The form is that of all tokens of 256 bits.
+    // All tokens of 256 bits have this format.
     DeviceToken::parse_hex(value).map(|token| token.0)
 }
 

@@ -1,16 +1,16 @@
-//! How fast passwords can be guessed.
+//! Limits on password guessing.
 //!
-//! A right password is let through at once, however many wrong ones come meanwhile, from the same network too: only the
-//! answer to a wrong one is slow. Guesses for a name are bounded all the same. Each password counts as wrong until it is
-//! found right, and of those that count as wrong so many are looked at:
+//! A right password is accepted at once, even while many wrong ones arrive, also from the same network: only
+//! the response to a wrong password is delayed. Still, guesses for a name are limited. Each password counts
+//! as wrong until it is verified, and only so many of these are verified:
 //!
 //! - from one network: 20, then one in 5 seconds, or 17,300 a day;
 //! - from all networks together: 100, then one a second, or 86,500 a day;
 //! - from browsers in which a certain account was logged in before: as many as from one network.
 //!
-//! A right password can't be told from a guess before it is looked at. Therefore a browser where nobody was logged in before
-//! is refused for as long as somebody in its network, or in many networks at once, keeps trying several wrong passwords for
-//! the same name at a time.
+//! A right password can't be distinguished from a guess before it is verified. Therefore a browser without an
+//! earlier login is refused while somebody in its network, or in many networks at once, keeps sending several
+//! wrong passwords for the same name at a time.
 
 use std::net::IpAddr;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -27,23 +27,23 @@ use crate::server::app::BoothApp;
 use crate::server::rate::RateLimiter;
 use crate::server::routes::Peer;
 
-/// The longest wait for the answer to a wrong password. An asker with one password at a time never runs out of those that
-/// are looked at.
+/// The longest delay of the response to a wrong password. A client that sends one password at a time never
+/// reaches the limit.
 const LONGEST_DELAY: f32 = 5.0;
 
-/// The asker of a login. Each one has wrong passwords and a place in the queue of its own.
+/// The client of a login. Each client has its own rate limit, and its own place in the queue.
 #[derive(Clone, PartialEq, Eq, Hash)]
 pub(crate) enum Asker {
     /// A network.
     Network(IpAddr),
-    /// The browsers in which some account was logged in before.
+    /// The browsers in which a certain account was logged in before.
     Browser([u8; 16]),
-    /// An account that is logged in.
+    /// A logged-in account.
     Account(String),
 }
 
 impl Asker {
-    /// Returns the asker of a request to log in.
+    /// Returns the client of a login request.
     pub(super) fn of_request(app: &BoothApp, headers: &HeaderMap, peer: Peer) -> Self {
         let token = read_token(headers, BROWSER_COOKIE);
         let browser = token.and_then(|token| app.booth.check_browser_token(&token));
@@ -51,9 +51,9 @@ impl Asker {
     }
 }
 
-/// Memory of logins.
+/// The state that limits logins.
 pub(crate) struct LoginGate {
-    /// The code that the first account has to bring; `None` once there is an account.
+    /// The code that is needed to create the first account; `None` once there is an account.
     first_code: Mutex<Option<String>>,
     wrong: RateLimiter<(Asker, String)>,
     wrong_of_networks: RateLimiter<String>,
@@ -61,7 +61,7 @@ pub(crate) struct LoginGate {
 }
 
 impl LoginGate {
-    /// With the code that the first account has to bring.
+    /// Makes the state, with the code for the first account.
     pub(crate) fn new(first_code: Option<String>) -> Self {
         LoginGate {
             first_code: Mutex::new(first_code),
@@ -71,7 +71,7 @@ impl LoginGate {
         }
     }
 
-    /// Checks the code for the first account. The answer to a wrong one is slow.
+    /// Checks the code for the first account. Delays the response to a wrong code.
     pub(super) async fn check_first_code(
         &self,
         asker: &Asker,
@@ -90,8 +90,8 @@ impl LoginGate {
         *self.first_code.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }
 
-    /// Counts a password as wrong before it is looked at, so that those that come at the same time count too. Returns the
-    /// delay of its answer, if it is wrong.
+    /// Counts a password as wrong before it is verified, so that concurrent ones are limited too. Returns the
+    /// delay of the response if it is wrong.
     fn count_wrong(&self, asker: &Asker, name: &str) -> Result<Duration, Refusal> {
         let (now, key) = (Instant::now(), key_of(asker, name));
         let is_network = matches!(asker, Asker::Network(_));
@@ -100,12 +100,12 @@ impl LoginGate {
         if !has_left {
             return Err(Refusal::Busy { what: "wrong logins", retry_after: 10 });
         }
-        // The first one isn't delayed.
+        // The first wrong password isn't delayed.
         let delay = (self.wrong.used(&key, now) - 1.0).clamp(0.0, LONGEST_DELAY);
         Ok(Duration::from_secs_f32(delay))
     }
 
-    /// Takes the count of a right password back, or waits as long as the answer to a wrong one takes.
+    /// Reverts the count of a right password, or waits for the delay of a wrong one.
     async fn settle(&self, (asker, name): (&Asker, &str), delay: Duration, is_right: bool) {
         if !is_right {
             return tokio::time::sleep(delay).await;
@@ -119,14 +119,15 @@ impl LoginGate {
 }
 
 fn key_of(asker: &Asker, name: &str) -> (Asker, String) {
-    // No account has a longer name.
+    // Account names are not longer than this.
     (asker.clone(), name.chars().take(64).collect())
 }
 
-/// Returns `true` if a password is the account's. The answer to a wrong one is slow.
+/// Returns `true` if a password is the account's. Delays the response to a wrong one.
 ///
 /// # Errors
-/// [`Refusal::Busy`] or [`Refusal::Overloaded`] where too many of the same asker were wrong or wait; those of the store.
+/// [`Refusal::Busy`] or [`Refusal::Overloaded`] if too many passwords of the same client were wrong or wait;
+/// errors of the store.
 pub(super) async fn check_password(
     app: &Arc<BoothApp>,
     asker: &Asker,

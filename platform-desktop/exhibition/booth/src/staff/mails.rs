@@ -1,4 +1,4 @@
-//! Mails of a sculpture: asked for, and how far they have come.
+//! Mails of a sculpture: the request form, and the state of each mail.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ use crate::clock::{booth_time, write_time};
 use crate::random::random_number;
 use crate::server::app::BoothApp;
 
-/// The form's name on the page of a sculpture.
+/// The name of the form on the sculpture's page.
 pub(super) const MAIL_FORM: &str = "mail";
 
 /// `POST /staff/sculptures/{id}/mail`.
@@ -52,7 +52,8 @@ async fn order_mail(app: &Arc<BoothApp>, id: &str, form: &StaffForm) -> Result<(
     Ok(())
 }
 
-/// The mails of a sculpture; and a form for one more, where there is a server and it isn't withdrawn.
+/// Draws the mails of a sculpture. Adds a form for another one if there is a mail server and the sculpture
+/// isn't withdrawn.
 pub(crate) fn mails_of(
     texts: &Texts,
     login: &LoggedIn,

@@ -1,4 +1,4 @@
-//! The staff page: made by the booth, with a little script and no foreign host.
+//! The staff's pages: rendered by the booth, with a small script and no content from other hosts.
 
 mod account;
 mod admin;
@@ -55,7 +55,7 @@ use crate::server::app::BoothApp;
 use crate::server::page_guard::guard;
 use crate::viewer;
 
-/// The routes of the staff page.
+/// Makes the routes of the staff's pages.
 pub(crate) fn router(app: &Arc<BoothApp>) -> Router<Arc<BoothApp>> {
     let for_admins = Router::new()
         .route("/staff/admin", get(admin::show_admin))
@@ -123,12 +123,12 @@ fn asset(kind: &'static str, text: &'static str) -> Response {
     ([(header::CONTENT_TYPE, kind)], text).into_response()
 }
 
-/// What nothing of ours is at.
+/// Responds to unknown addresses.
 async fn no_page(StaffView { texts, .. }: StaffView) -> StaffAnswer {
     StaffAnswer(texts, Refusal::NotFound(Reason::NoPage))
 }
 
-/// `GET /staff/language/{code}`: the language of this browser from now on.
+/// `GET /staff/language/{code}`: sets this browser's language.
 async fn choose_language(Path(code): Path<String>) -> Response {
     let code = if code == "el" { "el" } else { "en" };
     let cookie =

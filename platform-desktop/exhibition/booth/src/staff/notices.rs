@@ -1,4 +1,4 @@
-//! The notices to admins: a clock that jumped, and what lets headsets and browsers in and ends soon.
+//! Notices to admins: a jump of the clock, and certificates and enrolment tokens that expire soon.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -15,10 +15,10 @@ use super::page::{StaffAnswer, StaffForm, action_button};
 use crate::clock::{booth_time, write_time};
 use crate::server::app::BoothApp;
 
-/// The time before an end from which on admins are told of it.
+/// The time before an expiry from which on admins are notified.
 const TOLD_BEFORE: Duration = Duration::from_secs(30 * 86_400);
 
-/// The records that the notices are made of. Attendants get none.
+/// The records from which the notices are made. Attendants get no notices.
 #[derive(Default)]
 pub(super) struct AdminNotices {
     tokens: Vec<EnrolToken>,
@@ -26,10 +26,10 @@ pub(super) struct AdminNotices {
 }
 
 impl AdminNotices {
-    /// Finds what an admin has to know.
+    /// Loads the records for the notices.
     ///
     /// # Errors
-    /// Those of the store.
+    /// The errors of the store.
     pub(super) fn find(app: &BoothApp, is_admin: bool, now: BoothTime) -> Result<Self, Refusal> {
         if !is_admin {
             return Ok(AdminNotices::default());
@@ -39,8 +39,8 @@ impl AdminNotices {
         Ok(AdminNotices { tokens, clock_jump })
     }
 
-    /// Draws the question that a jump of the clock asks; and a notice for each certificate, and each file by which headsets
-    /// can enrol, that ends within 30 days.
+    /// Draws the question about a clock jump, and a notice for each certificate and each enrolment token that
+    /// expires within 30 days.
     pub(super) fn draw(
         &self,
         app: &BoothApp,
@@ -72,7 +72,7 @@ impl AdminNotices {
     }
 }
 
-/// `POST /staff/admin/clock`: the clock is right.
+/// `POST /staff/admin/clock`: confirms that the clock is right.
 pub(crate) async fn confirm_clock(
     State(app): State<Arc<BoothApp>>,
     StaffForm { login, texts, .. }: StaffForm,

@@ -1,4 +1,4 @@
-//! What all staff pages share: their frame, their forms, and how they refuse.
+//! The shared parts of the staff's pages: frame, forms and refusals.
 
 use std::collections::HashMap;
 
@@ -24,12 +24,12 @@ use super::texts::Texts;
 pub(crate) struct Fields(HashMap<String, String>);
 
 impl Fields {
-    /// A field; empty where there is none.
+    /// Returns a field; an empty text if there is none.
     pub(crate) fn get(&self, name: &str) -> String {
         self.0.get(name).cloned().unwrap_or_default()
     }
 
-    /// Checks that the form was made for this login.
+    /// Checks that the form's token is that of the login.
     fn check(&self, login: &LoggedIn) -> Result<(), Refusal> {
         check_form(login, &self.get("form"))
     }
@@ -37,12 +37,12 @@ impl Fields {
 
 /// Checks that a form's token is that of a login.
 pub(crate) fn check_form(login: &LoggedIn, token: &str) -> Result<(), Refusal> {
-    // The form's token has the form of an id.
+    // The form's token has the same format as an id.
     let token = paros_protocol::SculptureId::parse_hex(token);
     login.check_form(&token.map_or([0; 16], |token| token.0))
 }
 
-/// Who asks for a page, in which language it is, and what was just done.
+/// The context of a page: the login, the language, and the confirmation to show.
 pub(crate) struct StaffView {
     pub(crate) login: LoggedIn,
     pub(crate) texts: &'static Texts,
@@ -50,14 +50,14 @@ pub(crate) struct StaffView {
 }
 
 impl StaffView {
-    /// A page for who asks. It tells what was just done, once.
+    /// Makes a page. Shows the confirmation once.
     pub(crate) fn page(&self, heading: &str, body: &Markup) -> Response {
         let page = frame_page(self.texts, Some(&self.login), self.done, heading, body);
         if self.done.is_some() { forget_done(page) } else { page }
     }
 }
 
-/// A form that was made for who sends it: no handler sees another one.
+/// A form whose token was checked. Handlers never get an unchecked form.
 pub(crate) struct StaffForm {
     pub(crate) login: LoggedIn,
     pub(crate) texts: &'static Texts,
@@ -65,7 +65,8 @@ pub(crate) struct StaffForm {
 }
 
 impl StaffForm {
-    /// What its page shows of it that it was refused, by the form's name there.
+    /// Returns the context and the refused form, to show the form's page again. `form` is the form's name on
+    /// that page.
     pub(crate) fn refuse(self, form: &'static str, refusal: &Refusal) -> (StaffView, Refused) {
         let StaffForm { login, texts, fields } = self;
         let refused = Refused::new(texts, form, fields, refusal);
@@ -100,7 +101,8 @@ impl<S: Send + Sync> FromRequest<S> for StaffForm {
     }
 }
 
-/// Why an answer is no page of what was asked for: who is logged in gets their menu beside it.
+/// The reason of a refusal, as an extension of the response. If somebody is logged in, the reason is rendered
+/// with their menu.
 #[derive(Clone)]
 pub(crate) struct Told(pub(crate) String);
 
@@ -127,7 +129,7 @@ impl IntoResponse for StaffAnswer {
     }
 }
 
-/// A page with its frame: for who is logged in, with the way to the others, and with what was just done.
+/// Makes a page with its frame. With a login, the frame has the menu.
 pub(crate) fn frame_page(
     texts: &Texts,
     login: Option<&LoggedIn>,
@@ -176,12 +178,12 @@ pub(crate) fn frame_page(
     Html(markup.into_string()).into_response()
 }
 
-/// What each form of a login has to bring, as its hidden field has it.
+/// Returns the token that each form of a login must send in a hidden field.
 pub(crate) fn form_token(login: &LoggedIn) -> String {
     login.form_token.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// A button that does something, as a form of this login.
+/// Draws a button that posts to `action`, as a form of this login.
 pub(crate) fn action_button(login: &LoggedIn, action: &str, text: &str, class: &str) -> Markup {
     html! {
         form method="post" action=(action) {
@@ -191,13 +193,13 @@ pub(crate) fn action_button(login: &LoggedIn, action: &str, text: &str, class: &
     }
 }
 
-/// The value of a cookie, by its name.
+/// Returns the value of a cookie by its name.
 pub(crate) fn find_cookie<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> {
     let cookies = headers.get(header::COOKIE)?.to_str().ok()?;
     cookies.split("; ").find_map(|pair| pair.strip_prefix(name)?.strip_prefix('='))
 }
 
-/// An answer that sets a cookie.
+/// Adds a cookie to a response.
 pub(crate) fn with_cookie(mut answer: Response, cookie: &str) -> Response {
     if let Ok(value) = HeaderValue::from_str(cookie) {
         answer.headers_mut().append(header::SET_COOKIE, value);

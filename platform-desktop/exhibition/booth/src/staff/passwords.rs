@@ -1,4 +1,4 @@
-//! Passwords: their hashes, and those that the booth makes up.
+//! Passwords: their hashes, and the generation of random ones.
 
 use std::io;
 use std::sync::Arc;
@@ -12,16 +12,16 @@ use super::login_gate::Asker;
 use crate::random::random_bytes;
 use crate::server::app::BoothApp;
 
-/// The shortest password.
+/// The fewest characters of a password.
 pub(super) const MIN_PASSWORD_CHARS: usize = 10;
 
-/// Letters and digits of a password that the booth makes up: 32 that nobody takes for others.
+/// The alphabet of generated passwords: 32 characters that are not easily confused.
 const LETTERS: &[u8; 32] = b"abcdefghijkmnpqrstuvwxyz23456789";
 
-/// Hashes the password that an account is to have.
+/// Hashes a new password of an account.
 ///
 /// # Errors
-/// [`Expected::Password`] for one that is too short.
+/// [`Expected::Password`] if it is too short; [`Refusal::Overloaded`].
 pub(super) async fn hash_password(
     app: &Arc<BoothApp>,
     asker: Asker,
@@ -32,14 +32,14 @@ pub(super) async fn hash_password(
     }
     let turn = app.logins.hashes.enter(asker).await?;
     app.run(move |_| {
-        // The work goes on where nobody waits for it any more, and keeps its turn.
+        // If the request is cancelled, the work still runs to its end and keeps its turn.
         let _turn = turn;
         Ok(make_hash(&password)?)
     })
     .await
 }
 
-/// Hashes a password, with a salt of its own.
+/// Hashes a password with a random salt.
 ///
 /// # Errors
 /// The system has no random bits, or no memory for the hash.
@@ -49,7 +49,7 @@ pub(crate) fn make_hash(password: &str) -> io::Result<String> {
     hash.map(|hash| hash.to_string()).map_err(io::Error::other)
 }
 
-/// Draws a password of 80 random bits, in four groups.
+/// Generates a password of 80 random bits, in four groups.
 ///
 /// # Errors
 /// The system has no random bits.
@@ -60,8 +60,8 @@ pub(crate) fn draw_password() -> io::Result<String> {
     Ok(groups.join("-"))
 }
 
-/// Returns `true` if a hash is that of a password. Takes as long without a hash, so that nobody learns which accounts there
-/// are.
+/// Returns `true` if a hash is that of a password. Takes as long without a hash, so that the time doesn't
+/// reveal which accounts exist.
 pub(super) async fn verify_password(
     app: &Arc<BoothApp>,
     turn: HashTurn,

@@ -1,4 +1,4 @@
-//! What the staff page says of prints, in two languages.
+//! The texts about prints on the staff's pages, in two languages.
 
 use paros_booth_rules::PrintStep;
 use paros_booth_rules::records::PrintState;
@@ -6,7 +6,7 @@ use paros_core::badge::Language;
 
 use crate::printing::Activity;
 
-/// What the staff page says of prints.
+/// The texts about prints on the staff's pages.
 pub(crate) struct PrintTexts {
     pub(crate) prints: &'static str,
     pub(crate) order: &'static str,

@@ -1,4 +1,4 @@
-//! Prints: ordered from a sculpture's page, and the queue of all.
+//! Prints: orders on a sculpture's page, and the queue of all orders.
 
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ use crate::printing::{Printer, PrinterView};
 use crate::random::random_number;
 use crate::server::app::BoothApp;
 
-/// The steps that staff take by hand, and how a form's address has them.
+/// The steps that staff take by hand, and their names in the address.
 const STEPS: [(PrintStep, &str); 5] = [
     (PrintStep::Start, "start"),
     (PrintStep::Finish, "finish"),
@@ -39,7 +39,7 @@ const STEPS: [(PrintStep, &str); 5] = [
 
 type Answer = Result<Response, StaffAnswer>;
 
-/// `GET /staff/prints`: all that is open, then what is over.
+/// `GET /staff/prints`: open orders first, then finished ones.
 pub(crate) async fn show_queue(State(app): State<Arc<BoothApp>>, view: StaffView) -> Answer {
     let (login, texts) = (&view.login, view.texts);
     let jobs = app.run(|app| app.booth.list_print_queue()).await;
@@ -68,7 +68,7 @@ pub(crate) async fn show_queue(State(app): State<Arc<BoothApp>>, view: StaffView
     Ok(view.page(PrintTexts::of(texts.language).prints, &live("queue", &body)))
 }
 
-/// The form's name on the page of a sculpture.
+/// The name of the form on the sculpture's page.
 pub(super) const PRINT_FORM: &str = "print";
 
 /// `POST /staff/sculptures/{id}/print`.
@@ -109,7 +109,7 @@ pub(crate) async fn step_print(
         app.run(move |app| app.booth.step_print(order, step, &login.account, booth_time())).await;
     done.map_err(fail)?;
     wake_slicer(&app);
-    // One may have to be stopped.
+    // Wakes the printers' threads: a cancelled print may have to be stopped.
     app.printers.iter().for_each(Printer::wake);
     Ok(told.map_or_else(
         || Redirect::to("/staff/prints").into_response(),
@@ -117,7 +117,7 @@ pub(crate) async fn step_print(
     ))
 }
 
-/// `POST /staff/prints/{order}/send/{printer}`, by the printer's place in the list.
+/// `POST /staff/prints/{order}/send/{printer}`: the printer is given by its index in the list.
 pub(crate) async fn send_print(
     State(app): State<Arc<BoothApp>>,
     Path((order, printer)): Path<(u64, usize)>,
@@ -134,7 +134,7 @@ pub(crate) async fn send_print(
     Ok(Done::PrintSent.lead_to("/staff/prints"))
 }
 
-/// The prints of a sculpture; and a form for one more, where it isn't withdrawn.
+/// Draws the prints of a sculpture. Adds a form for another one if the sculpture isn't withdrawn.
 pub(crate) fn prints_of(
     texts: &Texts,
     login: &LoggedIn,
@@ -211,7 +211,7 @@ fn order_form(
     }
 }
 
-/// What staff know of an order.
+/// Draws the facts of an order that only staff see.
 pub(crate) fn order_facts(texts: &Texts, order: &PrintOrder) -> Markup {
     let of_prints = PrintTexts::of(texts.language);
     html! {
@@ -221,12 +221,12 @@ pub(crate) fn order_facts(texts: &Texts, order: &PrintOrder) -> Markup {
             @if !order.why.is_empty() { span class="note" { " (" (tell_cause(texts.language, &order.why)) ")" } }
         }
         (order_wish(texts, order))
-        // Staff write it for themselves.
+        // The note is for staff only.
         @if !order.note.is_empty() { p { (of_prints.note) ": " (order.note) } }
     }
 }
 
-/// What a visitor is to get.
+/// Draws what the visitor ordered.
 pub(crate) fn order_wish(texts: &Texts, order: &PrintOrder) -> Markup {
     let of_prints = PrintTexts::of(texts.language);
     html! {
@@ -264,7 +264,7 @@ fn order_actions(texts: &Texts, login: &LoggedIn, order: &PrintOrder) -> Markup 
     }
 }
 
-/// Buttons that send a print to a printer.
+/// Draws buttons that send a print to a printer.
 fn send_actions(
     texts: &Texts,
     login: &LoggedIn,
@@ -286,7 +286,7 @@ fn send_actions(
     }
 }
 
-/// Printers and how they are.
+/// Draws the list of printers and their states.
 fn printers_of(texts: &Texts, printers: &[PrinterView]) -> Markup {
     let of_prints = PrintTexts::of(texts.language);
     html! {
@@ -309,7 +309,7 @@ fn printers_of(texts: &Texts, printers: &[PrinterView]) -> Markup {
     }
 }
 
-/// A number of tenths, with one digit behind the point where it isn't whole.
+/// Writes a number of tenths, with a decimal digit if it isn't whole.
 fn tenths(count: u32) -> String {
     if count.is_multiple_of(10) {
         (count / 10).to_string()
@@ -318,7 +318,7 @@ fn tenths(count: u32) -> String {
     }
 }
 
-/// A size of a form's fields: minutes, or where there are none a height in millimetres.
+/// Parses the size in a form's fields: minutes, or otherwise a height in millimetres.
 pub(crate) fn read_size(height: &str, minutes: &str) -> Result<PrintSize, Refusal> {
     let (height, minutes) = (height.trim(), minutes.trim());
     if !minutes.is_empty() {

@@ -1,4 +1,5 @@
-//! What is known of a visitor: told to everybody in general, and to admins by badge, with its export and deletion.
+//! Privacy pages: what is stored about visitors, for everybody; and the data under a badge, with export and
+//! deletion, for admins.
 
 use std::sync::Arc;
 
@@ -24,7 +25,7 @@ use crate::server::app::BoothApp;
 
 type Answer = Result<Response, StaffAnswer>;
 
-/// `GET /privacy`: what is kept for how long. For everybody.
+/// `GET /privacy`: lists what is stored and for how long. Public.
 pub(crate) async fn show_privacy(State(app): State<Arc<BoothApp>>, headers: HeaderMap) -> Response {
     let texts = Texts::of_request(&headers);
     let words = AdminTexts::of(texts);
@@ -34,7 +35,7 @@ pub(crate) async fn show_privacy(State(app): State<Arc<BoothApp>>, headers: Head
     frame_page(texts, None, None, words.privacy_title, &body)
 }
 
-/// `GET /staff/badges/{number}`: all that is known under a badge.
+/// `GET /staff/badges/{number}`: all data that is stored under a badge.
 pub(crate) async fn show_known(
     State(app): State<Arc<BoothApp>>,
     view: StaffView,

@@ -1,10 +1,10 @@
-//! Why something isn't done, in the page's language.
+//! Texts of refusals, in the page's language.
 
 use paros_booth_rules::{Expected, Reason, Refusal, WordsFault};
 use paros_core::badge::Language;
 use tracing::warn;
 
-/// What a refusal tells people. What store and disk say is for the log, which has it then.
+/// Writes a refusal as a sentence. Errors of the store and the disk are logged instead of shown.
 pub(crate) fn tell_refusal(language: Language, refusal: &Refusal) -> String {
     if refusal.is_failure() {
         warn!(%refusal, "a page failed");
@@ -18,14 +18,14 @@ pub(crate) fn tell_refusal(language: Language, refusal: &Refusal) -> String {
     })
 }
 
-/// What is told within a line elsewhere, as a sentence of its own.
+/// Makes a sentence of a text: with a capital and a full stop.
 fn as_sentence(text: &str) -> String {
     let mut letters = text.chars();
     let first = letters.next().into_iter().flat_map(char::to_uppercase);
     first.chain(letters).chain(['.']).collect()
 }
 
-/// What is wrong with the words of a badge.
+/// Writes what is wrong with the words of a badge.
 pub(crate) fn tell_words_fault(language: Language, fault: &WordsFault) -> String {
     as_sentence(&match (language, fault) {
         (Language::English, fault) => fault.to_string(),
@@ -128,8 +128,8 @@ const fn reason_in_greek(reason: Reason) -> &'static str {
     }
 }
 
-/// How causes of mails and prints that failed begin, as the booth noted them, and how they are told in Greek. What comes
-/// after that is told where it is a number.
+/// The beginnings of stored causes of failed mails and prints, and their Greek translations. If the rest of a
+/// cause is a number, it is appended.
 const CAUSES: [(&str, &str); 17] = [
     ("the mail server was silent", "ο διακομιστής αλληλογραφίας δεν απαντά"),
     ("the mail server said", "ο διακομιστής αλληλογραφίας απάντησε"),
@@ -150,7 +150,7 @@ const CAUSES: [(&str, &str); 17] = [
     ("the slicer", "το πρόγραμμα τεμαχισμού απέτυχε"),
 ];
 
-/// The cause of a mail's or a print's failure, as the booth noted it.
+/// Writes the stored cause of a mail's or a print's failure in a language.
 pub(crate) fn tell_cause(language: Language, cause: &str) -> String {
     if language == Language::English {
         return cause.to_owned();
@@ -173,7 +173,7 @@ mod tests {
 
     use super::*;
 
-    /// Every kind of refusal, each with every reason.
+    /// Returns refusals of every kind, with every reason.
     fn all_refusals() -> Vec<Refusal> {
         let mut all = vec![
             Refusal::BadRequest("some English words".into()),
@@ -211,7 +211,7 @@ mod tests {
         all
     }
 
-    /// Words in Latin letters, but those that are the same in Greek.
+    /// Finds words in Latin letters, except those that Greek texts may have.
     fn english_words(text: &str) -> Vec<&str> {
         let words = text.split(|letter: char| !letter.is_ascii_alphabetic());
         const SHARED: [&str; 7] = ["", "e", "mail", "https", "mm", "ana", "example"];

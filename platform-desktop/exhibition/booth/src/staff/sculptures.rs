@@ -1,4 +1,4 @@
-//! Sculptures: shown, downloaded, withdrawn and deleted.
+//! The page of a sculpture: facts, downloads, withdrawal and deletion.
 
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ use crate::models::picture::{self, draw_picture};
 use crate::server::app::BoothApp;
 use crate::viewer::{draw_downloads, draw_viewer};
 
-/// Sculptures of a page: rows of two to six thumbnails are full.
+/// The sculptures on a page of the list: rows of two to six thumbnails are complete.
 pub(super) const LISTED: usize = 60;
 
 type Answer = Result<Response, StaffAnswer>;
@@ -42,7 +42,7 @@ pub(crate) async fn show(
     show_sculpture(&app, &view, &id, None).await
 }
 
-/// The page of a sculpture with one of its forms as it was refused.
+/// Responds with the sculpture's page, where a refused form shows the reason.
 pub(super) async fn refuse_form(
     app: &Arc<BoothApp>,
     id: &str,
@@ -53,7 +53,7 @@ pub(super) async fn refuse_form(
     Ok(refused.answer(show_sculpture(app, &view, id, Some(&refused)).await?))
 }
 
-/// The page of a sculpture, and why one of its forms was refused.
+/// Makes a sculpture's page. `refused` is a form on it that was refused.
 async fn show_sculpture(
     app: &Arc<BoothApp>,
     view: &StaffView,
@@ -93,7 +93,7 @@ async fn show_sculpture(
     Ok(view.page(&heading_of(texts, &found), &body))
 }
 
-/// What else may be done with a sculpture.
+/// Draws the other actions for a sculpture.
 fn actions_of(app: &BoothApp, view: &StaffView, sculpture: &Sculpture) -> Markup {
     let (login, texts) = (&view.login, view.texts);
     let at = format!("/staff/sculptures/{}", SculptureId(sculpture.id));
@@ -187,7 +187,7 @@ pub(crate) async fn change(
     Ok(done.lead_to(to))
 }
 
-/// The id in a page's address.
+/// Parses the id in a page's address.
 pub(super) fn parse_id(id: &str) -> Result<SculptureId, Refusal> {
     SculptureId::parse_hex(id).ok_or(Refusal::NotFound(Reason::NoSculpture))
 }
@@ -227,7 +227,7 @@ fn sculpture_facts(texts: &Texts, sculpture: &Sculpture) -> Markup {
     }
 }
 
-/// Returns why a badge may be another sculpture's too; nothing if it is this one's own.
+/// Returns a note if a badge may belong to another sculpture too; otherwise an empty text.
 pub(super) fn badge_note(texts: &Texts, sculpture: &Sculpture) -> &'static str {
     match sculpture.claimed_badge {
         None if sculpture.is_badge_lapsed() => texts.badge_lapsed,
@@ -236,7 +236,7 @@ pub(super) fn badge_note(texts: &Texts, sculpture: &Sculpture) -> &'static str {
     }
 }
 
-/// Draws a sculpture that was announced and isn't here yet.
+/// Draws the card of a sculpture that was announced and hasn't arrived.
 pub(super) fn missing_card(texts: &Texts, announcement: &Announcement, is_lost: bool) -> Markup {
     html! {
         (badge_of(texts, announcement.badge))
@@ -252,7 +252,7 @@ pub(super) fn badge_of(texts: &Texts, badge: Option<u32>) -> Markup {
     }
 }
 
-/// Returns the name of a sculpture's files without their endings: the badge's pictures and the date of arrival.
+/// Returns the base name of a sculpture's files: the badge's pictures and the date of arrival.
 fn file_name(sculpture: &Sculpture) -> String {
     let date = write_date(sculpture.received_at);
     match sculpture.badge.and_then(BadgeNumber::new) {

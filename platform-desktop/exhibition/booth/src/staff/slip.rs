@@ -1,5 +1,5 @@
-//! A slip of paper for the visitor: the badge and its words, the print that was ordered, and the way to the
-//! sculpture as a QR code where visitors have a page. What staff note for themselves isn't on it.
+//! A printed slip for the visitor: the badge and its words, the ordered print, and a QR code with the
+//! sculpture's link if visitors have pages. Notes for staff are left out.
 
 use std::sync::Arc;
 
@@ -51,7 +51,7 @@ pub(crate) async fn show_order_slip(
     Ok(view.page(PrintTexts::of(view.texts.language).slip, &slip))
 }
 
-/// The slip, in the language of the visit.
+/// Draws the slip, in the language of the visit.
 fn slip(app: &BoothApp, sculpture: &Sculpture, order: Option<&PrintOrder>) -> Markup {
     let texts = Texts::of_visit(sculpture);
     let of_prints = PrintTexts::of(texts.language);
@@ -78,7 +78,8 @@ fn slip(app: &BoothApp, sculpture: &Sculpture, order: Option<&PrintOrder>) -> Ma
     }
 }
 
-/// The visitor's link, where visitors have pages and it wasn't taken back.
+/// Returns the visitor's link, if visitors have pages, the sculpture isn't withdrawn and the link isn't
+/// revoked.
 fn link_of(app: &BoothApp, sculpture: &Sculpture) -> Option<String> {
     let id = SculptureId(sculpture.id);
     let address = app.public_address.as_ref()?;
@@ -87,7 +88,7 @@ fn link_of(app: &BoothApp, sculpture: &Sculpture) -> Option<String> {
     Some(address.link(&id, &token))
 }
 
-/// Buttons that take a visitor's link back, or make another.
+/// Draws buttons that revoke a visitor's link, or make a new one.
 pub(crate) fn link_actions(texts: &Texts, login: &LoggedIn, sculpture: &Sculpture) -> Markup {
     let of_prints = PrintTexts::of(texts.language);
     let at = format!("/staff/sculptures/{}", SculptureId(sculpture.id));

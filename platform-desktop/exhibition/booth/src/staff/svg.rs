@@ -1,4 +1,4 @@
-//! Badges as SVG, of the same shapes that headsets draw.
+//! Badges as SVG, from the same shapes that headsets draw.
 
 use std::fmt::Write as _;
 
@@ -7,8 +7,8 @@ use paros_core::badge::{
     Badge, BadgeColour, BadgePart, BadgeShape, Language, Pictogram, write_words,
 };
 
-/// Draws a badge and its words, in the same way on all pages: a square as the headset shows it, with the colour's rim, which
-/// tells the colour without any colour, and the pictograms in two rows.
+/// Draws a badge and its words, the same on all pages: a square as the headset shows it, with the pictograms
+/// in two rows. The pattern of the rim stands for the colour, for people who can't see it.
 pub(crate) fn draw_badge(badge: &Badge, language: Language) -> Markup {
     let (ground, ink) = (hex(badge.colour.ground()), hex(badge.colour.ink()));
     let words = words_of(badge, language);
@@ -35,13 +35,13 @@ fn words_of(badge: &Badge, language: Language) -> String {
     words
 }
 
-/// A pictogram in black on white.
+/// Draws a pictogram in black on white.
 pub(crate) fn draw_pictogram(pictogram: Pictogram) -> Markup {
     let parts = draw_parts(pictogram.parts(), "#000000", "#ffffff");
     html! { svg viewBox="0 0 64 64" aria-hidden="true" { (PreEscaped(parts)) } }
 }
 
-/// A field of a colour with its rim.
+/// Draws a square of a colour with its rim.
 pub(crate) fn draw_colour(colour: BadgeColour) -> Markup {
     html! {
         svg viewBox="-4 -4 72 72" aria-hidden="true" {
@@ -51,14 +51,15 @@ pub(crate) fn draw_colour(colour: BadgeColour) -> Markup {
     }
 }
 
-/// The rim of a colour around the unit square: its upper edge and three quarter turns of it.
+/// Draws a colour's rim around the unit square: its upper edge, and three rotations of it.
 fn draw_rim(colour: BadgeColour) -> String {
     let edge = draw_parts(colour.rim(), &hex(colour.ink()), &hex(colour.ground()));
     let turned = |turn| format!("<g transform=\"rotate({} 32 32)\">{edge}</g>", 90 * turn);
     (0..4).map(turned).collect()
 }
 
-/// Parts one over the other; holes show the ground. All of it is numbers of the program's own.
+/// Draws shapes one over the other; holes have the ground's colour. The SVG contains only the program's own
+/// numbers.
 fn draw_parts(parts: &[BadgePart], ink: &str, ground: &str) -> String {
     let mut svg = String::new();
     for BadgePart { shape, is_hole } in parts {

@@ -1,4 +1,4 @@
-//! What the staff page says, in two languages.
+//! The texts of the staff's pages, in two languages.
 
 use axum::http::{HeaderMap, header};
 use paros_booth_rules::records::{CommandState, ExportState, MailState, Sculpture};
@@ -7,7 +7,7 @@ use paros_protocol::CommandKind;
 
 use super::page::find_cookie;
 
-/// What the staff page says.
+/// The texts of the staff's pages.
 pub(crate) struct Texts {
     pub(crate) language: Language,
     pub(crate) code: &'static str,
@@ -82,7 +82,7 @@ impl Texts {
         self.mail_states[state as usize]
     }
 
-    /// Those of the language that a sculpture's visitor chose.
+    /// Returns the texts in the language that the sculpture's visitor chose.
     pub(crate) fn of_visit(sculpture: &Sculpture) -> &'static Texts {
         match sculpture.visit_language() {
             Language::Greek => &GREEK,
@@ -90,7 +90,7 @@ impl Texts {
         }
     }
 
-    /// Those of the language that a browser was set to, or asks for first.
+    /// Returns the texts in the language that was set in the browser, or that the browser prefers.
     pub(crate) fn of_request(headers: &HeaderMap) -> &'static Texts {
         let asked_first = || headers.get(header::ACCEPT_LANGUAGE)?.to_str().ok();
         let wanted = find_cookie(headers, "language").or_else(asked_first);

@@ -1,5 +1,5 @@
-//! The log of deletions: a file of lines beside the database, that is synced with each. Copied elsewhere more often than a
-//! backup is made, it tells a restore what was deleted since.
+//! The log of deletions: a text file beside the database, synced at each entry. A copy that is newer than a
+//! backup lets a restore delete again what was deleted since the backup.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufRead as _, BufReader, Read as _, Write as _};
@@ -13,22 +13,23 @@ use paros_shell::durable;
 use crate::error::Error;
 use crate::store::own_file::OwnPart;
 
-/// Its name in a booth's folder.
+/// The file's name in a booth's folder.
 pub(crate) const DELETIONS: &str = "deletions";
 
 /// A booth's log of deletions.
 #[derive(Debug)]
 pub(crate) struct DeletionLog {
     path: PathBuf,
-    /// One after the other.
+    /// Serialises changes of the file.
     turn: Mutex<()>,
 }
 
 impl DeletionLog {
-    /// That of a folder. A line that a power cut left unfinished is removed: its deletion is logged anew.
+    /// Opens the log of a folder, and makes it if there is none. Removes an incomplete last line, which a
+    /// power cut left: its deletion is logged again.
     ///
     /// # Errors
-    /// What the disk says.
+    /// An I/O error.
     pub(crate) fn open(folder: &Path) -> io::Result<Self> {
         let path = folder.join(DELETIONS);
         let mut options = OpenOptions::new();
@@ -45,10 +46,10 @@ impl DeletionLog {
         Ok(DeletionLog { path, turn: Mutex::new(()) })
     }
 
-    /// Adds lines.
+    /// Appends lines.
     ///
     /// # Errors
-    /// What the disk says. Then no part of them is there, as far as the disk allows that.
+    /// An I/O error. Then the lines are removed again, if the disk allows.
     pub(crate) fn append(&self, deletions: &[Deletion]) -> io::Result<()> {
         let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
         let lines: String = deletions.iter().map(Deletion::to_line).collect();
@@ -61,10 +62,11 @@ impl DeletionLog {
         added
     }
 
-    /// Drops the lines of before a time, where the first is one. The others are there whatever happens meanwhile.
+    /// Drops the lines from before a time. Does nothing unless the first line is such. The other lines
+    /// survive a power cut.
     ///
     /// # Errors
-    /// What the disk says. Then it is as it was.
+    /// An I/O error. Then the log isn't changed.
     pub(crate) fn forget_before(&self, time: BoothTime) -> io::Result<()> {
         let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
         let is_old = |line: &str| {
@@ -85,20 +87,20 @@ impl DeletionLog {
     }
 }
 
-/// Reads a log. A last line without an end is one that a power cut left, and is passed over.
+/// Reads a log. Ignores an incomplete last line, which a power cut left.
 ///
 /// # Errors
-/// What the disk says, or the first line that is none of a log.
+/// An I/O error, or the first line that isn't valid.
 pub(crate) fn read_deletions(path: &Path) -> Result<Vec<Deletion>, Error> {
     let bad = |why: &dyn std::fmt::Display| Error::Input(format!("{}: {why}", path.display()));
     let bytes = durable::read_regular_file(path).map_err(|error| bad(&error))?;
     parse_deletions(bytes).map_err(|why| bad(&why))
 }
 
-/// Takes the bytes of a log.
+/// Parses the bytes of a log.
 ///
 /// # Errors
-/// The first line that is none of a log.
+/// The first line that isn't valid.
 pub(crate) fn parse_deletions(bytes: Vec<u8>) -> Result<Vec<Deletion>, String> {
     let text = String::from_utf8(bytes).map_err(|_| "expected lines of a log of deletions")?;
     let whole = text.rfind('\n').map_or("", |last| &text[..last]);
@@ -123,7 +125,7 @@ mod tests {
         Deletion { id, headset: 1, hash, badge: Some(5), deleted_at: BoothTime(9) }
     }
 
-    /// Power is lost at any byte of the second line: the first stays, and what is logged next is whole.
+    /// Cuts the second line at every byte: the first line stays, and the next entry is complete.
     #[test]
     fn a_line_that_was_cut_is_passed_over_and_nothing_is_joined_to_it() {
         let folder = std::env::temp_dir().join(format!("paros-deletions-{}", std::process::id()));

@@ -1,4 +1,4 @@
-//! Kept files in a folder. All names are made of hexadecimal digits.
+//! Sculptures' files in a folder. All file names are made of hexadecimal digits.
 
 use std::fs::{self, File};
 use std::io;
@@ -16,23 +16,23 @@ use crate::store::own_file::check_folder;
 
 /// Files in a folder.
 pub struct DiskFiles {
-    /// A file or two a sculpture.
+    /// The folder of kept files: one to three for each sculpture.
     kept: PathBuf,
     quota_bytes: u64,
-    /// Of kept files.
+    /// The bytes of all kept files.
     used_bytes: AtomicU64,
     deletions: DeletionLog,
 }
 
 impl DiskFiles {
-    /// The files of a folder, which is made where there is none. Kept files take up to `quota_bytes`.
+    /// Opens the files in a folder, and makes it if there is none. Kept files may take up to `quota_bytes`.
     ///
     /// # Errors
-    /// What the disk says.
+    /// An I/O error.
     pub fn open(folder: &Path, quota_bytes: u64) -> io::Result<Self> {
         let kept = folder.join("sculptures");
         durable::make_folder(&kept).map_err(io::Error::other)?;
-        // Their names are on the disk before anything in them is promised.
+        // Syncs the folder's entries before any file in it is acknowledged.
         File::open(folder)?.sync_all()?;
         durable::remove_stale_temporaries(&kept);
         let mut used_bytes = 0;
@@ -106,12 +106,12 @@ impl Files for DiskFiles {
     }
 }
 
-/// The name of a kept file, wherever it is.
+/// Returns the name of a kept file, in a folder or a bucket.
 pub(crate) fn kept_file_name(name: &KeptName) -> String {
     format!("{}-{}.{}", name.id, name.hash, ending_of(name.part))
 }
 
-/// Reads the name of a kept file; `None` for any other name.
+/// Parses the name of a kept file; `None` for any other name.
 pub(crate) fn parse_kept_name(name: &str) -> Option<KeptName> {
     let (names, ending) = name.split_once('.')?;
     let (id, hash) = names.split_once('-')?;
@@ -119,7 +119,7 @@ pub(crate) fn parse_kept_name(name: &str) -> Option<KeptName> {
     Some(KeptName { id: SculptureId::parse_hex(id)?, hash: ContentHash::parse_hex(hash)?, part })
 }
 
-/// Returns the ending of a kept file's name.
+/// Returns the extension of a kept file's name.
 pub(crate) const fn ending_of(part: KeptPart) -> &'static str {
     match part {
         KeptPart::Sculpture => "sculpture",
@@ -128,7 +128,7 @@ pub(crate) const fn ending_of(part: KeptPart) -> &'static str {
     }
 }
 
-/// Removes a file, if there is one. Returns how many bytes it had.
+/// Removes a file if it exists. Returns its length, or 0.
 fn remove_if_there(path: &Path) -> io::Result<u64> {
     let length = fs::metadata(path).map_or(0, |found| found.len());
     match fs::remove_file(path) {

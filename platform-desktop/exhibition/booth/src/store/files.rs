@@ -1,4 +1,4 @@
-//! Where the bytes of sculptures are: in a folder, or in a bucket.
+//! Storage of sculptures' files: in a folder, or in a bucket.
 
 use std::io;
 
@@ -6,10 +6,10 @@ use paros_booth_rules::ParcelFiles;
 
 /// Files of a booth.
 pub trait Files: ParcelFiles {
-    /// Bytes of all kept files.
+    /// Returns the bytes of all kept files.
     fn used_bytes(&self) -> u64;
 
-    /// Returns the bytes of sculptures for which there is room.
+    /// Returns the bytes that sculptures may still take.
     fn room_bytes(&self) -> u64;
 
     /// Checks that files can be written.

@@ -1,4 +1,4 @@
-//! One process serves a folder: two would each count bytes, memory and logins without the other.
+//! A lock for one server process per folder: two would not share their counts of bytes, memory and logins.
 
 use std::fs::{File, OpenOptions};
 use std::path::Path;
@@ -11,18 +11,18 @@ use rustix::io::Errno;
 
 use crate::error::Error;
 
-/// A folder that this process serves alone. The kernel frees it with the process, however that ends.
+/// An exclusive lock of a folder. The kernel releases it when the process ends, even if it is killed.
 #[derive(Debug)]
 pub(crate) struct FolderLock {
-    // Held for its drop.
+    // The open file holds the lock until it is dropped.
     _file: File,
 }
 
 impl FolderLock {
-    /// Takes a folder, which is made where there is none.
+    /// Locks a folder, and makes it if there is none.
     ///
     /// # Errors
-    /// [`Error::Input`] where another process serves it; or what the disk says.
+    /// [`Error::Input`] if another process holds the lock; an I/O error.
     pub(crate) fn take(folder: &Path) -> Result<Self, Error> {
         durable::make_folder(folder).map_err(|error| Error::at(folder, error))?;
         let path = folder.join("lock");
@@ -38,10 +38,10 @@ impl FolderLock {
         }
     }
 
-    /// The same, for a moment: waits for others who take it for a moment too.
+    /// Locks a folder for a short time. Waits up to ten seconds for another process that does the same.
     ///
     /// # Errors
-    /// Those of [`FolderLock::take`].
+    /// The errors of [`FolderLock::take`].
     pub(crate) fn take_in_turn(folder: &Path) -> Result<Self, Error> {
         for _ in 0..100 {
             match FolderLock::take(folder) {

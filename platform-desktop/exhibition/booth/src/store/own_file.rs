@@ -1,4 +1,4 @@
-//! A file or a folder that only its owner reads, under a temporary name until it is whole.
+//! A file or folder that only its owner can read, with a temporary name until it is complete.
 
 use std::fs::{self, DirBuilder, File, OpenOptions};
 use std::io::{self, Write as _};
@@ -7,22 +7,22 @@ use std::path::{Path, PathBuf};
 
 use paros_shell::durable;
 
-/// The length of a file that checks a folder: a sculpture's file is a fifth of that.
+/// The length of the test file for a folder: five times a sculpture's file.
 const CHECKED_BYTES: usize = 1 << 16;
 
-/// A temporary file or folder, which is removed where it isn't renamed.
+/// A temporary file or folder. It is removed on drop unless it was renamed.
 #[derive(Debug)]
 pub(crate) struct OwnPart {
-    /// Under which name it is made.
+    /// The temporary path.
     pub(crate) path: PathBuf,
     is_renamed: bool,
 }
 
 impl OwnPart {
-    /// A new file beside the one that it is to be, of mode 0600.
+    /// Makes a temporary file beside the final path, with mode 0600.
     ///
     /// # Errors
-    /// What the disk says.
+    /// An I/O error.
     pub(crate) fn new_file(of: &Path) -> io::Result<(Self, File)> {
         let path = parent_of(of).join(durable::temporary_name());
         durable::remove_stale_temporaries(parent_of(of));
@@ -31,20 +31,20 @@ impl OwnPart {
         Ok((OwnPart { path, is_renamed: false }, file))
     }
 
-    /// A new folder beside the one that it is to be, of mode 0700.
+    /// Makes a temporary folder beside the final path, with mode 0700.
     ///
     /// # Errors
-    /// What the disk says.
+    /// An I/O error.
     pub(crate) fn new_folder(of: &Path) -> io::Result<Self> {
         let path = parent_of(of).join(durable::temporary_name());
         DirBuilder::new().mode(0o700).create(&path)?;
         Ok(OwnPart { path, is_renamed: false })
     }
 
-    /// Gives it its name. What it holds is on the disk already.
+    /// Renames to the final path. The contents must be synced already.
     ///
     /// # Errors
-    /// What the disk says.
+    /// An I/O error.
     pub(crate) fn rename(mut self, to: &Path) -> io::Result<()> {
         fs::rename(&self.path, to)?;
         self.is_renamed = true;
@@ -55,16 +55,16 @@ impl OwnPart {
 impl Drop for OwnPart {
     fn drop(&mut self) {
         if !self.is_renamed {
-            // The stray name says what it is.
+            // If removal fails, the name shows that the file is temporary.
             let _ = fs::remove_file(&self.path).or_else(|_| fs::remove_dir_all(&self.path));
         }
     }
 }
 
-/// Checks that a folder has room for a file.
+/// Checks that a folder can be written to, with a test file.
 ///
 /// # Errors
-/// The error of the disk.
+/// An I/O error.
 pub(crate) fn check_folder(folder: &Path) -> io::Result<()> {
     let (_removed, mut file) = OwnPart::new_file(&folder.join("check"))?;
     file.write_all(&[0; CHECKED_BYTES])?;

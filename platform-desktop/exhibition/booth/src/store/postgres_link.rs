@@ -1,4 +1,4 @@
-//! Where the database is, and how it is reached: over TLS, unless it is on this machine.
+//! The address of the database, and connections to it: over TLS, unless it is on this machine.
 
 use std::fs;
 use std::path::Path;
@@ -15,31 +15,32 @@ use tokio_rustls::rustls::{ClientConfig, RootCertStore};
 
 use crate::error::Error;
 
-/// How long a connection may take, unless the address says otherwise.
+/// The timeout of a connection attempt, unless the address sets one.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// How long what was sent may be without an answer of the other machine.
+/// The timeout of data that was sent and isn't acknowledged, and the idle time before keepalives.
 const SILENCE_TIMEOUT: Duration = Duration::from_secs(20);
 
-/// What each connection is told. A transaction takes milliseconds: what takes longer hangs, and would hold up others;
-/// and what was committed is on the disk.
+/// The settings of each session. Transactions take milliseconds, so the timeouts end those that hang and
+/// would block others. Commits are synced to disk.
 const SETTINGS: &str = "SET lock_timeout = '5s';
     SET statement_timeout = '30s';
     SET idle_in_transaction_session_timeout = '30s';
     SELECT set_config('synchronous_commit', 'on', false) WHERE current_setting('synchronous_commit') = 'off'";
 
-/// Where the database is, and as whom to log in.
+/// The address of the database, with the login and the TLS configuration.
 pub struct PostgresAddress {
     config: Config,
     tls: Option<MakeRustlsConnect>,
 }
 
 impl PostgresAddress {
-    /// Of an address `postgres://USER@HOST/NAME`, whose password may be in it or in a file's first line. The server's
-    /// certificate is checked by the authorities of a file in PEM, or by the system's.
+    /// Parses an address `postgres://USER@HOST/NAME`. The password is in the address, or in the first line of
+    /// `password_file`. The authorities in `ca_file` (PEM), or the system's, verify the server's certificate.
     ///
     /// # Errors
-    /// What is wrong with them. It never tells of the address: a password may be in it.
+    /// A description of what is wrong with the address or the files. It never contains the address, which may
+    /// contain a password.
     pub fn new(
         address: &str,
         password_file: Option<&Path>,
@@ -68,7 +69,7 @@ impl PostgresAddress {
         }
         config.tcp_user_timeout(SILENCE_TIMEOUT).keepalives_idle(SILENCE_TIMEOUT);
         if config.get_ssl_mode() == SslMode::Prefer {
-            // Whoever is in between could prefer otherwise.
+            // `prefer` is not used: an attacker in between could make the connection fall back to plain text.
             let is_near = config.get_hosts().iter().all(is_this_machine);
             config.ssl_mode(if is_near { SslMode::Disable } else { SslMode::Require });
         }
@@ -79,10 +80,10 @@ impl PostgresAddress {
         Ok(PostgresAddress { config, tls })
     }
 
-    /// A new connection.
+    /// Opens a connection.
     ///
     /// # Errors
-    /// What PostgreSQL or the network says.
+    /// The error of PostgreSQL or the network.
     pub(crate) fn connect(&self) -> Result<Client, postgres::Error> {
         let mut client = match &self.tls {
             Some(tls) => self.config.connect(tls.clone())?,
@@ -93,7 +94,7 @@ impl PostgresAddress {
     }
 }
 
-/// Whether what is said to a host doesn't leave the machine.
+/// Returns `true` if `host` is a Unix socket or a loopback address.
 fn is_this_machine(host: &Host) -> bool {
     match host {
         Host::Unix(_) => true,
@@ -114,7 +115,7 @@ fn tls_config(ca_file: Option<&Path>) -> Result<ClientConfig, Error> {
             roots.add(authority).map_err(|error| bad(&error))?;
         }
     } else {
-        // What the system can't read of its own isn't trusted.
+        // System certificates that can't be read are ignored.
         roots.add_parsable_certificates(rustls_native_certs::load_native_certs().certs);
     }
     if roots.is_empty() {

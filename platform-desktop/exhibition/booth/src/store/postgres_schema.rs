@@ -1,27 +1,27 @@
-//! The tables of PostgreSQL, and beside them a table of one row that has their version, and whose they are.
+//! The tables in PostgreSQL, and a table with one row: the tables' version, and the site that owns them.
 
 use paros_booth_rules::records::{SCHEMA, SCHEMA_VERSION};
 use postgres::{Client, GenericClient};
 
-/// The lock that processes take which make tables at once: "paros".
+/// The key of the advisory lock that serialises the creation of tables: "paros".
 const SCHEMA_LOCK: i64 = 0x70_6172_6f73;
 
-/// Whose records a database has, and where their files are: what all processes have to agree upon.
+/// The site that owns a database's records, and the location of its files. All processes must agree on these.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct SiteRow {
     /// The site's name.
     pub(crate) site: Vec<u8>,
     /// SHA-256 of the authority's certificate.
     pub(crate) ca_hash: Vec<u8>,
-    /// As the command line names it.
+    /// The files' location, as on the command line.
     pub(crate) files: String,
 }
 
-/// PostgreSQL's words for those of the schema. Text is compared byte by byte, as in SQLite.
+/// Replacements of the schema's SQLite types by PostgreSQL's. Text is compared byte by byte, as in SQLite.
 const WORDS: [(&str, &str); 4] =
     [("INTEGER", "BIGINT"), ("BLOB", "BYTEA"), ("TEXT", "TEXT COLLATE \"C\""), (" STRICT", "")];
 
-/// Makes the tables of a database that has none. Returns the version of the tables that are there.
+/// Makes the tables if there are none. Returns the version of the existing tables.
 pub(crate) fn make_tables(client: &mut Client) -> Result<i64, postgres::Error> {
     let mut transaction = client.transaction()?;
     transaction.execute("SELECT pg_advisory_xact_lock($1)", &[&SCHEMA_LOCK])?;
@@ -40,7 +40,7 @@ pub(crate) fn make_tables(client: &mut Client) -> Result<i64, postgres::Error> {
     Ok(SCHEMA_VERSION)
 }
 
-/// The site whose records these are, if one has claimed them.
+/// Reads the site that owns the records, if one has claimed them.
 pub(crate) fn read_site(
     client: &mut impl GenericClient,
 ) -> Result<Option<SiteRow>, postgres::Error> {
@@ -49,7 +49,7 @@ pub(crate) fn read_site(
     Ok(Some(SiteRow { site: row.try_get(0)?, ca_hash: row.try_get(1)?, files: row.try_get(2)? }))
 }
 
-/// Claims the records for a site unless one has, and returns whose they are.
+/// Claims the records for a site, unless one has claimed them. Returns the owner.
 pub(crate) fn claim_site(client: &mut Client, site: &SiteRow) -> Result<SiteRow, postgres::Error> {
     let SiteRow { site: name, ca_hash, files } = site;
     let claim = "UPDATE paros_booth SET site = $1, ca_hash = $2, files = $3

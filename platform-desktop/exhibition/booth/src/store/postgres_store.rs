@@ -1,4 +1,4 @@
-//! The store of several booths: a database of PostgreSQL, which all of them change as if one came after the other.
+//! The store of several booths: a PostgreSQL database with serializable transactions.
 
 use std::collections::HashMap;
 use std::error::Error as _;
@@ -18,22 +18,22 @@ use crate::random::random_bytes;
 use crate::store::postgres_link::PostgresAddress;
 use crate::store::postgres_schema::{SiteRow, claim_site, make_tables, read_site};
 
-/// The longest pause after a conflict: a transaction takes a few milliseconds, and two that tried again at once would
-/// be in conflict again.
+/// The longest random pause after a conflict. A transaction takes a few milliseconds, and two that are
+/// retried at once would conflict again.
 const MAX_PAUSE_MS: u16 = 16;
 
-/// A store in a database of PostgreSQL. Several processes may have it open.
+/// A store in a PostgreSQL database. Several processes may have it open.
 ///
-/// Transactions that change something take turns within a process, as they do in SQLite: more of them at once would
-/// mostly be in conflict. Between processes PostgreSQL finds conflicts.
+/// Within a process, write transactions run one at a time, as with SQLite: concurrent ones would mostly
+/// conflict. Between processes, PostgreSQL detects conflicts.
 pub struct PostgresStore {
     address: PostgresAddress,
-    /// Links that nobody uses: as many as there were transactions at once.
+    /// Idle connections: as many as there were concurrent transactions.
     idle: Mutex<Vec<PostgresConnection>>,
     writers: Mutex<()>,
 }
 
-/// A link to the database, with the statements that it has prepared.
+/// A connection to the database, with its prepared statements.
 struct PostgresConnection {
     client: Client,
     statements: HashMap<String, Statement>,
@@ -41,16 +41,17 @@ struct PostgresConnection {
 
 struct PostgresTransaction<'a> {
     store: &'a PostgresStore,
-    /// `None` once it is over.
+    /// `None` after the transaction has ended.
     link: Option<PostgresConnection>,
     has_conflict: bool,
-    /// After that PostgreSQL takes no more calls, and COMMIT would roll back and call that a success.
+    /// `true` after a failed call. Then PostgreSQL accepts no more calls, and COMMIT would roll back but
+    /// report success.
     has_failed: bool,
     turn: Option<MutexGuard<'a, ()>>,
 }
 
 impl PostgresStore {
-    /// Connects, and makes tables where there are none.
+    /// Connects, and makes the tables if there are none.
     ///
     /// # Errors
     /// PostgreSQL's error, or the tables have another version.
@@ -62,10 +63,10 @@ impl PostgresStore {
         if version == SCHEMA_VERSION { Ok(store) } else { Err(StoreError::OtherVersion(version)) }
     }
 
-    /// The site whose records these are; `None` where no booth has claimed them yet.
+    /// Returns the site that owns the records; `None` if no booth has claimed them.
     ///
     /// # Errors
-    /// What PostgreSQL says.
+    /// PostgreSQL's error.
     pub(crate) fn site(&self) -> Result<Option<SiteRow>, StoreError> {
         let mut link = self.connect()?;
         let site = read_site(&mut link.client).map_err(store_error)?;
@@ -73,10 +74,10 @@ impl PostgresStore {
         Ok(site)
     }
 
-    /// Claims the records for a site, unless one has; and returns whose they are.
+    /// Claims the records for a site, unless one has claimed them. Returns the owner.
     ///
     /// # Errors
-    /// What PostgreSQL says.
+    /// PostgreSQL's error.
     pub(crate) fn claim_site(&self, site: &SiteRow) -> Result<SiteRow, StoreError> {
         let mut link = self.connect()?;
         let claimed = claim_site(&mut link.client, site).map_err(store_error)?;
@@ -93,9 +94,9 @@ impl PostgresStore {
         lock(&self.idle).push(link);
     }
 
-    /// A link on which a transaction has begun: one that stood idle, if its other end is there still.
+    /// Begins a transaction on an idle connection that still works, or on a new one.
     fn begin_on_link(&self, begin: &str) -> Result<PostgresConnection, StoreError> {
-        // Not by `while let`: that would hold the lock meanwhile.
+        // `while let` would hold the lock during the loop's body.
         loop {
             let Some(mut link) = lock(&self.idle).pop() else { break };
             match link.client.batch_execute(begin) {
@@ -113,7 +114,7 @@ impl PostgresStore {
 impl Store for PostgresStore {
     fn begin(&self, access: Access) -> Result<Box<dyn Transaction + '_>, StoreError> {
         let (begin, turn) = match access {
-            // What it sees was there at once, and it is never in conflict.
+            // A read transaction sees a consistent snapshot, and never conflicts.
             Access::Read => ("BEGIN ISOLATION LEVEL REPEATABLE READ, READ ONLY", None),
             Access::Write => {
                 ("BEGIN ISOLATION LEVEL SERIALIZABLE, READ WRITE", Some(lock(&self.writers)))
@@ -126,13 +127,13 @@ impl Store for PostgresStore {
 }
 
 impl PostgresTransaction<'_> {
-    /// Notes that the database said no.
+    /// Notes that a call failed. After a conflict, also rolls back.
     fn fail(&mut self, error: postgres::Error) -> StoreError {
         let error = store_error(error);
         self.has_failed = true;
         if matches!(error, StoreError::Conflict) {
             self.has_conflict = true;
-            // Others go on before it is tried again.
+            // Lets other transactions run before the retry.
             self.roll_back();
             self.turn = None;
             pause();
@@ -215,7 +216,7 @@ fn read_value(row: &postgres::Row, column: usize) -> Result<Value, postgres::Err
     Ok(value.unwrap_or(Value::Null))
 }
 
-/// A value as PostgreSQL takes it.
+/// A parameter of a statement.
 struct PostgresValue<'a>(&'a Value);
 
 impl ToSql for PostgresValue<'_> {
@@ -232,7 +233,7 @@ impl ToSql for PostgresValue<'_> {
         }
     }
 
-    /// Each value looks at that by itself.
+    /// Each value checks its type itself.
     fn accepts(_kind: &Type) -> bool {
         true
     }
@@ -240,7 +241,7 @@ impl ToSql for PostgresValue<'_> {
     to_sql_checked!();
 }
 
-/// What the database says, with its reasons. It never names the password.
+/// An error of the database, with its causes. It never contains the password.
 #[derive(Debug)]
 struct DatabaseError(postgres::Error);
 
@@ -259,13 +260,13 @@ impl fmt::Display for DatabaseError {
 impl std::error::Error for DatabaseError {}
 
 impl fmt::Debug for PostgresValue<'_> {
-    /// A value may be an address: it is in no log.
+    /// Hides the value, as it may be an address.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a value")
     }
 }
 
-/// What the database says, as a store's error.
+/// Converts an error of the database.
 fn store_error(error: postgres::Error) -> StoreError {
     let conflicts = [
         SqlState::T_R_SERIALIZATION_FAILURE,
@@ -278,7 +279,7 @@ fn store_error(error: postgres::Error) -> StoreError {
     StoreError::Failed(Box::new(DatabaseError(error)))
 }
 
-/// Whether nobody is at a link's other end, as after the database was started anew.
+/// Returns `true` if a connection is broken, for example after a restart of the database.
 fn is_link_broken(error: &postgres::Error, client: &Client) -> bool {
     let is_ending = error.code().is_some_and(|code| code.code().starts_with("57P"));
     is_ending || error.code().is_none() || client.is_closed()

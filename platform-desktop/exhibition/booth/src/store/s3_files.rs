@@ -1,4 +1,5 @@
-//! Kept files in a bucket of an S3-compatible store, which several booths share. A kept file is an object.
+//! Sculptures' files in a bucket of an S3-compatible store, which several booths may share. Each file is an
+//! object.
 
 use std::io;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -18,27 +19,29 @@ use crate::error::Error;
 use crate::store::disk_files::kept_file_name;
 use crate::store::files::Files;
 
-/// How long after a request's begin it is tried again: whoever waits for it has a place that others wait for.
+/// The time during which a failed request is retried. It is short, as the request holds a place that others
+/// wait for.
 const RETRY_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Files in a bucket.
 pub struct S3Files {
     store: AmazonS3,
-    /// Before all names; `None` for none.
+    /// The prefix of all object names, if there is one.
     prefix: Option<String>,
     quota_bytes: u64,
-    /// Of kept files, as they were last counted, and what this process has changed since.
+    /// The bytes of kept files: the last count, plus this process' changes since.
     used_bytes: AtomicU64,
-    /// `None` while it is dropped.
+    /// `None` only during the drop.
     runtime: Option<Runtime>,
 }
 
 impl S3Files {
-    /// The files of an address `s3://BUCKET/PREFIX`. Endpoint, region and keys are settings by the names that they
-    /// usually have in the environment, as `AWS_REGION`; others are passed over. Kept files take up to `quota_bytes`.
+    /// Opens the files at an address `s3://BUCKET/PREFIX`. `settings` are environment variables with the
+    /// endpoint, the region and the keys, such as `AWS_REGION`; others are ignored. Kept files may take up to
+    /// `quota_bytes`.
     ///
     /// # Errors
-    /// What is wrong with these, or what the store says.
+    /// A description of what is wrong with the address or the settings; the store's error.
     pub fn open(
         address: &str,
         settings: impl IntoIterator<Item = (String, String)>,
@@ -87,7 +90,7 @@ impl S3Files {
         let paths = futures_util::stream::iter(paths.into_iter().map(Ok)).boxed();
         let deleted = self.store.delete_stream(paths).try_for_each(|_| async { Ok(()) });
         match self.wait(deleted) {
-            // Another process was faster.
+            // Another process has deleted it already.
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
             deleted => deleted,
         }
@@ -102,7 +105,7 @@ impl S3Files {
         self.wait(self.store.put(path, PutPayload::from(bytes))).map(drop)
     }
 
-    /// How long an object is; 0 where there is none.
+    /// Returns the length of an object; 0 if it doesn't exist.
     fn length_of(&self, path: &Path) -> io::Result<u64> {
         match self.wait(self.store.head(path)) {
             Ok(found) => Ok(found.size),
@@ -111,7 +114,7 @@ impl S3Files {
         }
     }
 
-    /// Counts what all processes keep.
+    /// Counts the bytes of all kept files, of all processes.
     fn count_kept(&self) -> io::Result<()> {
         let used = self.list(&self.path("sculptures"))?.iter().map(|found| found.size).sum();
         self.used_bytes.store(used, Ordering::Relaxed);
@@ -150,7 +153,8 @@ impl ParcelFiles for S3Files {
         Ok(())
     }
 
-    /// An object for each call, named by when its first was: nothing is added to an object.
+    /// Writes one object for each call, as objects can't be appended to. Its name contains the time of the
+    /// first deletion.
     fn log_deletions(&self, deletions: &[Deletion]) -> io::Result<()> {
         let Some(first) = deletions.first() else { return Ok(()) };
         let path = self.path(&format!("deletions/{:016x}-{}", first.deleted_at.0, first.id));
@@ -158,7 +162,7 @@ impl ParcelFiles for S3Files {
         self.put(&path, lines.into_bytes())
     }
 
-    /// Counts the kept files again too: it is called now and then.
+    /// Also counts the kept files again, as it is called regularly.
     fn forget_deletions_before(&self, time: BoothTime) -> io::Result<()> {
         self.count_kept()?;
         let is_old = |path: &Path| {
@@ -187,7 +191,7 @@ impl Files for S3Files {
 
 impl Drop for S3Files {
     fn drop(&mut self) {
-        // The last one who has it may be a task, which must not wait for threads.
+        // The last owner may be an async task, which must not block on the runtime's threads.
         if let Some(runtime) = self.runtime.take() {
             runtime.shutdown_background();
         }
@@ -198,7 +202,7 @@ fn build_store(
     bucket: &str,
     settings: impl IntoIterator<Item = (String, String)>,
 ) -> Result<AmazonS3, Error> {
-    // Of the whole process; one that is there already stays.
+    // The cryptographic provider is global to the process; an existing one is kept.
     let _ = default_provider().install_default();
     let mut builder = AmazonS3Builder::new();
     for (name, value) in settings.into_iter().filter(|(name, _)| name.starts_with("AWS_")) {
@@ -231,7 +235,7 @@ fn build_store(
     builder.build().map_err(|error| Error::Input(format!("--files: {error}")))
 }
 
-/// Whether what is said there doesn't leave the machine.
+/// Returns `true` if the endpoint's host is a loopback address.
 fn is_this_machine(endpoint: &str) -> bool {
     let host = endpoint.strip_prefix("http://").and_then(|rest| rest.split('/').next());
     let host = host.map(|host| host.rsplit_once(':').map_or(host, |(host, _)| host));
@@ -246,7 +250,7 @@ fn io_error(error: object_store::Error) -> io::Error {
     io::Error::new(kind, error)
 }
 
-/// Less so much, but not less than nothing: another process may have removed what this one counted.
+/// Subtracts down to zero: another process may have removed a file that this one counted.
 fn subtract(count: &AtomicU64, less: u64) {
     let _ = count.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |count| {
         Some(count.saturating_sub(less))

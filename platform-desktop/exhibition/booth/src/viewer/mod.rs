@@ -1,4 +1,4 @@
-//! The viewer in which a sculpture is turned: three.js, which the booth serves itself.
+//! The 3D viewer of a sculpture: three.js, served by the booth itself.
 
 use std::sync::LazyLock;
 
@@ -13,19 +13,20 @@ use paros_shaders::constants::{AMBIENT_HARMONICS, SUN_COLOR, SUN_DIRECTION, TONE
 use crate::models::model::ModelFormat;
 use crate::models::picture::{PICTURE_AZIMUTH, PICTURE_ELEVATION};
 
-/// What browsers are told of these files: they are the same for everybody.
+/// The headers of the viewer's files. Caches may share the files, as they are the same for everybody.
 const HEADERS: [(HeaderName, &str); 3] = [
     (header::CONTENT_TYPE, "text/javascript"),
     (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
     (header::CACHE_CONTROL, "public, max-age=86400"),
 ];
 
-/// Browsers know files by their addresses alone.
+/// three.js' orbit controls, with the import rewritten to a relative address, as browsers don't resolve
+/// package names.
 static CONTROLS: LazyLock<String> = LazyLock::new(|| {
     include_str!("OrbitControls.js").replace("from 'three';", "from './three.module.min.js';")
 });
 
-/// The routes of its files.
+/// Makes the routes of the viewer's files.
 pub(crate) fn router<S: Clone + Send + Sync + 'static>() -> Router<S> {
     Router::new()
         .route("/viewer/viewer.js", get(|| async { script(include_str!("viewer.js")) }))
@@ -40,11 +41,11 @@ pub(crate) fn router<S: Clone + Send + Sync + 'static>() -> Router<S> {
         )
 }
 
-/// Reflectance of the stone, as that of marble without veins.
+/// The reflectance of the stone: marble without veins.
 const STONE: [f32; 3] = [0.84, 0.83, 0.81];
 
-/// Writes the studio's light and the view of [`draw_volume`](crate::models::picture::draw_volume) as JSON: the view beside a
-/// picture starts as the picture.
+/// Writes the studio's light and the view of [`draw_volume`](crate::models::picture::draw_volume) as JSON, so
+/// that the viewer starts with the same view as the picture.
 fn write_light() -> String {
     serde_json::json!({
         "sun": SUN_DIRECTION,
@@ -58,7 +59,7 @@ fn write_light() -> String {
     .to_string()
 }
 
-/// The models of a sculpture at an address, to be downloaded: one button, and the choice behind it.
+/// Draws a menu button with the download links of the sculpture whose page has the address `at`.
 pub(crate) fn draw_downloads(at: &str, language: Language) -> Markup {
     let (download, uses) = match language {
         Language::English => ("Download", ["any 3D printer", "3D printer, with units", "screens"]),
@@ -74,7 +75,7 @@ pub(crate) fn draw_downloads(at: &str, language: Language) -> Markup {
     }
 }
 
-/// Where a model at an address is turned, once somebody asks for it.
+/// Draws the viewer of a model's address. The model is loaded when somebody presses the button.
 pub(crate) fn draw_viewer(model: &str, language: Language) -> Markup {
     let (turn, how, fault) = match language {
         Language::English => (

@@ -1,4 +1,5 @@
-//! A server of PostgreSQL of a test's own: on a socket in a folder of the tests, and on a port with TLS and a password.
+//! A PostgreSQL server for one test: on a Unix socket in a test folder, and on a port with TLS and a
+//! password.
 #![allow(dead_code)] // each test uses its part of it
 
 use std::fs;
@@ -13,7 +14,7 @@ use paros_shell::require::require_or_skip;
 
 pub(crate) const PASSWORD: &str = "correct horse";
 
-/// A running server. It ends when it is dropped, or with the test's process.
+/// A running server. It is stopped on drop, or when the test's process ends.
 pub(crate) struct PostgresServer {
     process: Child,
     folder: PathBuf,
@@ -21,7 +22,7 @@ pub(crate) struct PostgresServer {
     schemas: AtomicU32,
 }
 
-/// A free port that the system hands to nobody else meanwhile: below those that it gives by itself.
+/// Finds a free port below the system's ephemeral range, so that no other process is assigned it meanwhile.
 fn find_port() -> u16 {
     static NEXT: AtomicU16 = AtomicU16::new(0);
     let first = 10_000 + (std::process::id() % 400) as u16 * 20;
@@ -31,7 +32,7 @@ fn find_port() -> u16 {
 }
 
 impl PostgresServer {
-    /// Starts one in a new folder, where PostgreSQL is installed.
+    /// Starts a server in a new folder. Returns `None` if PostgreSQL isn't installed.
     pub(crate) fn start(name: &str) -> Option<Self> {
         let programs = require_or_skip(find_programs()).expect("PostgreSQL")?;
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
@@ -66,7 +67,7 @@ impl PostgresServer {
         Some(server)
     }
 
-    /// The address of a new schema without tables.
+    /// Makes a schema without tables, and returns its address.
     pub(crate) fn new_schema(&self) -> String {
         let schema = format!("test_{}", self.schemas.fetch_add(1, Ordering::Relaxed));
         let mut client = self.connect().expect("a connection");
@@ -74,7 +75,7 @@ impl PostgresServer {
         self.address_of(&schema)
     }
 
-    /// The address of a schema, over the socket.
+    /// Returns the address of a schema, over the socket.
     pub(crate) fn address_of(&self, schema: &str) -> String {
         let (folder, port) = (self.folder.display(), self.port);
         format!(
@@ -82,12 +83,12 @@ impl PostgresServer {
         )
     }
 
-    /// The address over the network, by TLS, without a password.
+    /// Returns the address over the network with TLS, without a password.
     pub(crate) fn address_by_tls(&self) -> String {
         format!("postgres://booth@localhost:{}/postgres?sslmode=require", self.port)
     }
 
-    /// The authority that signed its certificate.
+    /// Returns the certificate file of the authority that signed the server's certificate.
     pub(crate) fn ca_file(&self) -> PathBuf {
         self.folder.join("server.crt")
     }
@@ -112,11 +113,11 @@ impl Drop for PostgresServer {
     }
 }
 
-/// Where `initdb` and `postgres` are: Debian keeps them by version, beside the path.
+/// Finds the folder of `initdb` and `postgres`. Debian keeps one for each version, outside `PATH`.
 fn find_programs() -> Result<PathBuf, String> {
     let versions = fs::read_dir("/usr/lib/postgresql").into_iter().flatten().flatten();
     let mut folders: Vec<PathBuf> = versions.map(|version| version.path().join("bin")).collect();
-    // The newest first.
+    // The newest version first.
     folders.sort();
     folders.reverse();
     let path = std::env::var_os("PATH").unwrap_or_default();
@@ -125,7 +126,7 @@ fn find_programs() -> Result<PathBuf, String> {
     found.ok_or_else(|| "PostgreSQL's server isn't installed".to_owned())
 }
 
-/// PostgreSQL refuses to run as root.
+/// Runs a program as an unprivileged user, as PostgreSQL refuses to run as root.
 fn as_unprivileged(program: &Path) -> Command {
     let mut command = Command::new("setpriv");
     if rustix::process::getuid().is_root() {
@@ -135,7 +136,8 @@ fn as_unprivileged(program: &Path) -> Command {
     command
 }
 
-/// The server ends with the thread that started it: that is one that lasts as long as the process.
+/// Starts the server. It ends with the thread that called this, so that thread must last as long as the
+/// process.
 fn spawn_server(programs: &Path, folder: &Path, port: u16) -> Child {
     let mut server = as_unprivileged(&programs.join("postgres"));
     server.arg("-D").arg(folder.join("data")).arg("-k").arg(folder);
@@ -144,7 +146,7 @@ fn spawn_server(programs: &Path, folder: &Path, port: u16) -> Child {
         ("ssl", "on".to_owned()),
         ("ssl_cert_file", folder.join("server.crt").display().to_string()),
         ("ssl_key_file", folder.join("server.key").display().to_string()),
-        // Power cuts are PostgreSQL's own matter.
+        // These tests don't cover power cuts.
         ("fsync", "off".to_owned()),
     ] {
         server.args(["-c", &format!("{name}={value}")]);

@@ -1,4 +1,4 @@
-//! A server that speaks S3, in the test's process, over a folder.
+//! An S3 server in the test's process, over a folder.
 
 use std::fs;
 use std::net::SocketAddr;
@@ -11,7 +11,7 @@ use s3s_fs::FileSystem;
 use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
 
-/// A running server. It ends when it is dropped.
+/// A running server. It is stopped on drop.
 pub(crate) struct S3Server {
     address: SocketAddr,
     folder: PathBuf,
@@ -19,7 +19,7 @@ pub(crate) struct S3Server {
 }
 
 impl S3Server {
-    /// Starts one in a new folder, with the bucket `booth`.
+    /// Starts a server in a new folder, with the bucket `booth`.
     pub(crate) fn start(name: &str) -> Self {
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
         let _ = fs::remove_dir_all(&folder);
@@ -36,7 +36,7 @@ impl S3Server {
                 let service = service.clone();
                 tokio::spawn(async move {
                     let http = hyper::server::conn::http1::Builder::new();
-                    // Whoever is killed breaks a connection.
+                    // A client that is killed breaks its connection.
                     let _ = http.serve_connection(TokioIo::new(stream), service).await;
                 });
             }
@@ -44,7 +44,7 @@ impl S3Server {
         S3Server { address, folder, _runtime: runtime }
     }
 
-    /// What tells a program where it is.
+    /// Returns the environment variables that configure a client of the server.
     pub(crate) fn settings(&self) -> Vec<(String, String)> {
         [
             ("AWS_ENDPOINT_URL", format!("http://{}", self.address).as_str()),
@@ -56,7 +56,7 @@ impl S3Server {
         .into()
     }
 
-    /// A folder of its bucket.
+    /// Returns the path of a folder in the bucket.
     pub(crate) fn folder(&self, name: &str) -> PathBuf {
         self.folder.join("booth").join(name)
     }

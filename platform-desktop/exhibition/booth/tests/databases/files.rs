@@ -1,4 +1,4 @@
-//! Folders and buckets keep files alike.
+//! Tests that folders and buckets store files in the same way.
 
 use std::io::ErrorKind;
 use std::path::Path;
@@ -29,7 +29,8 @@ fn open_bucket(server: &S3Server, prefix: &str, quota: u64) -> S3Files {
     S3Files::open(&format!("s3://booth/{prefix}"), server.settings(), quota).expect("a bucket")
 }
 
-/// What all files have to do, whether one process has them or several.
+/// Checks what all file stores have to do. `one` and `other` may be the same store, or one store in two
+/// processes.
 fn check_files(one: &dyn ParcelFiles, other: &dyn ParcelFiles) {
     for part in KeptPart::ALL {
         let bytes = noise(100_000 + part as usize);
@@ -46,7 +47,7 @@ fn check_files(one: &dyn ParcelFiles, other: &dyn ParcelFiles) {
     assert_eq!(one.read_kept(&name_of(1, KeptPart::Sculpture)).unwrap(), b"anew");
 }
 
-/// As much is counted as there is, and no more is kept than may be.
+/// Checks that the used bytes are counted, and the quota is enforced.
 fn check_quota(files: &dyn Files, other: &dyn Files) {
     let name = name_of(1, KeptPart::Sculpture);
     files.keep(&name, &noise(400)).unwrap();
@@ -82,7 +83,7 @@ fn a_bucket_has_files_that_several_share() {
     assert_eq!(objects.count(), 2, "a file is an object");
     let quota = |prefix| open_bucket(&server, prefix, 1000);
     check_quota(&quota("other"), &quota("other"));
-    // Without a prefix, and counted when it is opened.
+    // Without a prefix; and used bytes are counted when a store is opened.
     let bare = open_bucket(&server, "", u64::MAX);
     check_files(&bare, &bare);
     assert_eq!(open_bucket(&server, "other", u64::MAX).used_bytes(), 400);

@@ -1,5 +1,4 @@
-//! What is decided over a database in memory is decided over those of booths too; and a database of PostgreSQL, a bucket and a
-//! folder do what they have to.
+//! Runs the tests of the rules over real databases, and tests PostgreSQL, buckets and folders as stores.
 
 #[path = "../common/postgres_server.rs"]
 mod postgres_server;
@@ -18,13 +17,14 @@ use paros_booth::{PostgresAddress, PostgresStore};
 use paros_booth_rules::Store;
 use paros_booth_sqlite::SqliteStore;
 
-/// Courses of events that a test tries: a database takes its time.
+/// The number of random event sequences that a test runs: few, as databases are slow.
 pub(crate) const PLAYS: u32 = 12;
 
-/// Names a database of PostgreSQL to the process that runs the tests of `rules` over it.
+/// The environment variable with the PostgreSQL address, for the process that runs the tests of `rules` over
+/// it.
 pub(crate) const DATABASE: &str = "PAROS_TEST_DATABASE";
 
-/// A store without rows: of SQLite, or of PostgreSQL where a database is named.
+/// Makes an empty store: in SQLite, or in PostgreSQL if a database is named.
 pub(crate) fn new_store() -> Arc<dyn Store> {
     static COUNT: AtomicU32 = AtomicU32::new(0);
     let number = COUNT.fetch_add(1, Ordering::Relaxed);

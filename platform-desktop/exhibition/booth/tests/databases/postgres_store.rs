@@ -1,4 +1,4 @@
-//! PostgreSQL as a store.
+//! Tests of the PostgreSQL store.
 
 use std::sync::OnceLock;
 
@@ -8,7 +8,7 @@ use paros_booth_rules::{Access, BoothTime, Store, StoreError, update, view};
 
 use crate::postgres_server::{PASSWORD, PostgresServer};
 
-/// One for all tests.
+/// Returns the server that all tests share.
 fn server() -> Option<&'static PostgresServer> {
     static SERVER: OnceLock<Option<PostgresServer>> = OnceLock::new();
     SERVER.get_or_init(|| PostgresServer::start("postgres")).as_ref()
@@ -37,7 +37,7 @@ fn device(headset: u32) -> Device {
     }
 }
 
-/// The tests of the decisions, in a process of their own.
+/// Runs the tests of the rules, in a separate process.
 #[test]
 fn the_rules_hold_over_postgres_too() {
     let Some(server) = server() else { return };
@@ -108,7 +108,7 @@ fn a_broken_link_is_made_anew() {
         end_all();
         assert!(view(&store, |tx| tx.get::<Device>(&[&headset])).unwrap().is_some());
     }
-    // In the middle of a transaction it fails, and leaves nothing.
+    // If the connection breaks during a transaction, it fails and changes nothing.
     let cut = update(&store, |tx| {
         tx.put(&device(9))?;
         end_all();
@@ -118,12 +118,12 @@ fn a_broken_link_is_made_anew() {
     assert_eq!(view(&store, |tx| tx.count::<Device>("", &[])).unwrap(), 4);
 }
 
-/// A row of a number, which tests change.
+/// Makes a row with a number, which tests change.
 fn cursor(row: u8, turn: u16) -> BadgeCursor {
     BadgeCursor { row, turn, ..BadgeCursor::new() }
 }
 
-/// Two processes: what each reads, the other changes. One of them has to begin anew.
+/// Two processes each change what the other reads. One of them has to retry.
 #[test]
 fn what_could_not_come_one_after_the_other_is_a_conflict() {
     let Some(server) = server() else { return };
@@ -145,7 +145,7 @@ fn what_could_not_come_one_after_the_other_is_a_conflict() {
     assert!(matches!(lost, Err(StoreError::Conflict)), "{lost:?}");
 }
 
-/// Processes that count up the same number: none is lost, though they are in each other's way all the time.
+/// Processes increment the same number. No increment is lost, though they conflict all the time.
 #[test]
 fn processes_count_in_turn() {
     const PROCESSES: usize = 3;
@@ -173,7 +173,7 @@ fn processes_count_in_turn() {
     assert_eq!(usize::from(found.expect("it was put").turn), PROCESSES * COUNTS);
 }
 
-/// A call that failed can't be passed over: PostgreSQL would roll back, and call that a success.
+/// The error of a call can't be ignored: PostgreSQL would roll back at COMMIT, but report success.
 #[test]
 fn nothing_is_committed_after_a_failure() {
     let Some(server) = server() else { return };
@@ -181,7 +181,7 @@ fn nothing_is_committed_after_a_failure() {
     let store = open(&address);
     let done: Result<(), StoreError> = update(&store, |tx| {
         tx.put(&device(1))?;
-        // A value of another kind.
+        // A value of the wrong type.
         let _ = tx.get::<Device>(&[&"one"]);
         Ok(())
     });

@@ -1,4 +1,5 @@
-//! The tests of the decisions, which their own crate runs over a database in memory: here over `crate::new_store`.
+//! Runs the tests of the rules, which their own crate runs over a database in memory, over
+//! `crate::new_store`.
 #[path = "../../rules/tests/badges.rs"]
 mod badges;
 #[path = "../../rules/tests/clock.rs"]

@@ -1,5 +1,5 @@
-//! The fuzzer of `tests/fuzz` on what the booth reads that others write. As a test each target takes a second or two;
-//! `.ci/nightly` gives them a minute each.
+//! Fuzz targets of the crate `tests/fuzz` for the booth's parsers of untrusted input. As a test, each target
+//! takes a second or two; `.ci/nightly` gives each a minute.
 
 mod samples;
 
@@ -19,7 +19,8 @@ const TARGETS: [FuzzTarget; 8] =
 
 fuzz_tests! { TARGETS => upload mesh estimate printer printers deletions backup request }
 
-/// An input is a parcel whose files aren't packed: packed are they here, so that what is in them is tried.
+/// The input is a parcel whose files aren't compressed. The target compresses them, so that their contents
+/// are fuzzed.
 const UPLOAD: FuzzTarget = FuzzTarget {
     name: "upload",
     seeds: || vec![upload_seed()],
@@ -47,7 +48,7 @@ const UPLOAD: FuzzTarget = FuzzTarget {
         };
         let checked = check_parcel(&facts, &packed, &[]);
         let kept = [&facts.to_head()[..], &packed].concat();
-        // What is kept is made into a mesh, or it is told why not; nothing panics.
+        // A kept parcel results in a mesh or an error, never in a panic.
         match (checked, internals::make_stl(&kept)) {
             (Ok(()), Ok(_)) => "a mesh".into(),
             (Ok(()), Err(why)) => format!("kept, {why}"),
@@ -56,7 +57,7 @@ const UPLOAD: FuzzTarget = FuzzTarget {
     },
 };
 
-/// An input is where an STL is cut in two, and the STL.
+/// The input is the position at which an STL is split in two, and the STL.
 const MESH: FuzzTarget = FuzzTarget {
     name: "mesh",
     seeds: || vec![[&[90][..], &tetrahedron()].concat()],
@@ -67,7 +68,7 @@ const MESH: FuzzTarget = FuzzTarget {
         let Some((&at, stl)) = bytes.split_first() else { return "nothing".into() };
         let (first, second) = stl.split_at(usize::from(at).min(stl.len()));
         let checked = internals::check_stl(first, second);
-        // Wherever it is cut.
+        // The result doesn't depend on the position.
         assert_eq!(checked, internals::check_stl(stl, &[]));
         match checked {
             Ok((is_closed, triangles, of_3mf)) => {
@@ -107,7 +108,7 @@ const ESTIMATE: FuzzTarget = FuzzTarget {
     },
 };
 
-/// An input is one answer, or two with a zero between.
+/// The input is one response body, or two separated by a zero byte.
 const PRINTER: FuzzTarget = FuzzTarget {
     name: "printer",
     seeds: || {
@@ -194,7 +195,7 @@ const DELETIONS: FuzzTarget = FuzzTarget {
     runs: 20_000,
     run: |bytes| match internals::parse_deletions(bytes.to_vec()) {
         Ok(read) => {
-            // Written again they are read as the same; a line that was cut is none.
+            // Written again, the entries parse as the same. An incomplete last line is not an entry.
             let lines: String = read.iter().map(Deletion::to_line).collect();
             assert_eq!(internals::parse_deletions(lines.into_bytes()).as_ref(), Ok(&read));
             assert!(read.len() <= bytes.iter().filter(|byte| **byte == b'\n').count());
@@ -204,7 +205,8 @@ const DELETIONS: FuzzTarget = FuzzTarget {
     },
 };
 
-/// An input is an archive. Whatever it is, nothing is written but what a backup has, and nowhere else.
+/// The input is an archive. Whatever it contains, only the files of a backup are written, and only into the
+/// folder.
 const BACKUP: FuzzTarget = FuzzTarget {
     name: "backup",
     seeds: || {
@@ -234,12 +236,13 @@ const BACKUP: FuzzTarget = FuzzTarget {
         b"\xff\xff\xff\xff",
     ],
     longest: 4096,
-    // Each syncs half a dozen files.
+    // Few runs, as each syncs half a dozen files.
     runs: 150,
     run: run_backup,
 };
 
-/// An input is the lines of a request: a page's form, the query of a list, or the id and the headers of a parcel.
+/// The input is the lines of a request: a page's form, the query of a list, or the id and the headers of a
+/// parcel.
 const REQUEST: FuzzTarget = FuzzTarget {
     name: "request",
     seeds: || {
@@ -278,7 +281,7 @@ const REQUEST: FuzzTarget = FuzzTarget {
             outcome += &format!("form {}", fields[2]);
         }
         if let Some((link, filter)) = internals::read_list(&String::from_utf8_lossy(bytes)) {
-            // The address that the booth writes asks for the same.
+            // The normalised address requests the same list.
             let query = link.strip_prefix("/staff?").expect("an address");
             assert_eq!(internals::read_list(query), Some((link.clone(), filter.clone())));
             let conditions = filter.matches("Some").count();

@@ -1,4 +1,4 @@
-//! What the targets begin with, and what they look at.
+//! Seeds of the fuzz targets, and their helpers.
 
 use std::fs;
 use std::io::{Cursor, Write as _};
@@ -12,7 +12,7 @@ use paros_protocol::*;
 use paros_shell::rmap;
 use paros_shell::statics::Resident;
 
-/// All files below a folder.
+/// Lists all files below a folder.
 pub(crate) fn list(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).expect("a folder").flatten() {
@@ -24,7 +24,7 @@ pub(crate) fn list(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// A ZIP archive of files.
+/// Makes a ZIP archive of files.
 pub(crate) fn archive(files: &[(&str, &str)]) -> Vec<u8> {
     let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
     for (name, text) in files {
@@ -35,14 +35,14 @@ pub(crate) fn archive(files: &[(&str, &str)]) -> Vec<u8> {
     zip.finish().expect("memory").into_inner()
 }
 
-/// Packs bytes as parcels do.
+/// Compresses bytes as parcels do.
 pub(crate) fn deflate(bytes: &[u8]) -> Vec<u8> {
     let mut packed = DeflateEncoder::new(Vec::new(), Compression::fast());
     packed.write_all(bytes).expect("memory");
     packed.finish().expect("memory")
 }
 
-/// A closed mesh of four triangles.
+/// Makes a closed mesh of four triangles.
 pub(crate) fn tetrahedron() -> Vec<u8> {
     let corners = [[0.0f32, 0.0, 0.0], [9.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0, 0.0, 9.0]];
     let mut stl = vec![0; 80];
@@ -57,7 +57,7 @@ pub(crate) fn tetrahedron() -> Vec<u8> {
     stl
 }
 
-/// A parcel's head, and its volume as it is before it is packed.
+/// Makes a parcel's head, with an uncompressed volume.
 pub(crate) fn upload_seed() -> Vec<u8> {
     let first =
         rmap::encode(&<paros_core::volume::Grid<128> as Resident<128, 2>>::lock_range_maps());

@@ -1,4 +1,4 @@
-//! Accounts, tokens of fleets and the audit, as admins see them, and attendants don't.
+//! Tests of accounts, enrolment tokens and the audit log: admins see them, attendants don't.
 
 use paros_protocol::*;
 
@@ -29,7 +29,7 @@ fn admins_make_accounts_and_attendants_are_kept_out_of_what_is_not_theirs() {
         assert_eq!(client.get(path).status, 303, "{path} without a login");
         assert_ne!(ana.get(path).status, 403, "{path}");
     }
-    // With a form of his own login, and with one of hers.
+    // With a form token of his own login, and the same token with her login.
     for (path, fields) in [
         ("/staff/admin/accounts", "&name=eve&password=battery+horse+correct&role=admin"),
         ("/staff/admin/accounts/ana/disable", ""),
@@ -97,7 +97,7 @@ fn a_forgotten_password_is_reset_by_another_admin() {
     let bob = Browser { client, cookie: cookie_of(&log_in("staple+horse+correct")) };
     assert_eq!(bob.get("/staff").status, 200, "it is let in again");
     assert!(ana.get("/staff/audit").text().contains("reset password of bob</td><td>ana</td>"));
-    // Her own needs the password of now; his form and a name that nobody has lead nowhere.
+    // Her own password can't be reset here; neither his form token nor an unknown name works.
     assert!(!ana.get("/staff/admin").text().contains("accounts/ana/password"));
     let token = |browser: &Browser, page| {
         let page = browser.get(page);

@@ -1,4 +1,4 @@
-//! What the hostile send.
+//! Tests of hostile requests.
 
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
@@ -26,7 +26,7 @@ fn who_has_no_token_or_anothers_gets_nothing() {
     assert_eq!(client.ask("POST", "/v1/heartbeat", &[], &[]).unwrap().status, 401);
     let basic = ("Authorization", "Basic eDp5".to_owned());
     assert_eq!(client.ask("POST", "/v1/heartbeat", &[basic], &[]).unwrap().status, 401);
-    // Another parcel under the id of one that is there.
+    // Another parcel under an existing id.
     mine.upload(client, &parcel).unwrap().expect("it is taken");
     let facts = UploadFacts { sculpting_seconds: 1, ..parcel.facts };
     let other = parcel.with_facts(facts);
@@ -38,7 +38,7 @@ fn who_has_no_token_or_anothers_gets_nothing() {
         name: DeviceName::new("").expect("a name"),
     };
     assert_eq!(client.post("/v1/enrol/fleet", &asked.to_json()).status, 401);
-    // Guessing comes to an end.
+    // Guessing of tokens is rate-limited.
     let guesses = (0..400).map(|_| client.post("/v1/enrol/fleet", &asked.to_json()).status);
     assert!(guesses.filter(|status| *status == 429).count() > 50);
     mine.upload(client, &parcel).unwrap().expect("who has a token isn't held up");
@@ -51,7 +51,7 @@ fn what_is_too_large_or_no_sculpture_is_refused() {
     let client = &booth.client;
     let headset = Headset::enrol(client, folder.fleet_token(), 1);
     let parcel = Parcel::volume(1);
-    // It is refused before it comes.
+    // A request that is too large is refused by its `Content-Length`.
     let parcel_path = path_of(&parcel);
     for (method, path, most) in
         [("PUT", &*parcel_path, (32u64 << 20) + 32), ("POST", "/v1/heartbeat", 256 << 10)]
@@ -76,7 +76,7 @@ fn what_is_too_large_or_no_sculpture_is_refused() {
     let garbage =
         Parcel::of_packed(parcel.facts, &vec![0xa7; parcel.facts.volume_bytes as usize], &[]);
     assert!(refused(&garbage).contains("not packed by deflate"));
-    // 64 MiB of zeros in 64 KiB.
+    // A decompression bomb: 64 MiB of zeros in 64 KiB.
     let bomb = deflate(&vec![0; 64 << 20]);
     for raw in [parcel.facts.volume_raw_bytes, MAX_PARCEL_VOLUME_BYTES] {
         let facts =
@@ -123,7 +123,7 @@ fn names_lead_nowhere_but_to_sculptures() {
     assert_eq!(folder.files(""), before);
 }
 
-/// Those who hold connections without a word, or send theirs letter by letter, are cut off, and others are served.
+/// Connections that stay idle or send byte by byte are closed, while other clients are served.
 #[test]
 fn slow_ones_are_cut_off() {
     let folder = BoothFolder::new("slow");
@@ -140,14 +140,14 @@ fn slow_ones_are_cut_off() {
             stream
         })
         .collect();
-    // A body that never comes.
+    // A body that never arrives.
     let parcel = Parcel::volume(1);
     let headers = [headset.bearer(), ("Content-Length", "1000".to_owned())];
     let mut stuck = client.connect().expect("a connection");
     write_request(&mut stuck, "POST", "/v1/heartbeat", &headers, b"x").expect("it is open");
     headset.upload(client, &parcel).unwrap().expect("others are served");
     assert!(start.elapsed() < Duration::from_secs(9), "{:?}", start.elapsed());
-    // Now and then a letter: that buys no time.
+    // A byte now and then doesn't extend the timeout.
     std::thread::sleep(Duration::from_secs(9));
     for stream in &mut dripping {
         let _ = stream.write_all(b"a").and_then(|()| stream.flush());
@@ -159,7 +159,7 @@ fn slow_ones_are_cut_off() {
     }
     for mut stream in dripping {
         stream.sock.set_read_timeout(Some(Duration::from_secs(1))).unwrap();
-        // It may be told so before.
+        // The booth may send a response before it closes the connection.
         let mut rest = Vec::new();
         let ended = stream.read_to_end(&mut rest);
         assert!(
@@ -176,7 +176,7 @@ fn slow_ones_are_cut_off() {
     assert_eq!(read_answer(&mut stuck).expect("an answer").status, 408);
 }
 
-/// The booth has 640 places for connections.
+/// Opens more connections than the booth's limit of 640.
 #[test]
 fn who_holds_all_connections_keeps_nobody_out() {
     let folder = BoothFolder::new("idle");
@@ -197,7 +197,7 @@ fn who_holds_all_connections_keeps_nobody_out() {
     };
     assert_eq!(ask_as_staff(&mut of_staff).expect("an answer"), 200);
     assert_eq!(ask_as_headset(&mut of_headset).expect("an answer"), 200);
-    // From the same address, more than there are places, and all of them new every time.
+    // Opens more connections than the limit from the same address, new ones in each round.
     for round in 0..2 {
         let idle: Vec<TcpStream> =
             (0..700).map(|_| client.connect_plain().expect("a connection")).collect();
@@ -210,7 +210,7 @@ fn who_holds_all_connections_keeps_nobody_out() {
             start.elapsed() < Duration::from_secs(8),
             "not when the idle ones end by themselves"
         );
-        // The oldest ones made room, the newest are there.
+        // The oldest connections were closed, the newest are open.
         let mut ended = idle.iter().map(|mut stream| {
             stream.set_read_timeout(Some(Duration::from_millis(1))).unwrap();
             stream.read(&mut [0]).is_ok_and(|count| count == 0)
@@ -220,7 +220,7 @@ fn who_holds_all_connections_keeps_nobody_out() {
     }
     assert!(client.metric("paros_booth_closed_early_total") >= 120);
     assert_eq!(client.metric("paros_booth_turned_away_total"), 0);
-    // Those of another address are closed before the few of this one.
+    // The many connections of another address are closed before the few of this one.
     let mut few = client.connect().expect("a connection");
     let other = client.at_address([127, 0, 0, 2].into());
     let _many: Vec<TcpStream> =

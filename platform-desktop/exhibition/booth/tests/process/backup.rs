@@ -1,4 +1,4 @@
-//! A booth is backed up while it serves, and made anew of that.
+//! Tests of backups while the booth serves, and of their restore.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -14,14 +14,14 @@ use crate::rig::{
 };
 use crate::staff::Browser;
 
-/// Backs a booth up. Returns where.
+/// Backs a booth up. Returns the path of the backup.
 fn back_up(folder: &BoothFolder) -> PathBuf {
     let file = folder.path().with_file_name("booth.backup");
     folder.run(&["backup", file.to_str().expect("text")]).expect("a backup");
     file
 }
 
-/// Makes a booth of a backup, in a folder beside the first one's.
+/// Restores a backup into a folder beside the first one.
 fn restore(from: &BoothFolder, name: &str, with_log: bool) -> Result<BoothFolder, String> {
     let to = BoothFolder::new(name);
     let file = from.path().with_file_name("booth.backup");
@@ -33,7 +33,7 @@ fn restore(from: &BoothFolder, name: &str, with_log: bool) -> Result<BoothFolder
     to.run(&arguments).map(|_| to)
 }
 
-/// Shows the next badges of what a headset holds, and reports them.
+/// Shows the next badges that a headset has leased, and reports them.
 fn show(client: &Client, headset: &Headset, badges: &mut BadgeReport, shown: &mut BTreeSet<u32>) {
     for _ in 0..9 {
         let Some(held) = badges.blocks.iter_mut().find(|held| !held.is_used_up()) else { break };
@@ -53,7 +53,7 @@ fn delete(booth: &BoothProcess, cookie: &str, parcel: &Parcel) {
     assert_eq!(browser.click(&at, &format!("{at}/delete")).status, 303);
 }
 
-/// Backs a booth up while sculptures come and go.
+/// Backs a booth up while sculptures are added and deleted.
 fn back_up_under_way(
     folder: &BoothFolder,
     booth: &BoothProcess,
@@ -99,7 +99,7 @@ fn a_backup_while_it_serves_comes_back_without_what_was_deleted_since() {
     delete(&booth, &cookie, &parcels[0]);
     let file = back_up_under_way(&folder, &booth, &cookie, headset, &parcels[4..39]);
     assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
-    // After it: one more is kept, one is deleted, badges go out.
+    // After the backup: one more sculpture is kept, one is deleted, and badges are handed out.
     assert_eq!(send(&parcels[39]), ParcelOutcome::Kept);
     delete(&booth, &cookie, &parcels[1]);
     for (headset, lease) in headsets.iter().zip(&mut leases) {
@@ -111,12 +111,12 @@ fn a_backup_while_it_serves_comes_back_without_what_was_deleted_since() {
     let booth = again.start();
     assert_eq!(booth.first_code(), None, "its accounts are there");
     let client = &booth.client;
-    // It knows what it had, and what was deleted says so.
+    // The sculptures before the backup are known, and the deleted ones are reported as deleted.
     for (parcel, outcome) in parcels[..4].iter().zip([false, false, true, true]) {
         let sent = headset.upload(client, parcel).unwrap().expect("it is known");
         assert_eq!(sent == ParcelOutcome::Kept, outcome);
     }
-    // What came after the backup isn't known here. A headset that has it still may send it, and hears the same.
+    // A sculpture from after the backup is unknown. Its headset may send it again, with the same outcome.
     let sent = headset.upload(client, &parcels[39]).unwrap().expect("it is taken");
     assert_eq!(sent, ParcelOutcome::Kept);
     assert_eq!(client.metric("paros_booth_sculptures"), 3);
@@ -130,10 +130,10 @@ fn a_backup_while_it_serves_comes_back_without_what_was_deleted_since() {
     assert_eq!(kept.iter().filter(|name| name.ends_with(".sculpture")).count(), 3);
 }
 
-/// How a backup of a later program begins.
+/// The header of a backup by a newer program.
 const NEWER: &str = "backup of a Paros booth, version 2\nsomething = else\n";
 
-/// An archive of one file.
+/// Makes an archive of one file.
 fn zip_of(name: &str, text: &str) -> Vec<u8> {
     let mut zip = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
     zip.start_file(name, zip::write::SimpleFileOptions::default()).expect("a name");
@@ -141,7 +141,7 @@ fn zip_of(name: &str, text: &str) -> Vec<u8> {
     zip.finish().expect("an archive").into_inner()
 }
 
-/// Two booths of one backup would hand the same badges out.
+/// Two booths restored from one backup would hand out the same badges.
 #[test]
 fn a_backup_is_restored_once_a_day() {
     let folder = BoothFolder::new("backup-twice");
@@ -154,10 +154,10 @@ fn a_backup_is_restored_once_a_day() {
     assert_eq!(fs::read_dir(second).unwrap().count(), 0);
     let third = BoothFolder::new("backup-twice-3");
     third.run(&["restore", file.to_str().unwrap(), "--again"]).expect("it was said");
-    // A newer one of the same name is another.
+    // A newer backup with the same name isn't affected.
     back_up(&folder);
     restore(&folder, "backup-twice-4", false).expect("a booth");
-    // On another day it may be.
+    // On another day the restore is allowed.
     let note = file.with_file_name("booth.backup.restored");
     let text = fs::read_to_string(&note).unwrap();
     let (copied, day) = text.trim_end().rsplit_once(' ').expect("a day");
@@ -212,11 +212,12 @@ fn what_is_no_backup_or_no_free_folder_is_refused_and_nothing_is_left() {
     assert!(told.contains("deletions: line 1: expected a deletion"), "{told}");
 }
 
-/// An address is kept only until its mail is taken: a backup, which may lie anywhere for years, has none.
+/// An address is kept only until its mail is accepted. A backup, which may be stored anywhere for years,
+/// contains no addresses.
 #[test]
 fn no_address_is_in_a_backup() {
     let folder = BoothFolder::new("backup-address");
-    // A mail server that isn't there: the mail waits.
+    // The mail server doesn't exist, so the mail waits.
     let booth = folder.start_with(&mail_arguments("127.0.0.1:9"));
     let headset = Headset::enrol(&booth.client, folder.fleet_token(), 1);
     let parcel = Parcel::volume(5);
@@ -236,7 +237,7 @@ fn no_address_is_in_a_backup() {
     let mut entry = zip.by_name("booth.sqlite").expect("the database");
     std::io::copy(&mut entry, &mut fs::File::create(&copy).unwrap()).expect("whole");
     assert!(!has(copy), "it is in the backup");
-    // And what waits is told to be asked for anew.
+    // The restored booth asks staff to order the waiting mail again.
     let booth = again.start();
     let log_in = crate::staff::post_form(
         &booth.client,

@@ -1,5 +1,5 @@
-//! A real browser, headless, driven by the Chrome DevTools Protocol over a pair of pipes: messages of JSON, each ended by
-//! a zero.
+//! A real headless browser, controlled by the Chrome DevTools Protocol over a pair of pipes: JSON messages,
+//! each terminated by a zero byte.
 
 use std::fs;
 use std::io::{BufRead as _, BufReader, Write as _};
@@ -14,30 +14,31 @@ use base64::engine::general_purpose::STANDARD;
 use paros_shell::require::require_or_skip;
 use serde_json::{Value, json};
 
-/// How long a page or an answer may take, on a machine that does much else.
+/// The timeout of a page or a response, on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A window of a browser. It is killed when it is dropped.
+/// A browser window. The browser is killed on drop.
 pub(crate) struct Chromium {
     process: Child,
     to: ChildStdin,
     from: Receiver<Value>,
     session: String,
     last: u64,
-    /// Of messages that came while an answer was waited for.
+    /// Events that arrived while a response was awaited.
     events: Vec<Value>,
 }
 
-/// A picture of the page.
+/// A screenshot of the page.
 pub(crate) struct Picture {
     pub(crate) width: usize,
     pub(crate) height: usize,
-    /// Red, green, blue of each pixel.
+    /// The red, green and blue of each pixel.
     pub(crate) pixels: Vec<[u8; 3]>,
 }
 
 impl Chromium {
-    /// A browser with a profile of its own under `name`; `None` where there is none, and that is said.
+    /// Starts a browser with a new profile under `name`. Returns `None` and reports it if no browser is
+    /// installed.
     pub(crate) fn start(name: &str) -> Option<Self> {
         let found = ["chromium", "chromium-browser", "google-chrome"].into_iter().find(|program| {
             let told = Command::new(program).arg("--version").stderr(Stdio::null()).output();
@@ -50,7 +51,7 @@ impl Chromium {
     fn start_program(program: &str, name: &str) -> Self {
         let profile = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("chromium-{name}"));
         let _ = fs::remove_dir_all(&profile);
-        // A shell gives it the pipes under the numbers at which it looks for them.
+        // A shell passes the pipes as the file descriptors 3 and 4, which the protocol uses.
         let mut process = Command::new("sh")
             .args([
                 "-c",
@@ -83,7 +84,7 @@ impl Chromium {
         browser
     }
 
-    /// Makes the window so large, in pixels of CSS.
+    /// Sets the size of the window, in CSS pixels.
     pub(crate) fn resize(&mut self, (width, height): (u32, u32), is_phone: bool) {
         let size = json!({
             "width": width, "height": height, "deviceScaleFactor": 1, "mobile": is_phone,
@@ -99,7 +100,7 @@ impl Chromium {
         self.wait_for_load();
     }
 
-    /// The value of an expression in the page; that of a promise once it is kept.
+    /// Evaluates an expression in the page. Awaits a promise.
     pub(crate) fn ask(&mut self, expression: &str) -> Value {
         let asked = json!({
             "expression": expression, "returnByValue": true, "awaitPromise": true,
@@ -109,17 +110,17 @@ impl Chromium {
         answer["result"]["value"].clone()
     }
 
-    /// Whether there is an element of a selector of CSS.
+    /// Returns `true` if an element matches a CSS selector.
     pub(crate) fn has(&mut self, selector: &str) -> bool {
         self.ask(&format!("document.querySelector({}) !== null", quote(selector))) == true
     }
 
-    /// The text that a person reads in the page.
+    /// Returns the visible text of the page.
     pub(crate) fn text(&mut self) -> String {
         self.ask("document.body.innerText").as_str().expect("text").to_owned()
     }
 
-    /// Clicks where the first element of a selector is, with the mouse.
+    /// Clicks the first element that matches a selector, with the mouse.
     pub(crate) fn click(&mut self, selector: &str) {
         let place = self.ask(&format!(
             "(() => {{ const found = document.querySelector({}); if (!found) return null;
@@ -137,7 +138,7 @@ impl Chromium {
         }
     }
 
-    /// Clicks, and waits for the page to which that leads.
+    /// Clicks a link or a button, and waits for the next page.
     pub(crate) fn follow(&mut self, selector: &str) {
         self.events.clear();
         self.click(selector);
@@ -150,7 +151,7 @@ impl Chromium {
         self.call("Input.insertText", &json!({ "text": text }));
     }
 
-    /// Presses Enter, and waits for the page to which that leads.
+    /// Presses Enter, and waits for the next page.
     pub(crate) fn enter(&mut self) {
         self.events.clear();
         for (kind, text) in [("keyDown", "\r"), ("keyUp", "")] {
@@ -163,7 +164,7 @@ impl Chromium {
         self.wait_for_load();
     }
 
-    /// What is seen of the page, as PNG, kept under `target/tmp` too.
+    /// Takes a screenshot as PNG, and also stores it under `target/tmp`.
     pub(crate) fn draw(&mut self, name: &str) -> Vec<u8> {
         let drawn = self.call("Page.captureScreenshot", &json!({ "format": "png" }));
         let png = STANDARD.decode(drawn["data"].as_str().expect("a picture")).expect("base64");
@@ -182,7 +183,7 @@ impl Chromium {
         }
     }
 
-    /// Presses, moves or lets go of the mouse.
+    /// Presses, moves or releases the mouse.
     pub(crate) fn mouse(&mut self, kind: &str, [x, y]: [f64; 2]) {
         let params = json!({ "type": kind, "x": x, "y": y, "button": "left", "buttons": 1, "clickCount": 1 });
         self.call("Input.dispatchMouseEvent", &params);
@@ -194,7 +195,8 @@ impl Chromium {
         }
     }
 
-    /// A picture of a part of the page: left, top, width, height. It is kept as a file beside the tests' others.
+    /// Takes a screenshot of a part of the page: left, top, width, height. Also stores it as a file for
+    /// people to look at.
     pub(crate) fn picture(&mut self, name: &str, [x, y, width, height]: [f64; 4]) -> Picture {
         let clip = json!({ "x": x, "y": y, "width": width, "height": height, "scale": 1 });
         let shot = self.call("Page.captureScreenshot", &json!({ "format": "png", "clip": clip }));
@@ -210,7 +212,7 @@ impl Chromium {
         Picture { width: info.width as usize, height: info.height as usize, pixels }
     }
 
-    /// Waits for a page, and checks that nothing in it was refused or failed.
+    /// Waits until a page is loaded, and checks that no request or script in it failed.
     fn wait_for_load(&mut self) {
         let start = Instant::now();
         let is_load = |event: &Value| event["method"] == "Page.loadEventFired";
@@ -275,7 +277,7 @@ fn read_messages(from: ChildStdout) -> Receiver<Value> {
     messages
 }
 
-/// A text as a literal of JavaScript.
+/// Writes a text as a JavaScript literal.
 fn quote(text: &str) -> String {
     Value::from(text).to_string()
 }

@@ -1,4 +1,4 @@
-//! The booth to try, and how it is set up for good.
+//! Tests of the demo booth, and of the systemd unit.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ fn a_demo_has_ten_sculptures_with_badges() {
     let page = browser.get("/staff");
     assert_eq!(page.text().matches("role=\"img\"").count(), 10, "{}", page.text());
     assert_eq!(folder.files("sculptures").iter().filter(|name| name.ends_with(".png")).count(), 10);
-    // Each has a badge and a mesh.
+    // Each sculpture has a badge and a mesh.
     let badges = || {
         let database = rusqlite::Connection::open(folder.path().join("booth.sqlite")).unwrap();
         let mut rows =
@@ -31,7 +31,7 @@ fn a_demo_has_ten_sculptures_with_badges() {
     };
     let first = badges();
     assert_eq!(first.len(), 10);
-    // Started again in its folder it has these, and no more; and where real headsets are it isn't started.
+    // A restart in the same folder adds no sculptures. A folder with real headsets is refused.
     assert_eq!(booth.terminate(), Some(0));
     let booth = folder.start_with(&["--demo"]);
     assert_eq!(badges(), first);
@@ -43,7 +43,7 @@ fn a_demo_has_ten_sculptures_with_badges() {
     assert!(told.contains("--demo: headsets were enrolled"), "{told}");
 }
 
-/// Without a folder it has one of its own, which is gone at its end.
+/// Without `--folder`, the demo uses a temporary folder, which is removed at its end.
 #[test]
 fn a_demo_leaves_nothing() {
     let home = BoothFolder::new("demo-alone").path();
@@ -77,7 +77,7 @@ fn the_unit_is_one_that_systemd_takes() {
     let unit = include_str!("../../paros-booth.service");
     let started = "ExecStart=/usr/local/bin/paros-booth ";
     assert!(unit.contains(started));
-    // The program isn't installed here.
+    // The test uses the built program, as none is installed.
     let unit = unit.replace(started, &format!("ExecStart={} ", env!("CARGO_BIN_EXE_paros-booth")));
     let folder: PathBuf = Path::new(env!("CARGO_TARGET_TMPDIR")).join("unit");
     fs::create_dir_all(&folder).unwrap();

@@ -1,4 +1,4 @@
-//! A booth on a full disk.
+//! Tests of a booth on a full disk.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
@@ -12,11 +12,11 @@ use crate::rig::{BoothFolder, Headset, Parcel};
 use crate::smtp_sink::wait_until;
 use crate::staff::Browser;
 
-/// A file system in memory on a folder.
+/// A mounted file system in memory.
 struct SmallDisk(PathBuf);
 
 impl SmallDisk {
-    /// Mounts a disk of so many KiB. Returns `None` if this isn't allowed here.
+    /// Mounts a file system of this size. Returns `None` if the user may not mount.
     fn mount(folder: &Path, kib: u32) -> Option<Self> {
         fs::create_dir_all(folder).expect("room");
         let disk = SmallDisk(folder.to_owned());
@@ -33,7 +33,7 @@ impl SmallDisk {
         done.is_ok_and(|done| done.status.success())
     }
 
-    /// Fills the disk with a file. Returns its path.
+    /// Fills the file system with a file. Returns its path.
     fn fill(&self) -> PathBuf {
         let path = self.0.join("filler");
         let mut file = fs::File::create(&path).expect("room");
@@ -94,12 +94,12 @@ fn a_print_waits_until_there_is_room_for_its_slice() {
     assert_eq!(order("height=&minutes=60&filament=&note="), 303);
     wait_until(|| (folder.log().contains("the slicer's folder")).then_some(()));
     disk.resize(64 << 10);
-    // It wakes the slicer's thread, which begins with what waits longest.
+    // The order wakes the slicing thread, which takes the oldest print first.
     assert_eq!(order("height=60&minutes=&filament=&note="), 303);
     wait_until(|| (ana.get(&at).text().matches("ready to print").count() == 2).then_some(()));
 }
 
-/// A booth under a umask of 0 leaves nothing that others can read.
+/// A booth under a umask of 0 makes no files that others can read.
 #[test]
 fn files_are_their_owners_whatever_the_umask() {
     let folder = BoothFolder::new("umask");

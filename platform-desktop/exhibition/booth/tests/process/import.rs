@@ -1,4 +1,4 @@
-//! Parcels that were copied from a headset's disk: by a command, and by the admins' page.
+//! Tests of the import of parcels from a headset's disk: by the command, and by the admins' page.
 
 use std::fs;
 use std::path::Path;
@@ -6,12 +6,12 @@ use std::path::Path;
 use crate::rig::{BoothFolder, Headset, Parcel};
 use crate::staff::{Browser, cookie_of, post_form};
 
-/// Writes the file of a parcel into a copied outbox.
+/// Writes a parcel's file into a copied outbox.
 fn write(outbox: &Path, parcel: &Parcel, end: &str, file: &[u8]) {
     fs::write(outbox.join(format!("{}.{end}", parcel.facts.id)), file).expect("room on the disk");
 }
 
-/// The names and bytes of all files in a folder.
+/// Lists the names and bytes of all files in a folder.
 fn list(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("a file"));
     let read = |entry: fs::DirEntry| {
@@ -23,7 +23,7 @@ fn list(folder: &Path) -> Vec<(String, Vec<u8>)> {
     files
 }
 
-/// Other bytes of a sculpture that is known.
+/// Makes another parcel with the same id.
 fn other_parcel_of(parcel: &Parcel) -> Parcel {
     let mut facts = parcel.facts;
     facts.finished_at += 1;
@@ -63,10 +63,11 @@ fn a_command_takes_a_copied_outbox_and_names_what_it_cannot_take() {
     assert_eq!(import(&outbox, headset.number, &[]), done(summary(0, 2, 0)));
     let kept = folder.path().join("sculptures");
     assert!(first.is_kept_in(&kept) && second.is_kept_in(&kept));
-    // The headset is mended and sends what it has: the booth has it.
+    // The headset is repaired and sends its parcels again: the booth acknowledges them.
     assert!(headset.upload(&booth.client, &first).expect("an answer").is_ok());
 
-    // A third one is taken beside another parcel of the first, half a file, a folder and another one's file.
+    // A third parcel is taken. The others are refused: another parcel of the first sculpture, a truncated
+    // file, a parcel under another id, and a folder.
     write(&outbox, &first, "parcel", &other_parcel_of(&first).file());
     write(&outbox, &second, "sent", &second.file()[..900]);
     write(&outbox, &third, "refused", &third.file());
@@ -121,7 +122,7 @@ fn an_admin_brings_files_on_a_page_and_an_attendant_does_not() {
         let answer = put(&ana, &token, &name, file);
         (answer.status, answer.text().to_owned())
     };
-    // Not an admin, not logged in, no form of hers.
+    // Refused: not an admin, not logged in, a form token of another login.
     assert_eq!(bob.get("/staff/import").status, 403);
     let of_bob = token_of(&bob, "/staff/account");
     assert_eq!(put(&bob, &of_bob, &name, &parcel.file()).status, 403);
@@ -138,7 +139,7 @@ fn an_admin_brings_files_on_a_page_and_an_attendant_does_not() {
     let (status, page) = told(&parcel.file()[..900]);
     assert!(status == 400 && page.contains("class=\"note\""), "{page}");
     assert_eq!(put(&ana, &token, "badges.lease", b"{}").status, 400);
-    // Too large: that is known before a byte is read.
+    // Too large: refused before the body is read.
     let path = format!("/staff/import/{}/{name}", headset.number);
     let length = ("Content-Length", ((32u64 << 20) + 33).to_string());
     let headers = [("Cookie", ana.cookie.clone()), ("Form", token.clone()), length];

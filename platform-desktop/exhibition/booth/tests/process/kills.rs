@@ -1,4 +1,4 @@
-//! The booth is killed at random, and headsets go on as if nothing were.
+//! Kills the booth at random times while headsets upload.
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -8,12 +8,12 @@ use paros_protocol::ParcelOutcome;
 
 use crate::rig::{BoothFolder, Client, Headset, Parcel};
 
-/// How often it is killed; `PAROS_BOOTH_KILLS` says otherwise.
+/// The number of kills, unless `PAROS_BOOTH_KILLS` sets it.
 const KILLS: u32 = 12;
 
 const HEADSETS: u8 = 4;
 
-/// A number that looks random, of a seed (splitmix64).
+/// Returns a pseudorandom number for a seed (splitmix64).
 fn scramble(seed: u64) -> u64 {
     let mut bits = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
     bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -21,7 +21,7 @@ fn scramble(seed: u64) -> u64 {
     bits ^ bits >> 31
 }
 
-/// The parcels that the booth said it has, by number.
+/// The parcels that the booth has acknowledged, by number.
 type Signed = Mutex<BTreeMap<u32, Parcel>>;
 
 #[test]
@@ -37,7 +37,7 @@ fn killed_at_any_moment_it_loses_nothing_and_keeps_nothing_twice() {
     for round in 0..kills {
         std::thread::scope(|scope| {
             for (k, headset) in headsets.iter().enumerate() {
-                // Those of the round before, whole or begun, and new ones.
+                // Parcels of the previous round, complete or not, and new ones.
                 let numbers = (3 * round).saturating_sub(2)..3 * round + 6;
                 let of_headset = numbers.map(move |n| n * u32::from(HEADSETS) + k as u32 + 1);
                 let (client, signed) = (&booth.client, &signed);
@@ -63,7 +63,7 @@ fn killed_at_any_moment_it_loses_nothing_and_keeps_nothing_twice() {
     println!("{kills} kills, {} heard of, {kept} kept", signed.len());
 }
 
-/// Sends parcels one after the other, until the booth is gone.
+/// Sends parcels one after the other, until the booth is killed.
 fn upload_all(
     client: &Client,
     headset: &Headset,

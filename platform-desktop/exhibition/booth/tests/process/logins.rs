@@ -1,4 +1,4 @@
-//! Wrong logins are slow and bounded, and keep nobody else out.
+//! Tests that wrong logins are delayed and limited, and don't affect other clients.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,7 +15,7 @@ fn log_in(client: &Client, cookie: &str, name: &str, password: &str) -> Answer {
     post_form(client, "/staff/login", cookie, &format!("name={name}&password={password}"))
 }
 
-/// Sends so many wrong passwords at once. Returns their answers' statuses, as they come.
+/// Sends `count` wrong passwords at once. Returns the threads that wait for the statuses.
 fn guess(client: &Client, name: &'static str, count: usize) -> Vec<JoinHandle<u16>> {
     let guess = |k| {
         let client = client.clone();
@@ -28,7 +28,7 @@ fn wait_for(guesses: Vec<JoinHandle<u16>>) -> Vec<u16> {
     guesses.into_iter().map(|guess| guess.join().expect("an answer")).collect()
 }
 
-/// The cookie by which a browser is known in which somebody was logged in.
+/// Returns the cookie of a browser in which somebody has logged in.
 fn browser_cookie(answer: &Answer) -> String {
     let mut cookies = answer.head.lines().filter_map(|line| line.strip_prefix("set-cookie: "));
     let cookie = cookies.find(|cookie| cookie.starts_with("__host-paros-browser="));
@@ -36,7 +36,7 @@ fn browser_cookie(answer: &Answer) -> String {
     pair.replace("__host-paros-browser", "__Host-paros-browser")
 }
 
-/// A booth with the accounts ana and bob, who have the same password.
+/// Starts a booth with the accounts ana and bob, who have the same password.
 fn start(folder: &BoothFolder) -> (BoothProcess, String) {
     let booth = folder.start();
     let code = booth.first_code().expect("a code");
@@ -63,7 +63,7 @@ fn a_right_login_passes_while_wrong_ones_of_its_address_wait() {
     let waiting = guesses.iter().filter(|guess| !guess.is_finished()).count();
     assert!(waiting >= 2, "{waiting} wrong ones still wait");
     assert_eq!(wait_for(guesses), [403; 9]);
-    // One after the other, each one waits for seconds.
+    // Further wrong passwords, sent one at a time, are delayed by seconds.
     let start = Instant::now();
     assert_eq!(log_in(client, "", "ana", "guess+number+1").status, 403);
     assert!(start.elapsed() > Duration::from_secs(4), "{:?}", start.elapsed());
@@ -76,7 +76,7 @@ fn guesses_are_bounded_and_keep_nobody_out_who_was_logged_in_before() {
     let thief = booth.client.at_address([127, 0, 0, 2].into());
     let known = browser_cookie(&log_in(&thief, "", "bob", RIGHT));
     let start = Instant::now();
-    // Somebody who doesn't stop.
+    // A client that keeps guessing.
     let is_over = Arc::new(AtomicBool::new(false));
     let (thiefs, ends) = (thief.clone(), is_over.clone());
     let guessing = spawn(move || {
@@ -87,7 +87,8 @@ fn guesses_are_bounded_and_keep_nobody_out_who_was_logged_in_before() {
         }
         wait_for(guesses)
     });
-    // Right ones are looked at as guesses are: while there are too many, none is.
+    // While there are too many guesses, right passwords are refused too, as they can't be distinguished
+    // before they are verified.
     let refused = wait_until(|| {
         let answer = log_in(&thief, "", "ana", RIGHT);
         (answer.status == 429).then_some(answer)
@@ -103,7 +104,7 @@ fn guesses_are_bounded_and_keep_nobody_out_who_was_logged_in_before() {
     let most = 21 + start.elapsed().as_secs() / 5;
     let seen = statuses.iter().filter(|status| **status == 403).count() as u64;
     assert!((18..=most).contains(&seen) && seen < statuses.len() as u64, "{most}: {statuses:?}");
-    // Who is in stays in.
+    // Existing sessions continue.
     assert_eq!(Browser { client: &thief, cookie: session }.get("/staff").status, 200);
     assert!(cookie_of(&log_in(&thief, &known, "ana", RIGHT)).starts_with("__Host-paros="));
 }

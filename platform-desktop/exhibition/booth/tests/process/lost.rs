@@ -1,4 +1,4 @@
-//! A machine whose clock is wrong, and a booth whose database is lost.
+//! Tests of a wrong clock, and of the rescue of a booth whose database is lost.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -12,7 +12,7 @@ use paros_shell::require::require_or_skip;
 use crate::rig::{BoothFolder, Headset, Parcel};
 use crate::staff::Browser;
 
-/// The bytes of all files in a folder and its folders, by path.
+/// Reads all files below a folder, by path.
 fn read_tree(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut files = BTreeMap::new();
     for entry in fs::read_dir(folder).expect("a folder") {
@@ -28,7 +28,7 @@ fn read_tree(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 
 #[test]
 fn a_clock_three_years_ahead_deletes_nothing_and_asks() {
-    // The program `faketime` would outlive a booth that is killed: its library alone is used.
+    // Only the library of `faketime` is used, as the program itself would outlive a booth that is killed.
     let library =
         Command::new("faketime").args(["-f", "+1095d", "printenv", "LD_PRELOAD"]).output();
     let Some(library) = require_or_skip(library.map_err(|_| "no faketime")).expect("faketime")
@@ -47,7 +47,7 @@ fn a_clock_three_years_ahead_deletes_nothing_and_asks() {
     booth.terminate();
     let files = folder.files("sculptures").len();
 
-    // Its page can't be reached: its certificate is of a time that is yet to come. The sweep runs at once.
+    // Clients reject the certificate, as it isn't valid yet. The sweep runs at once.
     let log = fs::File::create(folder.path().with_file_name("ahead.log")).expect("room");
     let mut ahead = folder.command(&["--listen", "127.0.0.1:0"]);
     let ahead = ahead.env("LD_PRELOAD", library.trim()).env("FAKETIME", "+1095d");
@@ -78,7 +78,7 @@ fn an_admin_answers_for_a_clock_that_jumped() {
     let mut booth = folder.start();
     let cookie = Browser::first(&booth.client, &booth.first_code().expect("a code")).cookie;
     booth.terminate();
-    // The booth was switched off for 20 days.
+    // Simulates a booth that was off for 20 days.
     let database = rusqlite::Connection::open(folder.path().join("booth.sqlite")).unwrap();
     let moved = "UPDATE seen_time SET seen_at = seen_at - 20 * 86400000";
     assert_eq!(database.execute(moved, []).unwrap(), 1);
@@ -110,7 +110,7 @@ fn a_booth_is_made_of_the_files_of_one_that_lost_its_database() {
     for name in ["booth.sqlite", "booth.sqlite-wal", "booth.sqlite-shm"] {
         let _ = fs::remove_file(lost.join(name));
     }
-    // The trace of one was too old, and a file is damaged.
+    // One trace has expired, and one file is damaged.
     fs::remove_file(kept(2, "trace")).unwrap();
     fs::write(kept(3, "sculpture"), &fs::read(kept(3, "sculpture")).unwrap()[..99]).unwrap();
     let refusal = folder.run(&["--listen", "127.0.0.1:0"]).expect_err("its records are gone");
@@ -131,7 +131,7 @@ fn a_booth_is_made_of_the_files_of_one_that_lost_its_database() {
     for parcel in &parcels[..3] {
         assert!(page.text().contains(&parcel.facts.id.to_string()), "{page:?}");
     }
-    // A headset that has a sculpture still is told that the booth has it.
+    // If a headset sends a rescued sculpture again, the booth acknowledges it.
     let headset = Headset::enrol(&booth.client, new.fleet_token(), 1);
     assert!(headset.upload(&booth.client, &parcels[1]).expect("an answer").is_ok());
 

@@ -11,7 +11,7 @@ use crate::page::{add_first_account, look_at};
 use crate::rig::BoothFolder;
 use crate::smtp_sink::wait_until;
 
-/// The sculptures of a day, which begins at eight and has 50 an hour.
+/// The sculptures of a day: from eight o'clock, 50 an hour.
 const COUNT: u32 = 400;
 
 const SIZES: [(&str, (u32, u32)); 3] =
@@ -45,14 +45,14 @@ fn a_lost_badge_is_found_by_a_picture_and_the_hour() {
             browser.resize(place, size == "phone");
             browser.open(&format!("{at}/staff"));
             look_at(&mut browser, &format!("list-{size}-{code}"));
-            // By looking at the thumbnails of the hour, which is the fourteenth.
+            // Search by the thumbnails of the hour from 13:00.
             choose(&mut browser, "day", &write_day(&folder, yesterday));
             choose(&mut browser, "hour", "13");
             browser.follow(".filter button");
             let thumbnails = "document.querySelectorAll('.thumbs a').length";
             assert_eq!(browser.ask(thumbnails), 50);
             look_at(&mut browser, &format!("hour-{size}-{code}"));
-            // By the picture: it is said, and the hour is chosen among all that have it.
+            // Search by one picture's name, then filter the matches by the hour.
             browser.follow("nav a[href='/staff/find']");
             browser.fill("input[name=words]", badge.pictograms[1].name(language));
             browser.enter();
@@ -66,7 +66,7 @@ fn a_lost_badge_is_found_by_a_picture_and_the_hour() {
     }
     browser.follow(&format!(".thumbs a[href='/staff/sculptures/{}']", SculptureId(lost.id)));
     assert!(browser.has("form[action$='/withdraw']"), "its page");
-    // Tapped: a picture alone.
+    // Search by one tapped picture.
     browser.resize((820, 1180), false);
     browser.open(&format!("{at}/staff/find"));
     browser.click(&format!("[data-picture='{}']", badge.pictograms[1].number()));

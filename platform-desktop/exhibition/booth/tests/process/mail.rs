@@ -1,4 +1,4 @@
-//! Sculptures go to a mail server that speaks SMTP.
+//! Tests of mails, with an SMTP server.
 
 use paros_protocol::*;
 
@@ -6,13 +6,14 @@ use crate::rig::{BoothFolder, BoothProcess, Client, Headset, Parcel, figure, mai
 use crate::smtp_sink::{Heard, SinkTls, SmtpSink, wait_until};
 use crate::staff::{Browser, post_form};
 
-/// Starts a booth that sends its mails there.
+/// Starts a booth that sends its mails to the sink.
 fn start(folder: &BoothFolder, sink: &SmtpSink) -> BoothProcess {
     let server = sink.address.to_string();
     folder.start_with(&mail_arguments(&server))
 }
 
-/// Sends a Greek's sculpture, and waits for its picture. Returns where its page is.
+/// Sends the sculpture of a Greek-speaking visitor, and waits for its picture. Returns the address of its
+/// page.
 fn with_sculpture(client: &Client, folder: &BoothFolder) -> String {
     let headset = Headset::enrol(client, folder.fleet_token(), 1);
     let parcel = Parcel::volume(77);
@@ -23,7 +24,7 @@ fn with_sculpture(client: &Client, folder: &BoothFolder) -> String {
     format!("/staff/sculptures/{}", parcel.facts.id)
 }
 
-/// Fills the form in, as letters that HTML's forms turn into percent signs.
+/// Fills the mail form in, with every character percent-encoded, and sends it.
 fn ask(browser: &Browser<'_>, at: &str, address: &str) -> u16 {
     let page = browser.get(at);
     let token = page.text().split("name=\"form\" value=\"").nth(1).expect("a form");
@@ -32,7 +33,7 @@ fn ask(browser: &Browser<'_>, at: &str, address: &str) -> u16 {
     post_form(browser.client, &format!("{at}/mail"), &browser.cookie, &form).status
 }
 
-/// The file of a name in a mail, out of base64.
+/// Decodes the base64 attachment with a name.
 fn attachment(text: &str, name: &str) -> Vec<u8> {
     let part = text.split(&format!("filename=\"{name}\"")).nth(1).expect("the file");
     let letters = part.split("\n\n").nth(1).expect("a body").split("\n--").next().expect("lines");
@@ -66,12 +67,12 @@ fn a_mail_goes_out_with_picture_and_model_and_its_address_is_forgotten() {
     assert!(mail.from.contains("<booth@example.org>"), "{}", mail.from);
     assert_eq!(mail.to.len(), 1);
     assert!(mail.to[0].contains("<o'brien&co@example.org>"), "{:?}", mail.to);
-    // Its bytes are those that the page gives.
+    // The attachment has the same bytes as the download.
     let model = attachment(&mail.text, "sculpture.3mf");
     assert!(model == browser.get(&format!("{at}/model.3mf")).body);
     assert!(model.starts_with(b"PK\x03\x04") && model.len() < figure().stl.len() / 3);
     assert_eq!(&attachment(&mail.text, "sculpture.png")[..8], b"\x89PNG\r\n\x1a\n");
-    // "Το γλυπτό", in base64 as heads have it.
+    // "Το γλυπτό" as a base64 encoded word.
     assert!(mail.text.contains("Subject: =?utf-8?b?zqTOvyDOs867z4XPgM"), "{}", &mail.text[..600]);
     wait_until(|| browser.get(&at).text().contains("mail sent").then_some(()));
     assert!(!browser.get(&at).text().contains("brien"));
@@ -101,7 +102,7 @@ fn a_mail_that_is_refused_says_why_and_one_that_is_put_off_waits() {
     assert!(!folder.log().contains("example.org"), "{}", folder.log());
 }
 
-/// A booth that speaks TLS to a mail server, and logs in there.
+/// A booth that uses TLS and a login for its mail server.
 struct SecureMail {
     folder: BoothFolder,
     booth: BoothProcess,
@@ -109,7 +110,7 @@ struct SecureMail {
 }
 
 impl SecureMail {
-    /// One that trusts an authority, and says a password.
+    /// Starts a booth that trusts an authority and logs in with a password.
     fn start(name: &str, sink: &SmtpSink, how: &str, (ca_pem, password): (&str, &str)) -> Self {
         let folder = BoothFolder::new(name);
         let write = |name: &str, text: &str| {
@@ -136,7 +137,7 @@ impl SecureMail {
         SecureMail { folder, booth, at }
     }
 
-    /// Asks for a mail, and waits for its state.
+    /// Orders a mail, and waits until its page shows a state.
     fn ask_until(&self, says: &str) {
         let browser = Browser::first(&self.booth.client, &self.booth.first_code().expect("a code"));
         assert_eq!(ask(&browser, &self.at, "ana@example.org"), 303);
@@ -155,7 +156,7 @@ const USER: &str = "booth-at-fair";
 const PASSWORD: &str = "päss wörd\\9";
 const WRONG: &str = "hunter2-but-not";
 
-/// What is heard without TLS: that somebody is there, and wants it.
+/// Returns `true` if only the greeting and STARTTLS were sent without TLS.
 fn is_nothing(heard: &Heard) -> bool {
     heard
         .in_clear
@@ -172,7 +173,7 @@ fn the_booth_logs_in_over_both_kinds_of_tls() {
         (SinkTls::Implicit, "tls", "LOGIN"),
     ] {
         let sink = SmtpSink::start_with(tls, Some((USER, PASSWORD, way)));
-        // Only the first line is the password.
+        // Only the first line of the file is the password.
         let password = format!("{PASSWORD}\nmore\n");
         let name = format!("mail-login-{how}-{}", way.to_lowercase());
         let mail = SecureMail::start(&name, &sink, how, (&sink.ca_pem, &password));
@@ -186,7 +187,7 @@ fn the_booth_logs_in_over_both_kinds_of_tls() {
     }
 }
 
-/// Somebody put in between shows another certificate, or says that there is no TLS and asks for the password.
+/// A server in between presents another certificate, or offers no TLS and asks for the password.
 #[test]
 fn neither_password_nor_address_goes_to_a_server_that_is_not_the_right_one() {
     let login = Some((USER, PASSWORD, "PLAIN"));
@@ -208,7 +209,7 @@ fn neither_password_nor_address_goes_to_a_server_that_is_not_the_right_one() {
         mail.ask_until(&waits(why));
         let heard = sink.heard();
         assert_eq!((heard.mails.len(), heard.logins.len()), (0, 0), "{name}");
-        // TLS that is taken for words is none that anybody understands.
+        // With implicit TLS, the server without TLS reads the handshake as text.
         let all = heard.in_clear.concat();
         assert!(!all.contains("example.org") && !all.contains(USER), "{name}: {all}");
         assert!(how == "tls" || is_nothing(&heard), "{name}: {:?}", heard.in_clear);

@@ -1,4 +1,4 @@
-//! The real program, over real TLS, on a real disk.
+//! Tests of the real program, over real TLS, on a real disk.
 
 #[path = "../common/postgres_server.rs"]
 mod postgres_server;

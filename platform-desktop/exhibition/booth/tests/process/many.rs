@@ -1,4 +1,5 @@
-//! A booth with as many sculptures as it keeps: the list is filtered, counted and paged, and every page comes soon.
+//! Tests of a booth with the largest number of sculptures: filters, counts and paging of the list, and the
+//! time of each page.
 
 use std::fs;
 use std::time::{Duration, Instant};
@@ -13,22 +14,22 @@ use paros_protocol::{ContentHash, SculptureId};
 use crate::rig::BoothFolder;
 use crate::staff::Browser;
 
-/// Three months of a large exhibition.
+/// The sculptures of three months of a large exhibition.
 const COUNT: u32 = 20_000;
 
-/// The hour of yesterday in which the newest came.
+/// Yesterday's hour in which the newest sculptures arrived.
 const LAST_HOUR: u64 = 22;
 
 /// The owl behind a newcomer's thickness of stone.
 const OWL: SessionMode = SessionMode::Constrained { figure: 8 };
 
-/// The mark of a thumbnail in a page.
+/// A text that occurs once for each thumbnail of a page.
 const THUMBNAIL: &str = "loading=\"lazy\"";
 
-/// The longest time that a page of a debug build takes, on a machine that does much else.
+/// The longest time of a page by a debug build, on a busy machine.
 const LONGEST: Duration = Duration::from_secs(1);
 
-/// A sculpture that differs from the others in all that lists filter by.
+/// Makes a sculpture. Sculptures differ in everything that the list filters by.
 pub(crate) fn sculpture(k: u32, received_at: BoothTime) -> Sculpture {
     let ContentHash(hash) = ContentHash::of(&k.to_le_bytes());
     let badge = BadgeNumber::new((k * 7919 + 100_000) % LEASED_NUMBERS).expect("a number");
@@ -57,7 +58,7 @@ pub(crate) fn sculpture(k: u32, received_at: BoothTime) -> Sculpture {
     }
 }
 
-/// Adds sculptures to the database of a booth, with copies of the pictures that it has.
+/// Adds sculptures to a booth's database, with copies of the existing pictures.
 pub(crate) fn add_sculptures(folder: &BoothFolder, sculptures: &[Sculpture]) {
     let kept = folder.path().join("sculptures");
     let files = fs::read_dir(&kept).expect("a folder").map(|entry| entry.expect("a file").path());
@@ -80,7 +81,7 @@ pub(crate) fn now() -> BoothTime {
     BoothTime(u64::try_from(now.as_millis()).expect("a time"))
 }
 
-/// The beginning of a day as a field for dates has it.
+/// Writes a day as the value of a date field.
 pub(crate) fn write_day(folder: &BoothFolder, day: u32) -> String {
     let database =
         rusqlite::Connection::open(folder.path().join("booth.sqlite")).expect("it is there");
@@ -88,14 +89,14 @@ pub(crate) fn write_day(folder: &BoothFolder, day: u32) -> String {
     database.query_row(query, [i64::from(day) * 86_400], |row| row.get(0)).expect("a date")
 }
 
-/// The address behind a link with these words.
+/// Returns the address of the link with these words.
 fn link(page: &str, words: &str) -> Option<String> {
     let before = &page[..page.find(words)?];
     let address = before.rsplit("href=\"").next()?.split('"').next()?;
     Some(address.replace("&amp;", "&"))
 }
 
-/// A browser that measures how long each page takes.
+/// A browser that checks the time of each page.
 struct TimedBrowser<'a>(Browser<'a>);
 
 impl TimedBrowser<'_> {
@@ -139,7 +140,7 @@ fn every_page_of_a_large_list_is_right_and_comes_soon() {
     check_finding(&browser.0);
 }
 
-/// Each filter counts and shows what a look at all sculptures finds.
+/// Checks that each filter's count and page match a search through all sculptures.
 fn check_filters(browser: &TimedBrowser<'_>, all: &[Sculpture], day: &str) {
     let last = all[0].received_at;
     let [first, second] = [0, 3].map(|place| badge_of(&all[7777]).pictograms[place]);
@@ -200,7 +201,8 @@ fn check_paging(browser: &TimedBrowser<'_>, all: &[Sculpture]) {
     assert!(page.contains(&SculptureId(last.id).to_string()));
 }
 
-/// One or two pictures lead to the list, three to the nearest badges; words that are not understood are named.
+/// Checks that one or two pictures lead to the list, three to the nearest badges, and that unknown words are
+/// named.
 fn check_finding(browser: &Browser<'_>) {
     for asked in ["words=owl", "words=owl+%CE%B3%CE%AC%CF%84%CE%B1", "pictures=0", "colour=0"] {
         let answer = browser.get(&format!("/staff/find?{asked}"));

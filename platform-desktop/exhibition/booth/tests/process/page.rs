@@ -1,5 +1,5 @@
-//! The staff's page in a real browser, as people use it: with mouse and keyboard, on a phone and a tablet. axe-core finds
-//! nothing in it that somebody couldn't use.
+//! Tests of the staff's pages in a real browser, with mouse and keyboard, on phone and tablet sizes. axe-core
+//! must find no accessibility violations.
 
 use paros_core::badge::{Badge, BadgeNumber, Language, write_words};
 
@@ -10,10 +10,10 @@ use crate::smtp_sink::{SmtpSink, wait_until};
 const PHONE: (u32, u32) = (390, 844);
 const TABLET: (u32, u32) = (820, 1180);
 
-/// What finds what people can't use.
+/// axe-core, the accessibility checker.
 const AXE: &str = include_str!("../data/axe-core/axe.min.js");
 
-/// What axe-core finds in the page that is shown.
+/// Returns the accessibility violations in the current page.
 fn find_violations(browser: &mut Chromium) -> serde_json::Value {
     browser.ask(AXE);
     browser.ask(
@@ -22,16 +22,16 @@ fn find_violations(browser: &mut Chromium) -> serde_json::Value {
     )
 }
 
-/// Checks the page that is shown, and takes its picture.
+/// Checks the current page, and takes a screenshot.
 pub(crate) fn look_at(browser: &mut Chromium, name: &str) {
     assert_eq!(find_violations(browser), serde_json::json!([]), "{name}");
-    // Nothing is wider than the window: nobody has to push a page about.
+    // No horizontal scrolling.
     let width = "document.documentElement.scrollWidth - document.documentElement.clientWidth";
     assert_eq!(browser.ask(width), 0, "{name} is too wide");
     browser.draw(name);
 }
 
-/// The badge of a sculpture of the demo.
+/// Returns the badge of a sculpture of the demo.
 fn a_badge(folder: &BoothFolder) -> (BadgeNumber, Badge) {
     let database = rusqlite::Connection::open(folder.path().join("booth.sqlite")).unwrap();
     let query = "SELECT badge FROM sculptures ORDER BY received_at LIMIT 1";
@@ -47,7 +47,7 @@ fn start(folder: &BoothFolder, sink: &SmtpSink) -> BoothProcess {
     booth
 }
 
-/// Makes the first account, and is logged in by that.
+/// Creates the first account, which logs it in.
 pub(crate) fn add_first_account(browser: &mut Chromium, booth: &BoothProcess) {
     browser.open(&format!("https://{}", booth.client.address));
     look_at(browser, "first");
@@ -72,7 +72,7 @@ fn staff_log_in_find_by_badge_mail_withdraw_and_undo_in_a_browser() {
     browser.enter();
     assert!(browser.has(".thumbs a"));
 
-    // Tapped: a colour, and four pictures.
+    // Search by tapping: a colour and four pictures.
     let (_, badge) = a_badge(&folder);
     browser.follow("a[href='/staff/find']");
     browser.click(&format!("[data-colour='{}']", badge.colour as u8));
@@ -91,7 +91,7 @@ fn staff_log_in_find_by_badge_mail_withdraw_and_undo_in_a_browser() {
 
     browser.fill("input[name=address]", "eleni@example.org");
     browser.follow("form[action$='/mail'] button");
-    // Told, and announced once the page is there; not again when it is loaded again.
+    // The confirmation is shown and announced once, and not again after a reload.
     let told = "document.getElementById('done')?.textContent.startsWith('The mail waits')";
     browser.wait_for(told);
     look_at(&mut browser, "done-phone");
@@ -100,7 +100,7 @@ fn staff_log_in_find_by_badge_mail_withdraw_and_undo_in_a_browser() {
     browser.open(&at_sculpture);
     assert!(!browser.has("#done"), "it was told");
     assert!(sink.wait_for(1)[0].to[0].contains("eleni@example.org"));
-    // The page follows by itself.
+    // The page updates itself.
     browser.wait_for("document.body.innerText.includes('mail sent')");
 
     browser.follow("form[action$='/withdraw'] button");
@@ -116,7 +116,7 @@ fn staff_log_in_find_by_badge_mail_withdraw_and_undo_in_a_browser() {
     browser.open(&format!("{at}/staff"));
     assert!(browser.has(&thumbnail), "it is back");
 
-    // Said, by keyboard alone.
+    // Search by words, with the keyboard only.
     browser.open(&format!("{at}/staff/find"));
     browser.fill("input[name=words]", &words);
     browser.enter();
@@ -125,7 +125,7 @@ fn staff_log_in_find_by_badge_mail_withdraw_and_undo_in_a_browser() {
     assert!(browser.has("form[action='/staff/login']"));
 }
 
-/// Checks that the picture and its 3D view are beside each other, and seen without scrolling.
+/// Checks that the picture and the 3D view are side by side, and visible without scrolling.
 fn look_at_the_sculpture_on_a_desktop(browser: &mut Chromium) {
     browser.resize((1280, 800), false);
     browser.click(".viewer button");
@@ -139,11 +139,11 @@ fn look_at_the_sculpture_on_a_desktop(browser: &mut Chromium) {
     browser.resize(PHONE, true);
 }
 
-/// Forms that are refused, pages that aren't there, and badges that are half remembered.
+/// Checks refused forms, missing pages, and badges that are remembered in part.
 fn look_at_what_goes_wrong(browser: &mut Chromium, at: &str, sculpture: &str, name: &str) {
     for (form, field, typed) in [("mail", "address", "ana at home"), ("print", "height", "5")] {
         browser.open(&format!("{at}{sculpture}"));
-        // Past what the browser itself checks.
+        // Disables the browser's own validation.
         browser.ask(&format!(
             "(() => {{ const form = document.querySelector(\"form[action$='/{form}']\");
              form.noValidate = true; if (form.closest('details')) form.closest('details').open = true;
@@ -183,7 +183,7 @@ fn every_page_is_for_everybody_on_a_phone_and_a_tablet() {
     browser.resize(TABLET, false);
     add_first_account(&mut browser, &booth);
     folder.fleet_token();
-    // What looks for faults finds one that is there.
+    // Checks that axe-core finds a real violation.
     browser.ask("document.querySelector('main').append(document.createElement('img'))");
     let found = find_violations(&mut browser).to_string();
     assert!(found.contains("image-alt"), "{found}");

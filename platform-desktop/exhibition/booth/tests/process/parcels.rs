@@ -1,4 +1,4 @@
-//! What headsets say and send.
+//! Messages and parcels of headsets, for tests.
 
 use std::fs;
 use std::io::Write as _;
@@ -20,7 +20,7 @@ use paros_shell::statics::Resident;
 use paros_shell::stl_export::StlExporter;
 use paros_shell::tick_runner::with_fresh_world;
 
-/// What a headset says that nobody wears.
+/// Makes the heartbeat of a headset that isn't worn.
 pub(crate) fn heartbeat(headset: u32) -> Heartbeat {
     let status = HeadsetStatus { battery_percent: Some(70), ..HeadsetStatus::default() };
     let badges = BadgeReport { epoch: 1, blocks: Vec::new() };
@@ -29,19 +29,19 @@ pub(crate) fn heartbeat(headset: u32) -> Heartbeat {
 
 const SOME_TRACE: &[u8] = include_bytes!("../../../../../core/examples/replay/groove.trace");
 
-/// Where a trace's head has its number of ticks.
+/// The offset of the number of ticks in a trace's header.
 const TICKS_AT: usize = 12;
 
-/// The least length of a long trace in bytes: a large parcel.
+/// The length of a long trace in bytes, at least: its parcel counts as large.
 const LARGE_TRACE_BYTES: usize = 3 << 20;
 
-/// A sculpture's files.
+/// The files of a sculpture.
 pub(crate) struct Figure {
     pub(crate) rmap: Vec<u8>,
     pub(crate) stl: Vec<u8>,
 }
 
-/// The toy that a creative session starts from.
+/// Returns the toy figure from which a creative session starts.
 pub(crate) fn figure() -> &'static Figure {
     static FIGURE: OnceLock<Figure> = OnceLock::new();
     FIGURE.get_or_init(|| {
@@ -57,7 +57,7 @@ pub(crate) fn figure() -> &'static Figure {
     })
 }
 
-/// What a headset sends.
+/// A parcel of a headset.
 #[derive(Clone)]
 pub(crate) struct Parcel {
     pub(crate) facts: UploadFacts,
@@ -66,7 +66,7 @@ pub(crate) struct Parcel {
 }
 
 impl Parcel {
-    /// The same sculpture, under another id.
+    /// Makes a parcel of the toy under an id.
     pub(crate) fn volume(id: u32) -> Self {
         let rmap = &figure().rmap;
         let mut bytes = [7; 16];
@@ -94,7 +94,7 @@ impl Parcel {
         Parcel::of_packed(UploadFacts { volume_bytes: packed.len() as u32, ..facts }, packed, &[])
     }
 
-    /// With a trace that takes a megabyte, as it isn't made shorter.
+    /// Makes a parcel with a long trace, which is stored without compression.
     pub(crate) fn large(id: u32) -> Self {
         static TRACE: OnceLock<[Vec<u8>; 2]> = OnceLock::new();
         let [raw, stored] = TRACE.get_or_init(|| {
@@ -116,13 +116,13 @@ impl Parcel {
         Parcel::of_packed(facts, parcel.packed(), stored)
     }
 
-    /// With the trace of some session.
+    /// Makes a parcel with the trace of a session.
     pub(crate) fn with_trace(id: u32) -> Self {
         let facts = Parcel::volume(id).facts;
         Parcel::pack(facts, &figure().rmap, SOME_TRACE)
     }
 
-    /// Packs files, and says so in the head.
+    /// Compresses files, and sets their lengths in the head.
     pub(crate) fn pack(facts: UploadFacts, first: &[u8], trace: &[u8]) -> Self {
         let (first, packed_trace) = (deflate(first), deflate(trace));
         let packed_trace = if trace.is_empty() { Vec::new() } else { packed_trace };
@@ -144,17 +144,17 @@ impl Parcel {
         [read("sculpture"), read("trace")].concat() == self.bytes
     }
 
-    /// The parcel with its hash, as it is sent.
+    /// Returns the parcel with its hash, as headsets send it.
     pub(crate) fn file(&self) -> Vec<u8> {
         [&self.bytes[..], &self.hash.0].concat()
     }
 
-    /// The packed files.
+    /// Returns the compressed files.
     pub(crate) fn packed(&self) -> &[u8] {
         &self.bytes[self.facts.to_head().len()..]
     }
 
-    /// The same files under another head.
+    /// Makes a parcel with the same files and another head.
     pub(crate) fn with_facts(&self, facts: UploadFacts) -> Self {
         Parcel::of_packed(facts, self.packed(), &[])
     }

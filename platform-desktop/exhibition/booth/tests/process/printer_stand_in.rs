@@ -1,4 +1,4 @@
-//! A printer that speaks Moonraker's or PrusaLink's published protocol, and prints nothing.
+//! A simulated printer that speaks Moonraker's or PrusaLink's published protocol.
 
 use std::collections::HashMap;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
@@ -8,7 +8,7 @@ use std::thread;
 
 use serde_json::{Value, json};
 
-/// Which protocol it speaks.
+/// The protocol of the printer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Protocol {
     Moonraker,
@@ -19,7 +19,7 @@ pub(crate) enum Protocol {
 struct State {
     files: HashMap<String, Vec<u8>>,
     file: Option<String>,
-    /// As PrusaLink says it, in capitals.
+    /// The state in PrusaLink's words, in capitals.
     state: &'static str,
     job: u64,
     stopped: usize,
@@ -29,7 +29,7 @@ struct State {
     raves: bool,
 }
 
-/// A printer on a port of its own.
+/// A simulated printer on its own port.
 pub(crate) struct StandIn {
     pub(crate) protocol: Protocol,
     pub(crate) address: SocketAddr,
@@ -55,7 +55,7 @@ impl StandIn {
         self.state.lock().unwrap()
     }
 
-    /// The file that it prints.
+    /// Returns the file that is being printed.
     pub(crate) fn printing(&self) -> Option<String> {
         let state = self.lock();
         state.file.clone().filter(|_| state.state == "PRINTING")
@@ -77,17 +77,17 @@ impl StandIn {
         self.lock().wrong_keys
     }
 
-    /// It takes connections and says nothing.
+    /// Makes the printer accept connections without a response.
     pub(crate) fn turn_off(&self) {
         self.lock().is_off = true;
     }
 
-    /// It takes no files.
+    /// Makes the printer refuse files.
     pub(crate) fn refuse(&self) {
         self.lock().refuses = true;
     }
 
-    /// It answers without an end.
+    /// Makes the printer send endless responses.
     pub(crate) fn rave(&self) {
         self.lock().raves = true;
     }
@@ -161,7 +161,7 @@ fn read(reader: &mut BufReader<TcpStream>) -> Option<Request> {
     Some(Request { method, path, headers, body })
 }
 
-/// As Moonraker's documentation has it: "Printer administration", "File management".
+/// Responds as Moonraker's documentation describes: "Printer administration", "File management".
 fn moonraker(state: &mut State, request: &Request) -> (u16, Value) {
     match (request.method.as_str(), request.path.as_str()) {
         ("GET", "/printer/objects/query?print_stats&virtual_sdcard") => {
@@ -198,7 +198,7 @@ fn moonraker(state: &mut State, request: &Request) -> (u16, Value) {
     }
 }
 
-/// As PrusaLink's `openapi.yaml` has it.
+/// Responds as PrusaLink's `openapi.yaml` describes.
 fn prusalink(state: &mut State, request: &Request) -> (u16, Value) {
     let file = request.path.strip_prefix("/api/v1/files/usb/");
     match (request.method.as_str(), request.path.as_str(), file) {

@@ -1,4 +1,4 @@
-//! Prints go to printers that speak Moonraker's and PrusaLink's published protocols.
+//! Tests of prints on simulated printers that speak Moonraker's and PrusaLink's published protocols.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use crate::rig::{BoothFolder, BoothProcess};
 use crate::smtp_sink::wait_until;
 use crate::staff::Browser;
 
-/// The printers' file for these.
+/// Writes a printers file.
 fn printers_file(folder: &BoothFolder, printers: &[(&str, &StandIn)]) -> PathBuf {
     let mut text = String::new();
     for (name, printer) in printers {
@@ -69,7 +69,7 @@ fn a_print_is_sent_and_comes_to_its_end(protocol: Protocol, name: &str) {
     assert_eq!(action_of(&browser, "/send/0"), None);
     printer.finish();
     wait_until(|| shows(&browser, "<strong>done</strong>").then_some(()));
-    // A second one, which somebody takes back.
+    // A second print, which staff cancel.
     order(&browser, &at);
     assert_eq!(take_step(&browser, "/send/0"), 303);
     wait_until(|| printer.printing().filter(|other| *other != file));
@@ -90,7 +90,7 @@ fn prusalink_gets_a_print() {
     a_print_is_sent_and_comes_to_its_end(Protocol::PrusaLink, "printer-prusalink");
 }
 
-/// It is off, hangs, talks nonsense or without an end, or refuses: the booth goes on.
+/// A printer that is off, hangs, sends invalid or endless responses, or refuses doesn't disturb the booth.
 #[test]
 fn a_printer_that_fails_harms_nobody() {
     let folder = BoothFolder::new("printer-fails");
@@ -122,7 +122,7 @@ fn a_printer_that_fails_harms_nobody() {
         assert!(shows(&browser, ", Off"));
         assert_eq!(take_step(&browser, "/start"), 303, "somebody prints it by hand");
         assert!(!shows(&browser, ", Off"));
-        // Another one is on its way to a printer that hangs when the booth ends.
+        // Ends the booth while another print is being sent to a printer that hangs.
         assert_eq!(take_step(&browser, "/cancel"), 303);
         order(&browser, &at);
         assert_eq!(take_step(&browser, "/send/0"), 303);

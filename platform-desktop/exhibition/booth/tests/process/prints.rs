@@ -1,4 +1,4 @@
-//! Prints: ordered, sliced, taken through their states by hand; slips.
+//! Tests of prints: orders, slicing, steps by hand, and slips.
 
 use std::os::unix::fs::PermissionsExt;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use crate::rig::{Answer, BoothFolder, BoothProcess, Client, Headset, Parcel};
 use crate::smtp_sink::wait_until;
 use crate::staff::{Browser, post_form};
 
-/// A program in place of the slicer, which takes a second a millimetre squared.
+/// Makes a program that replaces the slicer from a shell script.
 pub(crate) fn stand_in(folder: &BoothFolder, script: &str) -> PathBuf {
     let program = folder.path().with_file_name("slicer");
     std::fs::write(&program, format!("#!/bin/sh\n{script}\n")).expect("room on the disk");
@@ -18,19 +18,20 @@ pub(crate) fn stand_in(folder: &BoothFolder, script: &str) -> PathBuf {
     program
 }
 
-/// The model is 120 mm high: what is 60 mm high takes an hour, and twice as high four.
+/// A slicer whose print time in seconds is the square of the height in millimetres. The model is 120 mm high:
+/// a print of 60 mm takes an hour, one of 120 mm four.
 const QUADRATIC: &str = r#"
 while test "$1" != --scale; do shift; done
 seconds=$(awk "BEGIN { h = 120 * $2; printf \"%d\", h * h }")
 printf '; total filament used [g] = 29.41\n; estimated printing time (normal mode) = %ss\n' $seconds >print.gcode
 "#;
 
-/// The program in place of the slicer, in a folder.
+/// Makes the program that replaces the slicer.
 pub(crate) fn slicer_by(folder: &BoothFolder) -> PathBuf {
     stand_in(folder, QUADRATIC)
 }
 
-/// Sends a sculpture. Returns where its page is.
+/// Sends a sculpture. Returns the address of its page.
 pub(crate) fn with_sculpture(client: &Client, folder: &BoothFolder, number: u32) -> String {
     let headset = Headset::enrol(client, folder.fleet_token(), 1);
     let parcel = Parcel::volume(number);
@@ -38,7 +39,7 @@ pub(crate) fn with_sculpture(client: &Client, folder: &BoothFolder, number: u32)
     format!("/staff/sculptures/{}", parcel.facts.id)
 }
 
-/// Fills a page's form in and sends it.
+/// Fills a page's form in, and sends it.
 pub(crate) fn send_form(browser: &Browser<'_>, page: &str, action: &str, fields: &str) -> Answer {
     let text = browser.get(page);
     let token = text.text().split("name=\"form\" value=\"").nth(1).expect("a form");
@@ -46,11 +47,11 @@ pub(crate) fn send_form(browser: &Browser<'_>, page: &str, action: &str, fields:
     post_form(browser.client, action, &browser.cookie, &form)
 }
 
-/// How many slices lie in the folders of a booth's processes.
+/// Counts the slices in the folders of a booth's processes.
 fn slices(folder: &BoothFolder) -> usize {
     let of_process = |name: String| folder.files(&format!("slices/{name}"));
     let all = folder.files("slices").into_iter().flat_map(of_process);
-    // Each is named by a number; beside them is a lock.
+    // Slices' folders have numbers as names; beside them is a lock file.
     all.filter(|name| name.parse::<u64>().is_ok()).count()
 }
 
@@ -58,7 +59,7 @@ fn browser(booth: &BoothProcess) -> Browser<'_> {
     Browser::first(&booth.client, &booth.first_code().expect("a code"))
 }
 
-/// The address of the first order's form for a step.
+/// Returns the address of the first form in the queue that does a step.
 pub(crate) fn action_of(browser: &Browser<'_>, step: &str) -> Option<String> {
     let queue = browser.get("/staff/prints");
     let actions = queue.text().split("action=\"").skip(1).filter_map(|rest| rest.split('"').next());
@@ -88,7 +89,7 @@ fn a_print_goes_from_its_order_to_done_by_hand() {
         assert!(queue(text), "{text}: {}", browser.get("/staff/prints").text());
     }
     assert!(browser.get(&at).text().contains("ready to print"));
-    // A form of another page, or of none, does nothing.
+    // A form token that is invalid, or of another page, is refused.
     let start = action_of(&browser, "/start").expect("it can begin");
     assert_eq!(post_form(&booth.client, &start, &browser.cookie, "form=00").status, 403);
     assert_eq!(take_step(&browser, "/start"), 303);
@@ -204,7 +205,7 @@ fn a_slip_has_the_badge_and_its_words_and_nothing_for_staff_alone() {
     assert!(booth.client.get(&format!("{at}/slip")).head.contains("location: /staff/login"));
 }
 
-/// PrusaSlicer itself, on the sculpture that a headset sent.
+/// Runs the real PrusaSlicer on a sculpture.
 #[test]
 fn prusa_slicer_tells_time_and_material() {
     let found = std::process::Command::new("prusa-slicer").arg("--help").output();

@@ -1,4 +1,4 @@
-//! What is known of a visitor: told, exported, deleted.
+//! Tests of the data about a visitor: display, export and deletion.
 
 use std::io::{Cursor, Read as _};
 
@@ -61,7 +61,7 @@ fn all_that_is_known_of_a_badge_is_shown_exported_and_deleted() {
     check_database_forgot(&folder);
 }
 
-/// Not in what the database has free either, once its log was written back.
+/// Checks that deleted data isn't in the database's free pages either, after a checkpoint of its log.
 fn check_database_forgot(folder: &BoothFolder) {
     let database = rusqlite::Connection::open(folder.path().join("booth.sqlite")).unwrap();
     let written = database.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |row| row.get(0));

@@ -1,4 +1,4 @@
-//! A booth process, and headsets that speak HTTPS to it.
+//! A booth process, and headsets that connect to it by HTTPS.
 
 use std::fs::{self, File};
 use std::io::{self, BufRead as _, BufReader};
@@ -17,20 +17,20 @@ use tokio_rustls::rustls::{ClientConfig, ClientConnection, RootCertStore, Stream
 
 pub(crate) use crate::parcels::{Parcel, deflate, figure, heartbeat};
 
-/// A booth in a folder of its own.
+/// A booth's folder for a test.
 pub(crate) struct BoothFolder {
     folder: PathBuf,
-    /// What it shares with others: arguments, and what the environment says.
+    /// What the booth shares with others: command-line arguments and environment variables.
     shared: (Vec<String>, Vec<(String, String)>),
 }
 
-/// Arguments of a booth that sends its mails to a server that speaks without TLS.
+/// Returns the arguments of a booth that sends its mails to a server without TLS.
 pub(crate) const fn mail_arguments(server: &str) -> [&str; 6] {
     ["--smtp", server, "--smtp-tls", "none", "--mail-from", "booth@example.org"]
 }
 
 impl BoothFolder {
-    /// An empty one.
+    /// Makes an empty folder.
     pub(crate) fn new(name: &str) -> Self {
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
         let _ = fs::remove_dir_all(&folder);
@@ -38,17 +38,17 @@ impl BoothFolder {
         BoothFolder { folder, shared: Default::default() }
     }
 
-    /// The same, of a booth that shares database and files with others.
+    /// Adds arguments and environment variables, for a booth that shares its database and files with others.
     pub(crate) fn sharing(mut self, arguments: &[&str], settings: Vec<(String, String)>) -> Self {
         self.shared = (arguments.iter().map(|&text| text.to_owned()).collect(), settings);
         self
     }
 
-    /// A process of the program, here.
+    /// Makes a command of the program with this folder.
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_paros-booth"));
         command.args(arguments).arg("--folder").arg(self.path());
-        // Tests count hours from midnight UTC.
+        // Tests count hours in UTC.
         command.env("TZ", "UTC");
         command.args(&self.shared.0).envs(self.shared.1.iter().cloned());
         command
@@ -58,7 +58,7 @@ impl BoothFolder {
         self.folder.join("data")
     }
 
-    /// Starts a booth in it, and waits until it can be reached.
+    /// Starts a booth in the folder, and waits until it accepts connections.
     pub(crate) fn start(&self) -> BoothProcess {
         self.start_with(&[])
     }
@@ -80,7 +80,7 @@ impl BoothFolder {
         let ca = fs::read(self.path().join("keys/ca.pem")).expect("it was made");
         let ca = CertificateDer::from_pem_slice(&ca).expect("PEM");
         assert_eq!(fingerprint, ContentHash::of(&ca).to_string());
-        // Where there is no account yet, a line more.
+        // Without an account, the booth prints another line.
         let database = self.path().join("booth.sqlite");
         let accounts: u32 = if database.exists() {
             let database = rusqlite::Connection::open(database).unwrap();
@@ -100,7 +100,7 @@ impl BoothFolder {
         if done.status.success() { Ok(text(done.stdout)) } else { Err(text(done.stderr)) }
     }
 
-    /// A new enrolment token.
+    /// Makes an enrolment token.
     pub(crate) fn fleet_token(&self) -> EnrolmentToken {
         let file = self
             .run(&["fleet-file", "--address", "https://booth.test:8443", "--uses", "300"])
@@ -113,14 +113,14 @@ impl BoothFolder {
         fs::read_to_string(self.folder.join("log")).expect("a log")
     }
 
-    /// Names of the files in one of its folders.
+    /// Lists the names of the files in a subfolder.
     pub(crate) fn files(&self, folder: &str) -> Vec<String> {
         let entries = fs::read_dir(self.path().join(folder)).expect("a folder");
         entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
     }
 }
 
-/// A running booth. It is killed when it is dropped.
+/// A running booth. It is killed on drop.
 pub(crate) struct BoothProcess {
     process: Child,
     first_code: Option<String>,
@@ -132,24 +132,24 @@ impl BoothProcess {
         self.process.id()
     }
 
-    /// Waits for its end, after it was killed.
+    /// Waits for the process' end, after it was killed.
     pub(crate) fn wait(&mut self) {
         self.process.wait().expect("it ends");
     }
 
-    /// Tells it to end, and returns its exit code.
+    /// Sends SIGTERM, waits for the end, and returns the exit code.
     pub(crate) fn terminate(&mut self) -> Option<i32> {
         let told = Command::new("kill").args(["-TERM", &self.process.id().to_string()]).status();
         assert!(told.expect("kill").success());
         self.process.wait().expect("it ends").code()
     }
 
-    /// The code for the first account, if it told one.
+    /// Returns the code for the first account, if the booth printed one.
     pub(crate) fn first_code(&self) -> Option<String> {
         self.first_code.clone()
     }
 
-    /// Bytes of memory that it had in use at most so far.
+    /// Returns the process' peak memory in bytes.
     pub(crate) fn peak_memory(&self) -> u64 {
         let status = fs::read_to_string(format!("/proc/{}/status", self.process.id())).unwrap();
         let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).expect("a line");
@@ -164,16 +164,16 @@ impl Drop for BoothProcess {
     }
 }
 
-/// Who asks the booth.
+/// A client of the booth.
 #[derive(Clone)]
 pub(crate) struct Client {
     pub(crate) address: SocketAddr,
     config: Arc<ClientConfig>,
-    /// The address that it asks from; any address if it is unspecified.
+    /// The address from which the client connects; any address if it is unspecified.
     source: Ipv4Addr,
 }
 
-/// What the booth answers.
+/// A response of the booth.
 #[derive(Debug)]
 pub(crate) struct Answer {
     pub(crate) status: u16,
@@ -196,17 +196,17 @@ impl Client {
             .expect("TLS 1.3")
             .with_root_certificates(roots)
             .with_no_client_auth();
-        // A session that goes on tells nothing of the certificate that is shown now.
+        // A resumed session doesn't contain the current certificate.
         config.resumption = Resumption::disabled();
         Client { address, config: Arc::new(config), source: Ipv4Addr::UNSPECIFIED }
     }
 
-    /// The same, from an address of this machine, such as 127.0.0.2.
+    /// Makes the same client at a local address, such as 127.0.0.2.
     pub(crate) fn at_address(&self, source: Ipv4Addr) -> Self {
         Client { source, ..self.clone() }
     }
 
-    /// A connection without TLS.
+    /// Opens a connection without TLS.
     pub(crate) fn connect_plain(&self) -> io::Result<TcpStream> {
         if self.source.is_unspecified() {
             return TcpStream::connect(self.address);
@@ -219,12 +219,12 @@ impl Client {
         Ok(stream)
     }
 
-    /// A connection that trusts the booth's authority alone.
+    /// Opens a TLS connection that trusts only the booth's authority.
     pub(crate) fn connect(&self) -> io::Result<StreamOwned<ClientConnection, TcpStream>> {
         self.connect_as(ServerName::IpAddress(self.address.ip().into()))
     }
 
-    /// The same, asking for it by a name.
+    /// Opens a TLS connection by a server name.
     pub(crate) fn connect_as(
         &self,
         name: ServerName<'static>,
@@ -237,7 +237,7 @@ impl Client {
         Ok(StreamOwned::new(connection, stream))
     }
 
-    /// One request on a connection of its own.
+    /// Sends one request on its own connection.
     pub(crate) fn ask(
         &self,
         method: &str,
@@ -258,7 +258,7 @@ impl Client {
         self.ask("POST", path, &[], body).expect("an answer")
     }
 
-    /// A number that the booth measures.
+    /// Reads a metric of the booth.
     pub(crate) fn metric(&self, name: &str) -> u64 {
         let text = self.get("/metrics");
         let value = text.text().lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
@@ -291,7 +291,7 @@ pub(crate) fn read_answer(stream: &mut impl io::Read) -> io::Result<Answer> {
     read_body(head, stream)
 }
 
-/// The head of an answer, in small letters.
+/// Reads the head of a response, in lower case.
 pub(crate) fn read_head(stream: &mut impl io::Read) -> io::Result<String> {
     let mut head = Vec::new();
     while !head.ends_with(b"\r\n\r\n") {
@@ -302,7 +302,7 @@ pub(crate) fn read_head(stream: &mut impl io::Read) -> io::Result<String> {
     Ok(String::from_utf8(head).map_err(io::Error::other)?.to_lowercase())
 }
 
-/// The answer whose head was read.
+/// Reads the rest of a response whose head was read.
 pub(crate) fn read_body(head: String, stream: &mut impl io::Read) -> io::Result<Answer> {
     let status = head.split(' ').nth(1).and_then(|status| status.parse().ok());
     let length = head.split("content-length: ").nth(1).and_then(|rest| rest.lines().next());
@@ -310,7 +310,7 @@ pub(crate) fn read_body(head: String, stream: &mut impl io::Read) -> io::Result<
     let mut body = vec![0; length];
     stream.read_exact(&mut body)?;
     if head.contains("transfer-encoding: chunked") {
-        // With the lengths of its pieces, which whoever looks for words in it passes over.
+        // The chunk lengths stay in the body. Tests that search for words ignore them.
         while !body.ends_with(b"\r\n0\r\n\r\n") {
             let mut byte = [0];
             stream.read_exact(&mut byte)?;
@@ -320,7 +320,7 @@ pub(crate) fn read_body(head: String, stream: &mut impl io::Read) -> io::Result<
     Ok(Answer { status: status.expect("a status"), head, body })
 }
 
-/// A headset that is enrolled.
+/// An enrolled headset.
 #[derive(Clone)]
 pub(crate) struct Headset {
     pub(crate) token: DeviceToken,
@@ -328,7 +328,7 @@ pub(crate) struct Headset {
 }
 
 impl Headset {
-    /// Enrols by a fleet's token.
+    /// Enrols by an enrolment token.
     pub(crate) fn enrol(client: &Client, fleet: EnrolmentToken, byte: u8) -> Self {
         let token = DeviceToken([byte; 32]);
         let asked = FleetEnrolment {
@@ -347,7 +347,7 @@ impl Headset {
         ("Authorization", format!("Bearer {}", self.token.reveal()))
     }
 
-    /// Sends a parcel. Returns its outcome, or the answer that refuses it.
+    /// Sends a parcel. Returns its outcome, or the response that refuses it.
     pub(crate) fn upload(
         &self,
         client: &Client,
@@ -358,7 +358,7 @@ impl Headset {
     }
 }
 
-/// Where a parcel is sent.
+/// Returns the path to which a parcel is sent.
 pub(crate) fn path_of(parcel: &Parcel) -> String {
     format!("{PARCEL_PATH}{}", parcel.facts.id)
 }

@@ -1,4 +1,4 @@
-//! What a booth is told, and who else may run, while it serves.
+//! Tests of signals, and of other processes, while the booth serves.
 
 use std::net::TcpListener;
 use std::process::{Command, Output};
@@ -8,7 +8,7 @@ use tokio_rustls::rustls::pki_types::CertificateDer;
 
 use crate::rig::{BoothFolder, BoothProcess, Client, read_answer, write_request};
 
-/// Tries to serve a folder that is served.
+/// Tries to serve a folder that is being served.
 fn start_second(folder: &BoothFolder) -> Output {
     let mut second = Command::new(env!("CARGO_BIN_EXE_paros-booth"));
     second.args(["--listen", "127.0.0.1:0", "--folder"]).arg(folder.path());
@@ -28,7 +28,7 @@ fn a_second_one_in_a_folder_is_refused_until_the_first_has_ended() {
     assert!(told.starts_with(&expected), "{told}");
     assert_eq!(booth.client.get("/healthz").status, 200);
     folder.fleet_token();
-    // However it ends.
+    // The lock is released even if the process is killed.
     let killed = Command::new("kill").args(["-KILL", &booth.id().to_string()]).status();
     assert!(killed.expect("kill").success());
     booth.wait();
@@ -61,13 +61,13 @@ fn a_port_that_is_in_use_leaves_nothing_behind() {
     }
 }
 
-/// Has a booth load its certificates again.
+/// Sends SIGHUP, so that the booth loads its certificates again.
 fn hang_up(booth: &BoothProcess) {
     let told = Command::new("kill").args(["-HUP", &booth.id().to_string()]).status();
     assert!(told.expect("kill").success());
 }
 
-/// The certificate of a new connection.
+/// Returns the certificate of a new connection.
 fn leaf(client: &Client) -> CertificateDer<'static> {
     let mut stream = client.connect().expect("a connection");
     write_request(&mut stream, "GET", "/healthz", &[], &[]).expect("it is open");
@@ -95,7 +95,8 @@ fn a_new_certificate_is_shown_without_a_restart() {
     assert_eq!(read_answer(&mut stays).expect("an answer").status, 200);
 }
 
-/// Browsers that ask by its name see it; headsets, which trust the booth's authority alone, ask by the address.
+/// Browsers that connect by its name get the staff's certificate. Headsets, which trust only the booth's
+/// authority, connect by the address.
 #[test]
 fn a_certificate_of_staff_is_for_its_name_alone() {
     let folder = BoothFolder::new("staff-cert");

@@ -1,4 +1,4 @@
-//! Two booths that share a database of PostgreSQL and a bucket, and headsets that speak to both.
+//! Tests of two booths that share a PostgreSQL database and a bucket, with headsets that use both.
 
 use paros_protocol::ParcelOutcome;
 use std::collections::BTreeMap;
@@ -17,10 +17,10 @@ use crate::staff::Browser;
 const HEADSETS: u8 = 50;
 const PARCELS_EACH: u32 = 2;
 
-/// After so many parcels one of the two is killed.
+/// The number of parcels after which one of the two booths is killed.
 const PARCELS_BEFORE_KILL: usize = 30;
 
-/// What booths share.
+/// The servers that booths share.
 struct Shared {
     database: PostgresServer,
     bucket: S3Server,
@@ -34,14 +34,14 @@ impl Shared {
         Some(Shared { database, bucket: S3Server::start(&format!("{name}-s3")), address })
     }
 
-    /// A booth's folder, without keys.
+    /// Makes a booth's folder, without keys.
     fn folder(&self, name: &str, files: &str) -> BoothFolder {
         let shared = ["--database", &self.address, "--files", files];
         BoothFolder::new(name).sharing(&shared, self.bucket.settings())
     }
 }
 
-/// Gives a booth the keys of another.
+/// Copies a booth's keys to another booth.
 fn copy_keys(from: &BoothFolder, to: &BoothFolder) {
     let keys = to.path().join("keys");
     let _ = std::fs::remove_dir_all(&keys);
@@ -57,17 +57,17 @@ fn kill(id: u32) {
     assert!(killed.expect("kill").success());
 }
 
-/// The parcels that a booth said it has, by the sculpture's number.
+/// The acknowledged parcels, by the sculpture's number.
 type Signed = Mutex<BTreeMap<u32, Parcel>>;
 
-/// Sends a parcel, each time to another booth, as a balancer of load does, and around the one that is dead.
+/// Sends a parcel, trying the booths in turn like a load balancer, and skips a dead one.
 fn send(clients: &[Client; 2], headset: &Headset, parcel: &Parcel) {
     for tries in 0..200 {
         let client = &clients[(headset.number as usize + tries) % 2];
         let Ok(answer) = headset.upload(client, parcel) else { continue };
         match answer {
             Ok(outcome) => return assert_eq!(outcome, ParcelOutcome::Kept),
-            // What one does that is killed the other finds half done; and a line has its end.
+            // Retry: a killed booth may have left its work half done, or too many requests wait.
             Err(answer) if matches!(answer.status, 429 | 503) => {
                 std::thread::sleep(Duration::from_millis(200));
             }
@@ -77,7 +77,7 @@ fn send(clients: &[Client; 2], headset: &Headset, parcel: &Parcel) {
     panic!("it never comes");
 }
 
-/// The sculptures whose meshes were made, as a booth's log has them.
+/// Lists the sculptures whose meshes a booth made, from its log.
 fn made_meshes(folder: &BoothFolder) -> Vec<String> {
     let log = folder.log();
     let lines = log.lines().filter(|line| line.contains("mesh made"));
@@ -127,7 +127,7 @@ fn two_share_the_load_and_one_that_is_killed_loses_nothing() {
         signed.len() as u64,
         "one is there twice"
     );
-    // One more of them, which has nothing of its own, knows all.
+    // Another booth, without data of its own, knows all parcels.
     let three = folders[1].start();
     for parcel in signed.values() {
         let again = headsets[0].upload(&three.client, parcel).unwrap();
@@ -139,12 +139,12 @@ fn two_share_the_load_and_one_that_is_killed_loses_nothing() {
     println!("{} parcels in {seconds:.1} s", signed.len());
 }
 
-/// Meshes are made by both, each by one of them.
+/// Checks that both booths make meshes, and each mesh is made once.
 fn check_exports(folders: &[BoothFolder; 2]) {
     let (start, before) = (Instant::now(), made_meshes(&folders[1]).len());
     let mut all = loop {
         let [one, two] = [made_meshes(&folders[0]), made_meshes(&folders[1])];
-        // The one that was started last has done some too.
+        // The booth that was started last has made some too.
         if one.len() >= 8 && two.len() >= before + 4 {
             break [one, two].concat();
         }
@@ -157,7 +157,7 @@ fn check_exports(folders: &[BoothFolder; 2]) {
     assert_eq!(all.len(), count, "one was made twice");
 }
 
-/// A slicer takes minutes of a processor: none slices what the other one does.
+/// Slicing takes minutes of a processor, so a booth must not slice a print that the other is slicing.
 #[test]
 fn two_slice_each_print_once() {
     const PRINTS: usize = 6;
@@ -178,7 +178,7 @@ fn two_slice_each_print_once() {
     let browser = Browser::first(&one.client, &one.first_code().expect("a code"));
     let of_two = Browser { client: &two.client, cookie: browser.cookie.clone() };
     for k in 0..PRINTS {
-        // Each is asked for at one of them, and both look.
+        // Orders go to the booths in turn, and both look for work.
         let browser = if k % 2 == 0 { &browser } else { &of_two };
         assert_eq!(send_form(browser, &at, &format!("{at}/print"), "height=60").status, 303);
     }
@@ -192,7 +192,7 @@ fn two_slice_each_print_once() {
     assert!(by_each.iter().all(|count| *count > 0), "{by_each:?}");
 }
 
-/// One that is alone may keep its files in a bucket, and still has its folder for itself.
+/// A booth with its own database may keep its files in a bucket. Its folder is still locked.
 #[test]
 fn a_booth_alone_may_keep_its_files_in_a_bucket() {
     let bucket = S3Server::start("bucket-alone-s3");
@@ -213,7 +213,7 @@ fn a_booth_alone_may_keep_its_files_in_a_bucket() {
     assert_eq!(headset.upload(&booth.client, &parcel).unwrap().expect("the same"), first);
 }
 
-/// The exit code of a booth that doesn't start, and what it says.
+/// Returns the exit code and the error of a booth that doesn't start.
 fn refused(folder: &BoothFolder) -> (Option<i32>, String) {
     let mut process = folder.command(&["--listen", "127.0.0.1:0"]);
     let process = process.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
@@ -254,14 +254,14 @@ fn a_booth_that_does_not_belong_to_the_others_does_not_start() {
         told.contains("whose files are in s3://booth/site, not in s3://booth/elsewhere"),
         "{told}"
     );
-    // With the same keys it does, in the same folder too.
+    // With the same keys it starts, also twice in the same folder.
     copy_keys(&first, &other);
     let (one, two) = (other.start(), other.start());
     assert_eq!((one.client.get("/healthz").status, two.client.get("/healthz").status), (200, 200));
     assert!(shared.database.connect().is_ok());
 }
 
-/// What a database's address says is in no message: a password may be in it.
+/// A database's address, which may contain a password, is in no message.
 #[test]
 fn a_password_is_never_told() {
     let bucket = S3Server::start("password-s3");

@@ -1,4 +1,4 @@
-//! A site's keys, and what watches the booth.
+//! Tests of a site's keys, and of a missing database.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
@@ -18,13 +18,14 @@ fn a_second_start_is_the_same_site_and_keys_are_their_owners() {
     for name in ["site.key", "ca.key"] {
         assert_eq!(fs::metadata(keys.join(name)).unwrap().permissions().mode() & 0o777, 0o600);
     }
-    // Without its keys a booth would sign in another's name: it doesn't start.
+    // Without its keys a booth doesn't start: new keys would make it another site.
     fs::remove_file(keys.join("site.key")).unwrap();
     let error = folder.run(&["fleet-file", "--address", "https://b:1"]).expect_err("no keys");
     assert!(error.contains("site.key: its keys are missing"), "{error}");
 }
 
-/// A command with a mistyped folder reports an error and creates nothing: a second booth would hand out the same badges.
+/// A command with a mistyped folder reports an error and creates nothing: a second booth would hand out the
+/// same badges.
 #[test]
 fn only_the_servers_first_start_makes_a_booth() {
     let folder = BoothFolder::new("no-booth");
@@ -62,7 +63,7 @@ fn a_booth_without_its_records_does_not_start() {
     assert!(refusal().contains("missing or empty"));
     fs::remove_file(&database).unwrap();
     assert!(refusal().contains("missing or empty"));
-    // Without the keys too, while there are sculptures.
+    // It also refuses without keys, while there are sculptures.
     fs::remove_dir_all(folder.path().join("keys")).unwrap();
     fs::write(folder.path().join("sculptures/one.sculpture"), b"a sculpture").unwrap();
     assert!(refusal().contains("missing or empty"));

@@ -1,5 +1,5 @@
-//! A mail server that keeps what it is sent: enough of SMTP (RFC 5321), of its logins (RFC 4954) and of STARTTLS (RFC
-//! 3207) for one mail after the other.
+//! A mail server that stores the mails it receives. It supports a subset of SMTP (RFC 5321), its logins (RFC
+//! 4954) and STARTTLS (RFC 3207).
 
 use std::io::{self, BufRead as _, BufReader, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
@@ -14,46 +14,46 @@ use tokio_rustls::rustls::crypto::ring::default_provider;
 use tokio_rustls::rustls::pki_types::PrivateKeyDer;
 use tokio_rustls::rustls::{ServerConfig, ServerConnection, StreamOwned};
 
-/// A mail as it came.
+/// A received mail.
 #[derive(Clone, Debug)]
 pub(crate) struct Mail {
     pub(crate) from: String,
     pub(crate) to: Vec<String>,
-    /// Head and body, with `\n` between lines.
+    /// The head and the body, with `\n` between lines.
     pub(crate) text: String,
 }
 
-/// How a server is spoken with.
+/// The encryption of a server.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum SinkTls {
-    /// Without.
+    /// No encryption.
     None,
-    /// TLS after a first word.
+    /// STARTTLS.
     Starttls,
     /// TLS from the first byte.
     Implicit,
 }
 
-/// Who may log in: a name, a password, and how the server takes them.
+/// The accepted login: user name, password, and the SASL mechanism.
 pub(crate) type SinkLogin = (&'static str, &'static str, &'static str);
 
-/// A server on a port of its own. An address that begins with `later` gets 451, one with `nobody` 550.
+/// A server on its own port. A recipient that begins with `later` gets 451, one with `nobody` 550.
 pub(crate) struct SmtpSink {
     pub(crate) address: SocketAddr,
-    /// By which its certificate is checked.
+    /// The authority that verifies the server's certificate.
     pub(crate) ca_pem: String,
     heard: Arc<Mutex<Heard>>,
 }
 
-/// What a server heard.
+/// Everything that a server received.
 #[derive(Clone, Default)]
 pub(crate) struct Heard {
     pub(crate) mails: Vec<Mail>,
-    /// Addresses that were refused.
+    /// Recipients that were refused.
     pub(crate) refused: Vec<String>,
-    /// Lines that came without TLS.
+    /// Lines that were received without TLS.
     pub(crate) in_clear: Vec<String>,
-    /// Names and passwords that came, right or wrong.
+    /// User names and passwords that were received, right or wrong.
     pub(crate) logins: Vec<String>,
 }
 
@@ -63,7 +63,7 @@ impl<T: Read + Write + Send> Duplex for T {}
 
 type Stream = BufReader<Box<dyn Duplex>>;
 
-/// How a server serves.
+/// The configuration of a server.
 struct Plan {
     tls: SinkTls,
     login: Option<SinkLogin>,
@@ -86,18 +86,18 @@ impl SmtpSink {
             heard: heard.clone(),
         };
         let plan = Arc::new(Plan { tls, login, config, heard });
-        // It ends with the tests.
+        // The thread ends with the tests.
         thread::spawn(move || {
             for stream in listener.incoming().flatten() {
                 let plan = plan.clone();
-                // Who hangs up has nothing more to say.
+                // An error means that the client hung up.
                 thread::spawn(move || plan.serve(stream));
             }
         });
         sink
     }
 
-    /// All mails that came, once there are so many.
+    /// Waits for `count` mails. Returns all mails.
     pub(crate) fn wait_for(&self, count: usize) -> Vec<Mail> {
         wait_until(|| Some(self.mails()).filter(|mails| mails.len() >= count))
     }
@@ -106,18 +106,18 @@ impl SmtpSink {
         self.heard().mails
     }
 
-    /// Addresses that were refused.
+    /// Returns the recipients that were refused.
     pub(crate) fn refused(&self) -> Vec<String> {
         self.heard().refused
     }
 
-    /// All that it heard.
+    /// Returns everything that was received.
     pub(crate) fn heard(&self) -> Heard {
         self.heard.lock().unwrap().clone()
     }
 }
 
-/// Looks until there is something.
+/// Polls until `look` returns something.
 pub(crate) fn wait_until<T>(mut look: impl FnMut() -> Option<T>) -> T {
     let start = Instant::now();
     loop {
@@ -129,7 +129,7 @@ pub(crate) fn wait_until<T>(mut look: impl FnMut() -> Option<T>) -> T {
     }
 }
 
-/// TLS by an authority of its own, and the authority.
+/// Makes a TLS configuration with a new authority. Returns it with the authority's certificate.
 fn make_certificate() -> (Arc<ServerConfig>, String) {
     let mut params = CertificateParams::new(Vec::new()).expect("no name");
     params.is_ca = IsCa::Ca(BasicConstraints::Unconstrained);
@@ -179,7 +179,7 @@ impl Plan {
                         say(&mut stream, "250-sink")?;
                     }
                     if let Some((_, _, how)) = self.login {
-                        // Without TLS too: it is the booth that has to know better.
+                        // Also without TLS, to test that the booth doesn't log in then.
                         say(&mut stream, &format!("250-AUTH {how}"))?;
                     }
                     say(&mut stream, "250 8BITMIME")?;
@@ -203,7 +203,7 @@ impl Plan {
         Ok(())
     }
 
-    /// Whether somebody's name and password are right, by one of the two ways that say them.
+    /// Returns `true` if the login is right. Supports two mechanisms, PLAIN and LOGIN.
     fn log_in(&self, stream: &mut Stream, words: &str) -> io::Result<bool> {
         let Some((name, password, how)) = self.login else { return Ok(false) };
         let (way, first) = words.split_once(' ').unwrap_or((words, ""));
@@ -231,7 +231,7 @@ impl Plan {
             "RCPT" if rest.contains("<later") || rest.contains("<nobody") => {
                 self.heard().refused.push(rest.to_owned());
                 let code = if rest.contains("<later") { 451 } else { 550 };
-                // As servers do, it says whom it means.
+                // Real servers repeat the recipient in the refusal.
                 return say(stream, &format!("{code} no{rest}"));
             }
             "RCPT" => mail.to.push(rest.to_owned()),
@@ -256,7 +256,7 @@ fn say(stream: &mut Stream, line: &str) -> io::Result<()> {
     stream.flush()
 }
 
-/// A line without its end; `None` where no more comes.
+/// Reads a line without its end; `None` at the end of the stream.
 fn read_line(stream: &mut Stream) -> io::Result<Option<String>> {
     let mut line = String::new();
     let count = stream.read_line(&mut line)?;

@@ -1,4 +1,4 @@
-//! What staff see and do, in the HTML and headers that the booth sends.
+//! Tests of the staff's pages, by the HTML and the headers of responses.
 
 use std::io::Read as _;
 
@@ -11,14 +11,14 @@ use crate::rig::{
 };
 use crate::smtp_sink::wait_until;
 
-/// A browser that is logged in.
+/// A client that is logged in.
 pub(crate) struct Browser<'a> {
     pub(crate) client: &'a Client,
     pub(crate) cookie: String,
 }
 
 impl<'a> Browser<'a> {
-    /// Makes the first account, and is logged in by that.
+    /// Creates the first account, which logs it in.
     pub(crate) fn first(client: &'a Client, code: &str) -> Self {
         let form = format!("code={code}&name=ana&password=correct+horse+battery");
         let answer = post_form(client, "/staff/first", "", &form);
@@ -30,12 +30,12 @@ impl<'a> Browser<'a> {
         self.client.ask("GET", path, &[("Cookie", self.cookie.clone())], &[]).expect("an answer")
     }
 
-    /// Sends the form of a page that goes to `action`, as a click on its button does.
+    /// Sends the form of a page that posts to `action`, as a click on its button does.
     pub(crate) fn click(&self, page: &str, action: &str) -> Answer {
         self.fill(page, action, "")
     }
 
-    /// Fills a form in, and sends it: `fields` is what stands after its token.
+    /// Fills a form in, and sends it. `fields` follow its token.
     pub(crate) fn fill(&self, page: &str, action: &str, fields: &str) -> Answer {
         let page = self.get(page);
         let form =
@@ -57,7 +57,7 @@ pub(crate) fn cookie_of(answer: &Answer) -> String {
     for word in ["path=/", "secure", "httponly", "samesite=strict"] {
         assert!(cookie.contains(word), "{cookie}");
     }
-    // Its name has capitals, and heads are read in small letters.
+    // Restores the cookie's name, as heads are read in lower case.
     cookie.split(';').next().expect("a pair").replace("__host-paros", "__Host-paros")
 }
 
@@ -97,7 +97,7 @@ fn staff_make_the_first_account_and_log_in_and_out() {
     assert_eq!(log_in("nobody", "correct+horse+battery").status, 403);
     let answer = log_in("ana", "correct+horse+battery");
     assert_eq!(answer.status, 303);
-    // Who is in stays in, also when the booth starts anew.
+    // Logins survive a restart of the booth.
     let cookie = cookie_of(&answer);
     assert_eq!(booth.terminate(), Some(0));
     let booth = folder.start();
@@ -137,7 +137,7 @@ fn forms_of_other_sites_are_refused() {
         assert_eq!(send("/staff/logout", "", foreign).status, 403, "{foreign:?}");
         assert_eq!(browser.get("/staff").status, 200, "{foreign:?}: still logged in");
     }
-    // The rig asks for the host "booth".
+    // The rig sends "booth" as the host.
     for own in [
         &[][..],
         &[("Origin", "https://booth")],
@@ -184,14 +184,14 @@ fn staff_find_download_withdraw_and_delete_a_sculpture() {
     let stl = browser.get(&format!("{at}/model.stl"));
     assert!(stl.head.contains("content-disposition: attachment"));
     assert!(stl.body == figure().stl, "the mesh that the headset exported");
-    // Until it is drawn, another picture stands for it.
+    // Until the picture is drawn, a placeholder is sent.
     wait_until(|| {
         let picture = browser.get(&format!("{at}/picture.png"));
         assert_eq!(picture.status, 200);
         picture.body.starts_with(b"\x89PNG\r\n\x1a\n").then_some(())
     });
 
-    // A stream of changes ends with its login. One that didn't would send this many bytes in minutes.
+    // The event stream ends with its login. If it didn't, it would take minutes to reach this many bytes.
     let mut stream = client.connect().expect("a connection").take(2 << 10);
     let cookie = ("Cookie", browser.cookie.clone());
     write_request(stream.get_mut(), "GET", "/staff/changes", &[cookie], &[]).expect("a request");
@@ -207,7 +207,7 @@ fn staff_find_download_withdraw_and_delete_a_sculpture() {
 }
 
 fn withdraw_and_delete(browser: &Browser<'_>, at: &str, words: &str) {
-    // A form of another page, or of none.
+    // A form token that is invalid is refused.
     let forged = post_form(browser.client, &format!("{at}/withdraw"), &browser.cookie, "form=00");
     assert_eq!(forged.status, 403);
     assert_eq!(browser.click(at, &format!("{at}/withdraw")).status, 303);

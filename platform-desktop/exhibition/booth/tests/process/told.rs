@@ -1,4 +1,4 @@
-//! What the page tells people: what was done, and why something wasn't, where they are and in their language.
+//! Tests of the pages' messages: confirmations and reasons are on the right page and in its language.
 
 use paros_core::badge::{BadgeNumber, Language};
 
@@ -6,12 +6,12 @@ use crate::prints::with_sculpture;
 use crate::rig::{Answer, BoothFolder, BoothProcess, mail_arguments};
 use crate::staff::{Browser, cookie_of, post_form};
 
-/// Words in Latin letters that a Greek page may have: names, formats, addresses.
+/// Words in Latin letters that a Greek page may contain: names, formats, addresses.
 const SHARED: [&str; 13] = [
     "", "Paros", "English", "ana", "example", "org", "e", "mail", "STL", "MF", "GLB", "mm", "https",
 ];
 
-/// A booth with a mail server that isn't there, a sculpture, and who is logged in.
+/// Starts a booth whose mail server doesn't exist, with a sculpture and a login.
 fn start(name: &str) -> (BoothFolder, BoothProcess, String, String) {
     let folder = BoothFolder::new(name);
     let booth =
@@ -25,7 +25,7 @@ fn in_greek(cookie: &str) -> String {
     format!("{cookie}; language=el")
 }
 
-/// What a person reads of a page, and what a screen reader says, but the values of fields.
+/// Returns the text of a page and of its labels for screen readers, without the values of fields.
 fn text_of(page: &str) -> String {
     let body = page.split_once("<main>").map_or(page, |(_, body)| body);
     let mut text = String::new();
@@ -43,7 +43,7 @@ fn english_words(page: &str) -> Vec<String> {
     words.filter(|word| !SHARED.contains(word)).map(str::to_owned).collect()
 }
 
-/// Checks that an error is a page with the menu and the way back, without a word of English.
+/// Checks that an error is a page with the menu and a link back, without an English word.
 fn check_error(answer: &Answer, status: u16, back: &str) {
     let page = answer.text();
     assert_eq!(answer.status, status, "{page}");
@@ -93,28 +93,28 @@ fn errors_keep_the_menu_the_way_back_and_the_language() {
     ] {
         check_error(&send(&path, form), status, back);
     }
-    // Who presses Enter where a form went to gets its page.
+    // A GET of a form's address redirects to the form's page.
     let to = browser.get(&format!("{at}/mail"));
     assert!(to.status == 303 && to.head.contains(&format!("location: {at}\r\n")), "{to:?}");
-    // Before anybody is logged in, too; but headsets and what watches the booth are told in words alone.
+    // Errors without a login are pages too. Errors for headsets and monitoring are plain text.
     let greek = [("Accept-Language", "el".to_owned())];
     let answer = booth.client.ask("GET", "/nothing", &greek, &[]).expect("an answer");
     assert_eq!((answer.status, english_words(answer.text())), (404, Vec::new()));
     assert!(!booth.client.get("/v1/nothing").text().contains('<'));
 }
 
-/// A refused form, with what was typed in it.
+/// A refused form, with its input.
 struct Case<'a> {
     page: &'a str,
     action: String,
     fields: &'a str,
     status: u16,
-    /// What stands in the page again.
+    /// The input that the page shows again.
     typed: &'a [&'a str],
     why: [&'a str; 2],
 }
 
-/// Forms of a sculpture's page and of an admin's.
+/// Returns refused forms of a sculpture's page and of the admins' page.
 fn refused_forms(at: &str) -> Vec<Case<'_>> {
     vec![
         Case {
@@ -289,7 +289,7 @@ fn a_withdrawn_sculpture_says_until_when_it_comes_back() {
     );
 }
 
-/// A booth in Kathmandu, whose clocks are 5:45 ahead of UTC, shows times, filters hours and names files by its own day.
+/// A booth in Kathmandu, 5:45 ahead of UTC, shows times, filters hours and names files in its local time.
 #[test]
 fn times_are_those_of_the_booths_zone() {
     let zone = ("TZ".to_owned(), "Asia/Kathmandu".to_owned());
@@ -298,7 +298,7 @@ fn times_are_those_of_the_booths_zone() {
     let at = with_sculpture(&booth.client, &folder, 77);
     let browser = Browser::first(&booth.client, &booth.first_code().expect("a code"));
     let database = rusqlite::Connection::open(folder.path().join("booth.sqlite")).unwrap();
-    // 20:30 UTC on the last of March.
+    // 20:30 UTC on 31 March.
     let received = "UPDATE sculptures SET received_at = 1774989000000";
     assert_eq!(database.execute(received, []).unwrap(), 1);
     assert!(browser.get(&at).text().contains("2026-04-01 02:15"), "{}", browser.get(&at).text());

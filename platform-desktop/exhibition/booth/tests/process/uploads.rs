@@ -1,4 +1,4 @@
-//! Sculptures are sent, kept and made into meshes.
+//! Tests of uploads: sculptures are sent, kept and exported as meshes.
 
 use std::fs::File;
 use std::io::Write as _;
@@ -13,7 +13,7 @@ use crate::rig::{
     BoothFolder, Client, Headset, Parcel, heartbeat, path_of, read_answer, write_request,
 };
 
-/// Waits until no mesh is left to be made.
+/// Waits until no mesh is queued.
 fn wait_for_exports(client: &Client) {
     let start = Instant::now();
     while client.metric("paros_booth_exports_queued") > 0 {
@@ -51,7 +51,7 @@ fn a_parcel_that_is_cut_leaves_nothing_and_comes_again_after_a_restart() {
     let mut booth = folder.start();
     let headset = Headset::enrol(&booth.client, folder.fleet_token(), 1);
     let parcel = Parcel::large(1);
-    // A connection that breaks in the middle.
+    // A connection that breaks in the middle of an upload.
     let mut stream = booth.client.connect().unwrap();
     let file = parcel.file();
     let headers = [headset.bearer(), ("Content-Length", file.len().to_string())];
@@ -106,16 +106,16 @@ fn heartbeats_are_answered_and_counted() {
     assert_eq!((bad.status, bad.text()), (400, "no message: expected value at line 1 column 1\n"));
 }
 
-/// What is measured while headsets send at once.
+/// Measurements while many headsets send at once.
 #[derive(Default)]
 struct Load {
-    /// How long heartbeats took.
+    /// The times of heartbeats.
     beats: Mutex<Vec<Duration>>,
-    /// Bytes of parcels that were kept.
+    /// The bytes of kept parcels.
     bytes: AtomicU64,
-    /// Headsets that are done.
+    /// The number of headsets that are done.
     done: AtomicU64,
-    /// Answers that asked one to wait.
+    /// The number of responses that asked to retry later.
     asked_to_wait: AtomicU64,
 }
 
@@ -128,7 +128,8 @@ fn send_parcels(client: &Client, headset: &Headset, load: &Load) {
         loop {
             let written = write_request(&mut stream, "PUT", &path, &[headset.bearer()], &file);
             let answer = written.and_then(|()| read_answer(&mut stream));
-            // The rest of a long body isn't read: who still sends it may not hear that it is to wait.
+            // A client that is still sending a long body may miss the refusal, as the booth doesn't read the
+            // rest.
             let status = answer.map_or(503, |answer| answer.status);
             if status == 200 {
                 break;
@@ -143,7 +144,7 @@ fn send_parcels(client: &Client, headset: &Headset, load: &Load) {
     load.done.fetch_add(1, Ordering::Relaxed);
 }
 
-/// Beats every tenth of a second on one connection, as long as others send.
+/// Sends a heartbeat every tenth of a second on one connection, until the headsets are done.
 fn beat_meanwhile(client: &Client, headset: &Headset, headsets: u64, load: &Load) {
     let mut stream = client.connect().expect("a connection");
     let beat = heartbeat(headset.number).to_json();
@@ -158,10 +159,10 @@ fn beat_meanwhile(client: &Client, headset: &Headset, headsets: u64, load: &Load
 
 const PARCELS_EACH: u32 = 3;
 
-/// How long it all may take, on a machine that is busy with other things.
+/// The longest time of the whole test, on a busy machine.
 const MOST_SECONDS: f64 = 300.0;
 
-/// How long the same parcels take as files that are synced, one after the other, by one who has nothing else to do.
+/// Measures how long it takes to write the same parcels as synced files, one after the other.
 fn time_writes(folder: &Path, headsets: &[Headset]) -> Duration {
     let parcels: Vec<Parcel> = headsets
         .iter()
@@ -179,13 +180,13 @@ fn time_writes(folder: &Path, headsets: &[Headset]) -> Duration {
     time
 }
 
-/// A headset's parcels: one has a long trace.
+/// Makes a headset's parcel number `k`. One has a long trace.
 fn parcel_of(headset: &Headset, k: u32) -> Parcel {
     let make = if k == 1 { Parcel::large } else { Parcel::volume };
     make(headset.number * 100 + k)
 }
 
-/// `PAROS_BOOTH_HEADSETS` says how many.
+/// The number of headsets is 200, unless `PAROS_BOOTH_HEADSETS` sets it.
 #[test]
 fn many_headsets_at_once_lose_nothing_and_take_little_memory() {
     let count = std::env::var("PAROS_BOOTH_HEADSETS").ok().and_then(|count| count.parse().ok());
@@ -196,7 +197,8 @@ fn many_headsets_at_once_lose_nothing_and_take_little_memory() {
     let fleet = folder.fleet_token();
     let headsets: Vec<Headset> =
         (1..=count).map(|byte| Headset::enrol(client, fleet, byte)).collect();
-    // What each thread and buffer takes once is taken: one of each kind.
+    // Sends one parcel of each kind first, so that memory for threads and buffers is allocated before the
+    // measurement.
     for parcel in [Parcel::volume(1), Parcel::large(2)] {
         headsets[0].upload(client, &parcel).unwrap().expect("kept");
     }

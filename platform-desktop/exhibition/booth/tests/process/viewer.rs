@@ -1,4 +1,4 @@
-//! Pages in a real browser: the sculpture is turned, slips are printed.
+//! Tests of the 3D viewer and of printed slips in a real browser.
 
 use std::collections::HashSet;
 
@@ -11,7 +11,7 @@ use crate::smtp_sink::wait_until;
 use crate::staff::Browser;
 use crate::visitors::{scan, start, with_sculpture};
 
-/// The part of pixels that differ clearly.
+/// Returns the share of pixels that differ clearly.
 fn difference(a: &Picture, b: &Picture) -> f64 {
     assert_eq!((a.width, a.height), (b.width, b.height));
     let is_other = |(a, b): &(&[u8; 3], &[u8; 3])| (0..3).any(|k| a[k].abs_diff(b[k]) > 12);
@@ -19,9 +19,9 @@ fn difference(a: &Picture, b: &Picture) -> f64 {
     count as f64 / a.pixels.len() as f64
 }
 
-/// The part of pixels that aren't the ground's colour.
+/// Returns the share of pixels that don't have the background's colour.
 fn coverage(picture: &Picture) -> f64 {
-    // Not at its very corner, which is round.
+    // Not the very corner, which is rounded.
     let ground = picture.pixels[9 * picture.width + 9];
     let is_other = |pixel: &&[u8; 3]| (0..3).any(|k| pixel[k].abs_diff(ground[k]) > 12);
     picture.pixels.iter().filter(is_other).count() as f64 / picture.pixels.len() as f64
@@ -74,7 +74,7 @@ fn a_sculpture_is_drawn_and_turns_with_mouse_and_keys() {
     assert_eq!(chromium.ask("faults.length"), Value::from(0), "the page's own rules hold");
 }
 
-/// Staff's pages of prints fit a telephone, and of a slip's page the slip alone is on paper.
+/// The pages about prints fit a telephone; when a slip's page is printed, only the slip is on paper.
 #[test]
 fn prints_fit_a_telephone_and_a_slip_is_alone_on_paper() {
     let Some(mut chromium) = Chromium::start("slip") else { return };

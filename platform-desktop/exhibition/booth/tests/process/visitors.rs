@@ -1,4 +1,4 @@
-//! The visitor's own page, by the QR code of a slip.
+//! Tests of the visitor's page, opened by the QR code of a slip.
 
 use std::fs;
 use std::io;
@@ -15,14 +15,14 @@ use crate::rig::{
 use crate::smtp_sink::wait_until;
 use crate::staff::Browser;
 
-/// A booth with pages for visitors, and where it listens for them.
+/// Starts a booth with pages for visitors. Returns it with their address.
 pub(crate) fn start(folder: &BoothFolder, more: &[&str]) -> (BoothProcess, SocketAddr) {
     let arguments = ["--public-listen", "127.0.0.1:0", "--public-url", "https://paros.example"];
     let booth = folder.start_with(&[&arguments, more].concat());
     (booth, public_address(folder))
 }
 
-/// The address at which the newest booth listens for visitors, by its log.
+/// Returns the address at which the newest booth listens for visitors, from its log.
 fn public_address(folder: &BoothFolder) -> SocketAddr {
     let log = folder.log();
     let line = log.lines().rev().find(|line| line.contains("listening for visitors"));
@@ -30,7 +30,8 @@ fn public_address(folder: &BoothFolder) -> SocketAddr {
     address.split_whitespace().next().and_then(|word| word.parse().ok()).expect("an address")
 }
 
-/// A Greek's sculpture, with its picture. Returns where its page is for staff.
+/// Sends the sculpture of a Greek-speaking visitor, and waits for its picture. Returns the address of its
+/// page for staff.
 pub(crate) fn with_sculpture(client: &Client, folder: &BoothFolder) -> String {
     let headset = Headset::enrol(client, folder.fleet_token(), 1);
     let parcel = Parcel::volume(77);
@@ -41,7 +42,7 @@ pub(crate) fn with_sculpture(client: &Client, folder: &BoothFolder) -> String {
     format!("/staff/sculptures/{}", parcel.facts.id)
 }
 
-/// The path that the slip's QR code leads to, as a telephone reads it; `None` without a code.
+/// Decodes the QR code of a slip as a telephone does. Returns the path of its link; `None` without a code.
 pub(crate) fn scan(slip: &Answer) -> Option<String> {
     let svg = slip.text().split("class=\"qr\"").nth(1)?;
     let side: usize = svg.split("viewBox=\"0 0 ").nth(1)?.split(' ').next()?.parse().ok()?;
@@ -62,7 +63,7 @@ pub(crate) fn scan(slip: &Answer) -> Option<String> {
     Some(text.strip_prefix("https://paros.example").expect("the address that was set").to_owned())
 }
 
-/// One request over plain HTTP.
+/// Sends one request over plain HTTP.
 fn ask(
     at: SocketAddr,
     method: &str,
@@ -173,7 +174,7 @@ fn nothing_else_is_served_there_and_pages_of_visitors_nowhere_else() {
         assert!(answer.head.contains("no-store"), "{other}");
     }
     assert_eq!(browser.get(&path).status, 404);
-    // Not so without an address: no code, and no word of it.
+    // Without an address for visitors, the slip has no code and doesn't mention it.
     let cookie = browser.cookie.clone();
     drop(booth);
     let booth = folder.start();
