@@ -4,13 +4,13 @@ use std::time::Duration;
 
 use crate::limits::MAX_COMMAND_MS;
 
-/// Milliseconds without an answer after which a heartbeat has failed: a command in it would be dead.
+/// Timeout of a heartbeat in milliseconds: the longest life of a command, as a later one is dead.
 pub const HEARTBEAT_TIMEOUT_MS: u64 = MAX_COMMAND_MS as u64;
 
-/// How long the largest parcel may take.
+/// Longest timeout of a parcel's upload.
 const LONGEST_UPLOAD: Duration = Duration::from_secs(600);
 
-/// The booth's outcome of a parcel that is none of refusal, failure or delay.
+/// The booth's final outcome of an upload: neither a refusal, nor an error, nor a delay.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ParcelOutcome {
     /// The booth keeps the sculpture.
@@ -19,18 +19,18 @@ pub enum ParcelOutcome {
     Deleted,
 }
 
-/// How long an answer is waited for, from when its request begins.
+/// Request timeouts, counted from the start of the request.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct LinkTimes {
-    /// For a parcel, but for its bytes: a second more for each 4 KiB, as over a radio link of 35 kbit/s, up to ten minutes
-    /// in all.
+    /// Base timeout of a parcel. [`of_parcel`](LinkTimes::of_parcel) adds a second for each 4 KiB, as over a
+    /// radio link of 35 kbit/s, up to ten minutes in all.
     pub put: Duration,
-    /// For any other request.
+    /// Timeout of any other request.
     pub small: Duration,
 }
 
 impl ParcelOutcome {
-    /// The answer's status of HTTP.
+    /// Returns the HTTP status of the answer.
     #[must_use]
     pub const fn status(self) -> u16 {
         match self {
@@ -39,7 +39,7 @@ impl ParcelOutcome {
         }
     }
 
-    /// The answer's body: no proxy and no captive portal answers with this.
+    /// Returns the body of the answer. No proxy or captive portal answers with these bytes.
     #[must_use]
     pub const fn body(self) -> &'static [u8] {
         match self {
@@ -48,7 +48,7 @@ impl ParcelOutcome {
         }
     }
 
-    /// Reads an answer. Returns `None` if it is another one, or not the booth's.
+    /// Reads an answer. Returns `None` for any other answer, such as one of a proxy.
     #[must_use]
     pub fn of_answer(status: u16, body: &[u8]) -> Option<Self> {
         let all = [ParcelOutcome::Kept, ParcelOutcome::Deleted];
@@ -58,14 +58,14 @@ impl ParcelOutcome {
 
 impl Default for LinkTimes {
     fn default() -> Self {
-        // A little less than the sender waits, so that no request waits for one that was given up.
+        // Slightly shorter than the heartbeat timeout, so that this request ends before the next one starts.
         let small = Duration::from_millis(HEARTBEAT_TIMEOUT_MS - HEARTBEAT_TIMEOUT_MS / 10);
         LinkTimes { put: Duration::from_secs(60), small }
     }
 }
 
 impl LinkTimes {
-    /// How long the answer to a parcel of so many bytes is waited for.
+    /// Returns the timeout of a parcel of `bytes` bytes.
     #[must_use]
     pub fn of_parcel(&self, bytes: usize) -> Duration {
         (self.put + Duration::from_secs(bytes as u64 / 4096)).min(LONGEST_UPLOAD)

@@ -1,8 +1,8 @@
-//! The exchange by which a headset leases the numbers of badges from the booth.
+//! Badge leases: how a headset leases blocks of badge numbers from the booth.
 //!
-//! The booth leases blocks of 64 numbers. A block's random *serial* names this lease of it: a parcel that carries the
-//! serial proves that its badge was leased. Every heartbeat lists the blocks that the headset holds, and every answer
-//! those that it holds from then on.
+//! The booth leases blocks of 64 numbers. A random *serial* identifies each lease of a block: a parcel that
+//! carries the serial proves that its badge was leased. Every heartbeat lists the blocks that the headset
+//! holds. Every answer lists the blocks that the headset holds from then on.
 
 use paros_core::badge::LEASED_BLOCKS;
 use paros_core::limits::BLOCK_NUMBERS;
@@ -11,24 +11,25 @@ use serde::{Deserialize, Serialize};
 use crate::limits::MAX_HELD_BLOCKS;
 use crate::{BlockSerial, ProtocolError, expect};
 
-/// A block of numbers that a headset holds.
+/// A block of badge numbers that a headset holds.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct HeldBlock {
     /// The block, below [`LEASED_BLOCKS`].
     pub block: u16,
-    /// Names this lease of the block.
+    /// The serial of this lease of the block.
     pub serial: BlockSerial,
-    /// The place of the next number in the block, 0 to 64; 64 if it is used up. The greater one counts.
+    /// The index of the next unused number in the block, 0 to 64; 64 if the block is used up. If the booth
+    /// and the headset differ, the greater index counts.
     pub next: u8,
 }
 
 /// The blocks that a headset holds.
 #[derive(Clone, PartialEq, Eq, Default, Debug, Serialize, Deserialize)]
 pub struct BadgeReport {
-    /// Random bits that the headset draws when it has no saved lease. With a new epoch, all blocks of the one before are
-    /// gone: nobody knows which of their numbers were shown.
+    /// Random bits that the headset draws when it has no saved lease. A new epoch invalidates all blocks of
+    /// the previous epoch, since their used numbers are unknown.
     pub epoch: u64,
-    /// At most [`MAX_HELD_BLOCKS`], used-up ones too until the booth has heard of them.
+    /// At most [`MAX_HELD_BLOCKS`]. A used-up block stays in the list until the booth has acknowledged it.
     pub blocks: Vec<HeldBlock>,
 }
 
@@ -41,7 +42,7 @@ impl HeldBlock {
 }
 
 impl BadgeReport {
-    /// `true` if it has an epoch, and no more blocks than a headset holds, all different.
+    /// `true` if the epoch isn't 0, and the blocks are distinct, in range and at most [`MAX_HELD_BLOCKS`].
     #[must_use]
     pub fn is_valid(&self) -> bool {
         self.check().is_ok()
@@ -53,7 +54,7 @@ impl BadgeReport {
     }
 }
 
-/// Checks blocks of a report or an answer.
+/// Checks the blocks of a report or an answer.
 pub(crate) fn check_blocks(blocks: &[HeldBlock], field: &'static str) -> Result<(), ProtocolError> {
     let is_block = |held: &HeldBlock| {
         usize::from(held.block) < LEASED_BLOCKS && usize::from(held.next) <= BLOCK_NUMBERS

@@ -1,41 +1,41 @@
-//! What the staff asks of a headset from the booth's page.
+//! Commands that staff send to a headset from the booth's page.
 
 use serde::{Deserialize, Serialize};
 
 use crate::limits::MAX_COMMAND_MS;
 use crate::{ProtocolError, expect};
 
-/// What is asked.
+/// The kind of a command.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[repr(u8)]
 pub enum CommandKind {
-    /// "Which one is this?": it glows and beeps.
+    /// The headset glows and beeps, so that staff can find it.
     Identify = 0,
-    /// A minute more.
+    /// Adds a minute to the visit.
     Extend = 1,
-    /// Hands off, now.
+    /// Ends sculpting now: hands off.
     End = 2,
-    /// The stool before the visitor.
+    /// Moves the stool in front of the visitor.
     Recentre = 3,
-    /// The visitor has gone: what was sculpted is kept, the next one is welcome.
+    /// Ends the visit of a visitor who has gone. The sculpture is kept, and the next visitor can start.
     Reset = 4,
 }
 
-/// A command of the booth, which rides on a heartbeat's answer, on each until its outcome is reported. A headset
-/// carries it out at most once.
+/// A command of the booth. Every heartbeat answer repeats the command until the headset reports its outcome.
+/// A headset carries it out at most once.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct BoothCommand {
-    /// From 1, greater than those of all commands before to this headset.
+    /// A number from 1, greater than the ids of all earlier commands to this headset.
     pub id: u64,
-    /// The headset's start that it is for. For another start it does nothing.
+    /// The program start (`boot_id`) of the headset that the command is for. Other starts ignore the command.
     pub boot_id: u64,
-    /// The visit that it is for, 0 for none. For a visit that has ended it does nothing.
+    /// The visit that the command is for, or 0 for none. Without effect after that visit has ended.
     pub session_id: u64,
-    /// What is asked.
+    /// The kind of the command.
     pub kind: CommandKind,
-    /// What is left of its life in milliseconds, 1 to [`MAX_COMMAND_MS`], from when the heartbeat was sent whose answer
-    /// carries it.
+    /// The remaining lifetime in milliseconds, 1 to [`MAX_COMMAND_MS`], counted from when the headset sent
+    /// the heartbeat.
     pub lives_ms: u16,
 }
 
@@ -43,25 +43,25 @@ pub struct BoothCommand {
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CommandOutcome {
-    /// It was carried out.
+    /// The command was carried out.
     Done,
-    /// It came too late: its life, its visit or its start is over.
+    /// The command came too late: its lifetime, its visit or its program start is over.
     Expired,
-    /// The headset can't do it now, as to extend a visit that has no clock.
+    /// The headset can't do it now, such as to extend a visit without a time limit.
     Refused,
 }
 
-/// The last command that a headset took, and its outcome.
+/// The last command that a headset received, and its outcome.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct CommandReport {
-    /// Of the command.
+    /// The id of the command.
     pub id: u64,
-    /// The command's outcome.
+    /// The outcome of the command.
     pub outcome: CommandOutcome,
 }
 
 impl CommandKind {
-    /// By number.
+    /// All kinds, in the order of their numbers.
     pub const ALL: [CommandKind; 5] = [
         CommandKind::Identify,
         CommandKind::Extend,
@@ -70,7 +70,7 @@ impl CommandKind {
         CommandKind::Reset,
     ];
 
-    /// `true` if it is about the visit under way, and does nothing in another.
+    /// `true` if the command applies to the visit under way, and has no effect in another visit.
     #[must_use]
     pub const fn is_for_visit(self) -> bool {
         matches!(self, CommandKind::Extend | CommandKind::End | CommandKind::Reset)

@@ -1,24 +1,24 @@
-//! How a device becomes one of a site's headsets: by the token of a fleet's file.
+//! Enrolment: a device joins a site with the token of a fleet file.
 
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::{ContentHash, DeviceHint, EnrolmentToken, ProtocolError, SiteId, expect};
 
-/// What staff call a device: up to 32 bytes of UTF-8, without control characters. May be empty.
+/// A device name for staff: up to 32 bytes of UTF-8, without control characters. May be empty.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct DeviceName([u8; 32]);
 
-/// `POST /v1/enrol/fleet`: a device that has a fleet's file asks to be let in.
+/// The request of `POST /v1/enrol/fleet`: a device with a fleet file asks to join the site.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct FleetEnrolment {
-    /// The fleet's.
+    /// The enrolment token of the fleet file.
     pub enrolment_token: EnrolmentToken,
-    /// SHA-256 of the token that the device drew.
+    /// The SHA-256 of the device token that the device drew.
     pub token_hash: ContentHash,
-    /// By which staff find a wiped headset.
+    /// The hint by which staff recognise a wiped headset.
     pub hint: DeviceHint,
-    /// What the device calls itself.
+    /// The device's own name.
     pub name: DeviceName,
 }
 
@@ -32,7 +32,7 @@ pub struct EnrolAnswer {
 }
 
 impl DeviceName {
-    /// The name, cut after the last whole character that fits; `None` if it has control characters.
+    /// Makes a name, cut after the last whole character that fits; `None` if it has control characters.
     #[must_use]
     pub fn new(name: &str) -> Option<Self> {
         let mut bytes = [0; 32];
@@ -43,11 +43,11 @@ impl DeviceName {
         (!name.chars().any(char::is_control)).then_some(DeviceName(bytes))
     }
 
-    /// The name as text.
+    /// Returns the name as text.
     #[must_use]
     pub fn as_str(&self) -> &str {
         let len = self.0.iter().position(|&byte| byte == 0).unwrap_or(self.0.len());
-        // It was made of text.
+        // `new` copied these bytes from a `str` and cut them at a character.
         str::from_utf8(&self.0[..len]).unwrap_or("")
     }
 }
@@ -67,7 +67,7 @@ impl<'de> Deserialize<'de> for DeviceName {
 }
 
 impl FleetEnrolment {
-    /// Its fields' types leave nothing open.
+    /// Succeeds: the types of the fields allow no invalid value.
     pub(crate) const fn check(&self) -> Result<(), ProtocolError> {
         Ok(())
     }

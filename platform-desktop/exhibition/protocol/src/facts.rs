@@ -1,4 +1,4 @@
-//! What is known of a sculpture when its visit ends: the head of its parcel.
+//! The head of a parcel: what is known of a sculpture when its visit ends.
 
 use paros_core::badge::BadgeNumber;
 use paros_core::session::SessionMode;
@@ -10,57 +10,57 @@ use crate::limits::{
 };
 use crate::{BlockSerial, ProtocolError, SculptureId, expect, fields};
 
-/// How a session ended.
+/// The cause of a session's end.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FinishCause {
-    /// The visitor was ready, or the time was up.
+    /// The visitor finished, or the time was up.
     Finished,
-    /// The visitor was gone before.
+    /// The visitor left before the end.
     Left,
-    /// The program ended before, and made the files at its next start.
+    /// The program ended first, and made the files at its next start.
     CutOff,
 }
 
-/// On which side of the age the visitor is, from which on an address may be left without a parent.
+/// The visitor's age group, relative to the age from which a visitor may leave an address without a parent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AgeGroup {
-    /// Nobody asked.
+    /// The visitor wasn't asked.
     Unknown,
-    /// Below it.
+    /// Below that age.
     UnderAge,
-    /// Of that age.
+    /// At that age or above.
     OfAge,
 }
 
 /// The head of a [`Parcel`](crate::Parcel).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct UploadFacts {
-    /// The sculpture's.
+    /// The id of the sculpture.
     pub id: SculptureId,
     /// The badge that the visitor was shown.
     #[serde(with = "fields::badge")]
     pub badge: Option<BadgeNumber>,
-    /// The serial of the badge's block, which proves that it was leased; `None` for a provisional badge.
+    /// The serial of the badge's block, which proves the lease of the badge; `None` for a provisional badge.
     pub badge_serial: Option<BlockSerial>,
-    /// [`CORE_VERSION`](paros_core::codec::trace::CORE_VERSION) of the program.
+    /// The program's [`CORE_VERSION`](paros_core::codec::trace::CORE_VERSION).
     pub core_version: u16,
     /// Voxels along a side of the grid: 128 or 256.
     pub side: u16,
-    /// How the session ended.
+    /// The cause of the session's end.
     pub cause: FinishCause,
     /// The visit's language, two small letters of ISO 639-1.
     #[serde(with = "fields::language")]
     pub language: [u8; 2],
-    /// What the session started from, never [`SessionMode::None`].
+    /// The start of the session, never [`SessionMode::None`].
     #[serde(with = "fields::Mode")]
     pub mode: SessionMode,
-    /// The visitor's.
+    /// The age group of the visitor.
     pub age_group: AgeGroup,
     /// Seconds in which the visitor could sculpt.
     pub sculpting_seconds: u32,
-    /// Seconds since 1970 by the headset's wall clock, which anybody may have set.
+    /// Seconds since 1970 by the headset's wall clock. The clock may be wrong.
     pub finished_at: u64,
     /// The print's height in tenths of a millimetre, from 1.
     pub height_mm_tenths: u16,
@@ -68,14 +68,14 @@ pub struct UploadFacts {
     pub volume_bytes: u32,
     /// Length of the volume unpacked, from 1.
     pub volume_raw_bytes: u32,
-    /// Length of the packed trace in bytes; 0 where none is sent.
+    /// Length of the packed trace in bytes; 0 if no trace is sent.
     pub trace_bytes: u32,
-    /// Its length unpacked; 0 where none is sent.
+    /// Length of the trace unpacked; 0 if no trace is sent.
     pub trace_raw_bytes: u32,
 }
 
 impl UploadFacts {
-    /// Bytes of the packed files.
+    /// Returns the total length of the packed files in bytes.
     #[must_use]
     pub const fn packed_bytes(&self) -> u64 {
         self.volume_bytes as u64 + self.trace_bytes as u64
@@ -103,7 +103,7 @@ impl UploadFacts {
     }
 }
 
-/// `true` if a file can have these lengths: deflate adds little to what it can't make shorter.
+/// `true` if a file can have these lengths. Deflate adds at most a small overhead to incompressible data.
 const fn is_packed_file(packed: u32, raw: u32, max_raw: u32) -> bool {
     let longest = raw as u64 + raw as u64 / 1000 + MAX_PACKED_SURPLUS as u64;
     packed > 0 && raw > 0 && raw <= max_raw && packed as u64 <= longest

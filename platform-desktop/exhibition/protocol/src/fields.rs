@@ -1,4 +1,4 @@
-//! How JSON has the core's types: badges and places in lists as numbers, short codes as text.
+//! The JSON forms of the core's types: badges and places in lists as numbers, short codes as text.
 
 use paros_core::badge::BadgeNumber;
 use paros_core::session::SessionMode;
@@ -6,7 +6,7 @@ use paros_core::visit::VisitPhase;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// A badge's number, or null.
+/// A badge number, or null.
 pub(crate) mod badge {
     use super::*;
 
@@ -45,7 +45,7 @@ pub(crate) mod phase {
     }
 }
 
-/// What a session starts from.
+/// The start of a session.
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "SessionMode", rename_all = "snake_case")]
 pub(crate) enum Mode {
@@ -56,7 +56,7 @@ pub(crate) enum Mode {
     Own,
 }
 
-/// A language by its two small letters of ISO 639-1.
+/// A language code, two small letters of ISO 639-1.
 pub(crate) mod language {
     use super::*;
 

@@ -1,4 +1,4 @@
-//! What a headset tells the booth every two seconds, and what the booth answers.
+//! The heartbeat of a headset, sent every two seconds, and the booth's answer.
 
 use paros_core::badge::BadgeNumber;
 use paros_core::codec::trace::CORE_VERSION;
@@ -19,44 +19,44 @@ use crate::{
 pub enum UploadStatus {
     /// The sculpture is finished; its parcel is being made.
     Making = 0,
-    /// The parcel has no room on the headset's disk or in its outbox. It is tried again.
+    /// The parcel doesn't fit on the headset's disk or in its outbox. Making it is retried.
     Waiting = 1,
     /// *Kept here*: the parcel is on the headset's disk.
     Kept = 2,
-    /// *Kept here*, and the booth can't take it: staff must look.
+    /// *Kept here*: the parcel is on the headset's disk, but the booth refused it. Staff must look at it.
     Refused = 3,
-    /// The parcel was never made, or is damaged. It won't come.
+    /// The parcel was never made, or is damaged. It can't be sent.
     Lost = 4,
-    /// *Kept at the booth*. A heartbeat asks by it whether the booth still has the sculpture: one that doesn't notes
-    /// [`Kept`](UploadStatus::Kept), and the headset sends the parcel again.
+    /// *Kept at the booth*. In a heartbeat, this status asks the booth if it still has the sculpture. If not,
+    /// the booth answers [`Kept`](UploadStatus::Kept), and the headset sends the parcel again.
     Sent = 5,
 }
 
-/// That there is a sculpture. The booth lists one that it doesn't have as missing until it comes.
+/// The announcement of a sculpture. The booth lists the sculpture as missing until its parcel arrives.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct Announcement {
-    /// The sculpture's.
+    /// The id of the sculpture.
     pub id: SculptureId,
-    /// The badge that the visitor was shown; `None` also as long as none was.
+    /// The badge that the visitor was shown; `None` as long as no badge was shown.
     #[serde(with = "fields::badge")]
     pub badge: Option<BadgeNumber>,
-    /// The status of its upload.
+    /// The status of the upload.
     pub status: UploadStatus,
 }
 
-/// How hot a headset is.
+/// The thermal state of a headset.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HeatLevel {
-    /// No throttling, and none near.
+    /// No throttling, and none expected soon.
     Normal,
-    /// The device will throttle if this goes on.
+    /// The device will throttle if it stays this hot.
     Warm,
     /// The device throttles, or will be switched off.
     Hot,
 }
 
-/// How a headset is, beside its outbox.
+/// The state of a headset, without its outbox.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct HeadsetStatus {
     /// Random bits of the visit under way; 0 for none.
@@ -65,78 +65,79 @@ pub struct HeadsetStatus {
     pub is_charging: bool,
     /// `true` if the headset is on a head.
     pub is_worn: bool,
-    /// `true` if it glows and beeps, so that staff find it.
+    /// `true` if the headset glows and beeps, so that staff can find it.
     pub is_glowing: bool,
-    /// The battery's charge in percent, where it is known: 0 to 100.
+    /// The charge of the battery in percent, 0 to 100; `None` if unknown.
     pub battery_percent: Option<u8>,
-    /// How hot it is.
+    /// The thermal state.
     pub heat: HeatLevel,
     /// The visit's phase.
     #[serde(with = "fields::phase")]
     pub phase: VisitPhase,
-    /// Seconds since this visitor put it on; 0 where nobody wears it.
+    /// Seconds since this visitor put the headset on; 0 if it isn't worn.
     pub worn_seconds: u32,
     /// The program's version: major, minor, patch.
     pub app_version: [u16; 3],
 }
 
-/// What a headset tells the booth.
+/// A heartbeat: the report of a headset to the booth.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct Heartbeat {
     /// Number of the headset, from 1.
     pub headset: u32,
-    /// Random bits of this start of the program, not 0.
+    /// Random bits that identify this start of the program, not 0.
     pub boot_id: u64,
-    /// The heartbeat's own number within the start, from 1: the answer repeats it.
+    /// The sequence number of the heartbeat within the program start, from 1. The answer repeats it.
     pub number: u32,
-    /// How the headset is.
+    /// The state of the headset.
     #[serde(flatten)]
     pub status: HeadsetStatus,
-    /// `true` if the outbox's folder was empty at the start, as the program is new here or its data was wiped; until a
-    /// heartbeat that says so is answered.
+    /// `true` if the outbox folder was empty at the start: the program is new here, or its data was wiped.
+    /// Repeated until the booth answers a heartbeat with this flag.
     pub was_wiped: bool,
-    /// Sculptures that the booth doesn't have.
+    /// Number of sculptures that the booth doesn't have.
     pub outbox_depth: u16,
-    /// How full the outbox is with what can't be deleted, in percent.
+    /// Share of the outbox that is filled with files that can't be deleted, in percent.
     pub outbox_full_percent: u8,
-    /// [`CORE_VERSION`] of the program.
+    /// The program's [`CORE_VERSION`].
     pub core_version: u16,
-    /// The blocks of badges' numbers that the headset holds.
+    /// The blocks of badge numbers that the headset holds.
     pub badges: BadgeReport,
-    /// The last command that was taken, and its outcome; `None` if none was taken in this start.
+    /// The last command that the headset received since its start, and its outcome.
     pub last_command: Option<CommandReport>,
-    /// Up to 64 sculptures that the booth doesn't have: first those whose status it hasn't noted. Then sent ones, to hear
-    /// whether the booth still has them. No id is there twice.
+    /// Up to 64 distinct sculptures. First those that the booth doesn't have, led by those whose status it
+    /// hasn't acknowledged. Then sent ones, to check that the booth still has them.
     pub announcements: Vec<Announcement>,
 }
 
-/// What the booth answers. A headset takes it for the heartbeat that it sent last, and ignores any other.
+/// The booth's answer to a heartbeat. A headset accepts only the answer to its last heartbeat.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct HeartbeatAnswer {
     /// The booth's site.
     pub site: SiteId,
-    /// Of the heartbeat.
+    /// The headset number of the heartbeat.
     pub headset: u32,
-    /// Of the heartbeat.
+    /// The program start of the heartbeat.
     pub boot_id: u64,
-    /// Of the heartbeat.
+    /// The sequence number of the heartbeat.
     pub number: u32,
     /// Seconds since 1970 by the booth's clock.
     pub booth_time: u64,
-    /// Changes when the booth comes back from a backup, which may lack sculptures: the headset asks for all that it sent.
+    /// Changes when the booth is restored from a backup, which may lack sculptures. The headset then asks
+    /// about all that it sent.
     pub store_epoch: u64,
-    /// The blocks of badges' numbers that the headset holds from now on, in the order of their use. Others of its report are
-    /// used up, or are no longer its own.
+    /// The blocks of badge numbers that the headset holds from now on, in the order of their use. Other
+    /// blocks of its report are used up or belong to it no longer.
     pub badges: Vec<HeldBlock>,
     /// A command that waits for this headset.
     pub command: Option<BoothCommand>,
-    /// The heartbeat's announcements that the booth has noted. A sent sculpture that the booth doesn't have stands here as
-    /// [`Kept`](UploadStatus::Kept).
+    /// The announcements that the booth acknowledges. A sent sculpture that the booth doesn't have is listed
+    /// as [`Kept`](UploadStatus::Kept).
     pub noted: Vec<Announcement>,
 }
 
 impl UploadStatus {
-    /// By number.
+    /// All statuses, in the order of their numbers.
     pub const ALL: [UploadStatus; 6] = [
         UploadStatus::Making,
         UploadStatus::Waiting,
@@ -154,7 +155,7 @@ fn check_announcements(list: &[Announcement], field: &'static str) -> Result<(),
 }
 
 impl Default for HeadsetStatus {
-    /// Makes the status of a headset without visits that nobody wears.
+    /// Returns the status of an unworn headset without a visit.
     fn default() -> Self {
         HeadsetStatus {
             session_id: 0,
@@ -171,7 +172,7 @@ impl Default for HeadsetStatus {
 }
 
 impl Heartbeat {
-    /// Makes the first heartbeat of a start whose outbox is empty.
+    /// Returns the first heartbeat of a program start with an empty outbox.
     #[must_use]
     pub fn first(headset: u32, boot_id: u64, badges: BadgeReport) -> Self {
         Heartbeat {

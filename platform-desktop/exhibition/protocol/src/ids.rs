@@ -1,4 +1,4 @@
-//! Names and secrets of fixed width, in hexadecimal digits.
+//! Identifiers and secrets of fixed width, written in hexadecimal digits.
 
 use std::fmt;
 
@@ -35,7 +35,7 @@ macro_rules! byte_names {
         pub struct $name(pub [u8; $bytes]);
 
         impl $name {
-            /// Its length in bytes.
+            /// The length in bytes.
             pub const BYTES: usize = $bytes;
 
             #[doc = concat!("Reads ", stringify!($bytes), " bytes in hexadecimal digits; `None` for other text.")]
@@ -51,7 +51,7 @@ macro_rules! byte_names {
             }
         }
 
-        /// Zeros are no name and no secret: somebody forgot to draw one.
+        /// Rejects zeros: they mean that drawing the bits was forgotten.
         impl<'de> Deserialize<'de> for $name {
             fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
                 let text = std::borrow::Cow::<'de, str>::deserialize(from)?;
@@ -84,8 +84,8 @@ macro_rules! shown_as_hex {
 macro_rules! never_shown {
     ($($name:ident)*) => {$(
         impl $name {
-            /// Its hexadecimal digits, for the one header or file that carries it. `Debug` doesn't show them, so
-            /// that no log does.
+            /// Returns the hexadecimal digits, for the header or file that carries the secret. `Debug`
+            /// doesn't show them, which keeps them out of logs.
             #[must_use]
             pub fn reveal(&self) -> impl fmt::Display + '_ {
                 Hex(&self.0)
@@ -101,20 +101,20 @@ macro_rules! never_shown {
 }
 
 byte_names! {
-    /// A sculpture's name: 128 random bits, drawn at *finish*.
+    /// The id of a sculpture: 128 random bits, drawn at *finish*.
     SculptureId, 16;
-    /// The name of a site, which is a booth and its headsets: 128 random bits.
+    /// The id of a site, which is a booth and its headsets: 128 random bits.
     SiteId, 16;
-    /// Names one lease of a block of badges' numbers: 64 random bits, which the booth and the headset know.
+    /// The serial of one lease of a block: 64 random bits, known to the booth and the headset.
     BlockSerial, 8;
-    /// A SHA-256: of a parcel, a token, a certificate.
+    /// A SHA-256 hash, such as of a parcel, a token or a certificate.
     ContentHash, 32;
-    /// What a device remembers itself by (Android's `ANDROID_ID`, or random bits). A hint by which staff find a wiped
-    /// headset again, never a credential.
+    /// A stable device identifier (Android's `ANDROID_ID`, or random bits). It helps staff to recognise a
+    /// wiped headset, and is never a credential.
     DeviceHint, 16;
-    /// A secret that a device draws, and shows the booth with each request. The booth keeps its SHA-256 alone.
+    /// A secret that a device draws and sends with each request. The booth stores only its SHA-256.
     DeviceToken, 32;
-    /// A secret of a fleet's file, which lets so many devices in.
+    /// The secret of a fleet file. It enrols a limited number of devices.
     EnrolmentToken, 32;
 }
 

@@ -4,10 +4,10 @@
 //! |---|---|---|
 //! | `POST /v1/enrol/fleet` | [`FleetEnrolment`] | [`EnrolAnswer`] |
 //! | `POST /v1/heartbeat`, every two seconds | [`Heartbeat`] | [`HeartbeatAnswer`] |
-//! | `PUT /v1/sculptures/{id}` | a [`Parcel`] | [`ParcelOutcome`], or a status of HTTP |
+//! | `PUT /v1/sculptures/{id}` | a [`Parcel`] | [`ParcelOutcome`], or an HTTP status |
 //!
-//! Every message carries the protocol's version. Unknown fields are ignored, so that a later program may add some. All
-//! that arrives is hostile until it was read and checked: `from_json` of each message does both.
+//! Every message carries the protocol version. Unknown fields are ignored, so that a later program may add
+//! fields. Received bytes are untrusted: `from_json` of each message parses and validates them.
 #![forbid(unsafe_code)]
 
 mod answers;
@@ -42,41 +42,41 @@ pub use parcel_names::{parcel_name, parse_parcel_name};
 /// The path of heartbeats.
 pub const HEARTBEAT_PATH: &str = "/v1/heartbeat";
 
-/// The path of enrolments by a fleet's file.
+/// The path of enrolments with a fleet file.
 pub const FLEET_ENROLMENT_PATH: &str = "/v1/enrol/fleet";
 
-/// The path of parcels, before the id.
+/// The path of parcels, to which the sculpture's id is appended.
 pub const PARCEL_PATH: &str = "/v1/sculptures/";
 
-/// The version of the protocol. A change that an earlier program can't ignore raises it.
+/// The protocol version. It is raised by a change that an earlier program can't ignore.
 pub const PROTOCOL_VERSION: u16 = 1;
 
-/// Why bytes are no message.
+/// The reason why bytes aren't a valid message.
 #[derive(Debug, thiserror::Error)]
 pub enum ProtocolError {
-    /// The bytes are no such message.
+    /// The bytes aren't the expected JSON.
     #[error("no message: {0}")]
     Json(#[from] serde_json::Error),
-    /// The message has another version.
+    /// The message has another protocol version.
     #[error(
         "version {found} of the protocol, expected {PROTOCOL_VERSION}: update {}",
         if *found > PROTOCOL_VERSION { "this program" } else { "the program that sent it" }
     )]
     Version {
-        /// As the message has it.
+        /// The version of the message.
         found: u16,
     },
-    /// A field has a value that it can't have.
+    /// A field has an invalid value.
     #[error("{field}: expected {expected}")]
     Value {
         /// The field's name.
         field: &'static str,
-        /// Values that it can have.
+        /// The valid values.
         expected: &'static str,
     },
 }
 
-/// A message with the protocol's version.
+/// A message with the protocol version.
 #[derive(Serialize)]
 struct Versioned<'a, M> {
     version: u16,
@@ -92,11 +92,11 @@ struct VersionAlone {
 /// Writes a message as JSON.
 fn to_json(message: &impl Serialize) -> Vec<u8> {
     let versioned = Versioned { version: PROTOCOL_VERSION, message };
-    // No message has a map whose keys aren't text, nor a number that JSON doesn't have.
+    // Serialising can't fail: no message has a map with non-text keys, or a number that JSON can't represent.
     serde_json::to_vec(&versioned).unwrap_or_default()
 }
 
-/// Reads a message of this version.
+/// Reads a message of this protocol version.
 fn from_json<M: DeserializeOwned>(bytes: &[u8]) -> Result<M, ProtocolError> {
     let VersionAlone { version: found } = serde_json::from_slice(bytes)?;
     if found != PROTOCOL_VERSION {
@@ -105,7 +105,7 @@ fn from_json<M: DeserializeOwned>(bytes: &[u8]) -> Result<M, ProtocolError> {
     Ok(serde_json::from_slice(bytes)?)
 }
 
-/// Gives messages with a private `check` the two ends that all have.
+/// Implements `to_json` and `from_json` for messages with a private `check`.
 macro_rules! messages {
     ($($message:ident)*) => {$(
         impl $message {
@@ -115,10 +115,10 @@ macro_rules! messages {
                 to_json(self)
             }
 
-            /// Reads a message, and checks it.
+            /// Reads and checks a message.
             ///
             /// # Errors
-            /// [`ProtocolError`].
+            /// Returns a [`ProtocolError`] if the bytes aren't a valid message of this version.
             pub fn from_json(bytes: &[u8]) -> Result<Self, ProtocolError> {
                 let message: Self = from_json(bytes)?;
                 message.check()?;
@@ -130,7 +130,7 @@ macro_rules! messages {
 
 messages! { UploadFacts Heartbeat HeartbeatAnswer FleetEnrolment EnrolAnswer }
 
-/// Checks a value of a field.
+/// Returns an error for a field if its value isn't right.
 const fn expect(
     is_right: bool,
     field: &'static str,

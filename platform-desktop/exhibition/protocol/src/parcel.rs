@@ -1,11 +1,11 @@
-//! Parcels. The same bytes are the file on the headset's disk and the body of a `PUT`.
+//! Parcels. A parcel has the same bytes as a file on the headset's disk and as the body of a `PUT`.
 //!
 //! | bytes | content |
 //! |---|---|
 //! | 4 | the length of the head, a `u32`, little-endian, at most [`MAX_HEAD_BYTES`] |
 //! | that length | the head: [`UploadFacts`] as JSON |
 //! | `volume_bytes` | the volume, an `.rmap`, packed by deflate (RFC 1951, no header) |
-//! | `trace_bytes` | the trace, packed in the same way; nothing if none is sent |
+//! | `trace_bytes` | the trace, packed like the volume; empty if no trace is sent |
 //! | 32 | the SHA-256 of all bytes before |
 
 use miniz_oxide::deflate::compress_to_vec;
@@ -13,63 +13,63 @@ use miniz_oxide::deflate::compress_to_vec;
 use crate::limits::{MAX_HEAD_BYTES, MAX_PARCEL_FILE_BYTES};
 use crate::{ContentHash, ProtocolError, UploadFacts};
 
-/// Deflate's level: a volume takes some milliseconds, and the next level saves little.
+/// Compression level of deflate: a volume takes a few milliseconds, and the next level saves little.
 const LEVEL: u8 = 6;
 
-/// Bytes of the head's length.
+/// Bytes of the field for the head's length.
 const LENGTH_BYTES: usize = 4;
 
-/// A parcel whose hash and lengths are right, in memory (`Vec<u8>`) or borrowed (`&[u8]`). The packed files may still be
-/// anything.
+/// A parcel with valid hash and lengths, in memory (`Vec<u8>`) or borrowed (`&[u8]`). The packed files aren't
+/// validated.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Parcel<B = Vec<u8>> {
     facts: UploadFacts,
     file: B,
 }
 
-/// Why bytes are no parcel.
+/// The reason why bytes aren't a valid parcel.
 #[derive(Debug, thiserror::Error)]
 pub enum ParcelFault {
-    /// There are more bytes than a parcel may have.
+    /// The file is longer than a parcel may be.
     #[error("byte {MAX_PARCEL_FILE_BYTES}: expected the end of the parcel, found {found} bytes")]
     TooLong {
-        /// Bytes of the file.
+        /// Length of the file in bytes.
         found: u64,
     },
-    /// Bytes were changed or lost: the hash at the end is of other bytes.
+    /// The hash at the end doesn't match: bytes were changed or lost.
     #[error("byte {offset}: expected the SHA-256 of the bytes before")]
     Damaged {
-        /// The place of the hash.
+        /// The offset of the hash in the file.
         offset: usize,
     },
-    /// A part has another length.
+    /// A part has the wrong length.
     #[error("byte {offset}: expected {expected} bytes of {part}, found {found}")]
     Length {
-        /// The part's place in the file.
+        /// The part's offset in the file.
         offset: usize,
-        /// The part.
+        /// The name of the part.
         part: &'static str,
-        /// The part's length as the bytes before have it.
+        /// The length that the preceding bytes declare.
         expected: u64,
-        /// Bytes that there are.
+        /// The number of bytes that are present.
         found: u64,
     },
-    /// The head's length is more than a head may have.
+    /// The declared length of the head is too large.
     #[error("byte 0: expected the length of a head, at most {MAX_HEAD_BYTES}, found {found}")]
     HeadLength {
-        /// The length.
+        /// The declared length.
         found: u32,
     },
-    /// The head can't be read, or has values that no sculpture has.
+    /// The head can't be read, or has invalid values.
     #[error("byte {LENGTH_BYTES}: {0}")]
     Head(#[from] ProtocolError),
 }
 
 impl Parcel {
-    /// Packs files. Sets the lengths in `facts`; `trace` is `None` if none is sent.
+    /// Packs files into a parcel, and sets the lengths in `facts`. `trace` is `None` if no trace is sent.
     ///
     /// # Errors
-    /// The booth would refuse the parcel: a file is empty or too long, or `facts` are those of no sculpture.
+    /// Returns an error for what the booth would refuse: empty or too long files, or invalid `facts`.
     pub fn pack(
         facts: &UploadFacts,
         volume: &[u8],
@@ -79,7 +79,7 @@ impl Parcel {
         let packed = compress_to_vec(volume, LEVEL);
         let packed_trace =
             if trace.is_empty() { Vec::new() } else { compress_to_vec(trace, LEVEL) };
-        // No file may be so long: the check refuses it.
+        // A length beyond `u32` saturates, and the check below rejects it.
         let length = |bytes: &[u8]| u32::try_from(bytes.len()).unwrap_or(u32::MAX);
         let facts = UploadFacts {
             volume_bytes: length(&packed),
@@ -93,7 +93,7 @@ impl Parcel {
         Ok(Parcel { facts, file })
     }
 
-    /// The file.
+    /// Returns the bytes of the file.
     #[must_use]
     pub fn into_file(self) -> Vec<u8> {
         self.file
@@ -101,11 +101,11 @@ impl Parcel {
 }
 
 impl<B: AsRef<[u8]>> Parcel<B> {
-    /// Reads a file. Doesn't unpack anything.
+    /// Reads a parcel file without unpacking it.
     ///
     /// # Errors
-    /// [`ParcelFault`]. After [`Damaged`](ParcelFault::Damaged) the sender may try again; otherwise the file is another
-    /// version's, or no parcel.
+    /// Returns a [`ParcelFault`]. After [`Damaged`](ParcelFault::Damaged) the sender may retry. Any other
+    /// fault means another version, or not a parcel.
     pub fn read(file: B) -> Result<Self, ParcelFault> {
         let bytes = file.as_ref();
         let found = bytes.len() as u64;
@@ -123,40 +123,40 @@ impl<B: AsRef<[u8]>> Parcel<B> {
         Ok(Parcel { facts, file })
     }
 
-    /// The head's facts.
+    /// Returns the facts of the head.
     #[must_use]
     pub const fn facts(&self) -> &UploadFacts {
         &self.facts
     }
 
-    /// The bytes of the file, hash included.
+    /// Returns the bytes of the file, including the hash.
     #[must_use]
     pub fn file_bytes(&self) -> &[u8] {
         self.file.as_ref()
     }
 
-    /// The hash of the parcel.
+    /// Returns the hash of the parcel.
     #[must_use]
     pub fn hash(&self) -> ContentHash {
         let hash = self.file_bytes().last_chunk();
         ContentHash(*hash.unwrap_or(&[0; ContentHash::BYTES]))
     }
 
-    /// The head and the packed volume.
+    /// Returns the head and the packed volume.
     #[must_use]
     pub fn sculpture(&self) -> &[u8] {
         let file = self.file_bytes();
         &file[..file.len() - ContentHash::BYTES - self.facts.trace_bytes as usize]
     }
 
-    /// The packed volume.
+    /// Returns the packed volume.
     #[must_use]
     pub fn volume(&self) -> &[u8] {
         let sculpture = self.sculpture();
         &sculpture[sculpture.len() - self.facts.volume_bytes as usize..]
     }
 
-    /// The packed trace; empty if none was sent.
+    /// Returns the packed trace; empty if none was sent.
     #[must_use]
     pub fn trace(&self) -> &[u8] {
         &self.file_bytes()[self.sculpture().len()..][..self.facts.trace_bytes as usize]
@@ -171,10 +171,10 @@ impl UploadFacts {
         [&(json.len() as u32).to_le_bytes()[..], &json].concat()
     }
 
-    /// Reads the head of a parcel. Returns it, and the bytes after it.
+    /// Reads the head of a parcel. Returns the head and the bytes after it.
     ///
     /// # Errors
-    /// The bytes don't begin with a head.
+    /// Returns an error if the bytes don't begin with a valid head.
     pub fn split_head(parcel: &[u8]) -> Result<(Self, &[u8]), ParcelFault> {
         let cut = |offset, part, expected: usize, found: usize| ParcelFault::Length {
             offset,
@@ -197,14 +197,14 @@ impl UploadFacts {
     }
 }
 
-/// Appends the SHA-256 of bytes to them.
+/// Appends the SHA-256 of `bytes` to `bytes`.
 #[must_use]
 pub fn append_hash(mut bytes: Vec<u8>) -> Vec<u8> {
     bytes.extend(ContentHash::of(&bytes).0);
     bytes
 }
 
-/// Splits a file into its bytes and the SHA-256 of them at its end. Returns `None` if the hash is of other bytes.
+/// Splits a file into its content and the SHA-256 at its end. Returns `None` if the hash doesn't match.
 #[must_use]
 pub fn split_hash(file: &[u8]) -> Option<(&[u8], ContentHash)> {
     let (bytes, hash) = file.split_last_chunk::<{ ContentHash::BYTES }>()?;

@@ -1,8 +1,8 @@
-//! The names of parcels' files in a headset's spool.
+//! The file names of parcels in a headset's spool.
 
 use crate::{SculptureId, UploadStatus};
 
-/// Returns the end of the name of a file in this status; `None` if there is no file.
+/// Returns the file extension for a status; `None` if the status has no file.
 const fn extension(status: UploadStatus) -> Option<&'static str> {
     match status {
         UploadStatus::Kept => Some("parcel"),
@@ -13,13 +13,13 @@ const fn extension(status: UploadStatus) -> Option<&'static str> {
     }
 }
 
-/// Returns the name of a sculpture's file; empty for a status without one.
+/// Returns the file name of a sculpture; empty for a status without a file.
 #[must_use]
 pub fn parcel_name(id: SculptureId, status: UploadStatus) -> String {
     extension(status).map(|extension| format!("{id}.{extension}")).unwrap_or_default()
 }
 
-/// Reads the sculpture and the status that a file's name has. Returns `None` for another name.
+/// Parses a file name into sculpture and status. Returns `None` for any other name.
 #[must_use]
 pub fn parse_parcel_name(name: &str) -> Option<(SculptureId, UploadStatus)> {
     let (id, end) = name.split_once('.')?;

@@ -1,4 +1,4 @@
-//! Messages come back from their JSON; what no writer makes is refused with the field's name.
+//! Checks that messages survive a round trip through JSON, and that invalid fields are rejected by name.
 
 use paros_core::badge::{BadgeNumber, LEASED_BLOCKS};
 use paros_core::session::SessionMode;
@@ -10,7 +10,7 @@ use super::*;
 
 const HEADSET: u32 = 17;
 
-/// Numbers that look random, of a seed (splitmix64).
+/// A pseudorandom generator (splitmix64).
 struct RandomSource(u64);
 
 impl RandomSource {
@@ -76,7 +76,7 @@ fn any_announcements(dice: &mut RandomSource) -> Vec<Announcement> {
     (0..dice.next_bits() % 65).map(|_| any(dice)).collect()
 }
 
-/// Up to two different blocks.
+/// Makes up to two different blocks.
 fn any_blocks(dice: &mut RandomSource) -> Vec<HeldBlock> {
     let half = LEASED_BLOCKS as u64 / 2;
     let any = |at: u64, dice: &mut RandomSource| HeldBlock {
@@ -150,7 +150,7 @@ type Read<M> = fn(&[u8]) -> Result<M, ProtocolError>;
 
 fn check<M: PartialEq + std::fmt::Debug>(message: &M, json: &[u8], read: Read<M>) {
     assert_eq!(&read(json).expect("its own"), message);
-    // A later program's message has more.
+    // A later program's message has more fields.
     let mut value: Value = serde_json::from_slice(json).expect("JSON");
     value["later"] = json!({"deep": [1, 2, 3]});
     let more = serde_json::to_vec(&value).expect("JSON");
@@ -174,7 +174,7 @@ proptest! {
         check(&enrolled, &enrolled.to_json(), EnrolAnswer::from_json);
     }
 
-    /// Nothing that was changed on its way is taken for a parcel, whatever its hash says.
+    /// Checks that no altered parcel is accepted, whatever its hash.
     #[test]
     fn parcels_come_back_and_spoilt_ones_are_refused(seed: u64) {
         let dice = &mut RandomSource::new(seed);
@@ -197,14 +197,14 @@ proptest! {
         let at = at.min(bytes.len() - 1);
         prop_assert!(Parcel::read(append_hash(bytes[..at].to_vec())).is_err(), "cut at {at}");
         spoilt.truncate(bytes.len());
-        // Some other facts, or other packed files: nothing panics.
+        // Other facts, or other packed files: reading them doesn't panic.
         if let Ok(read) = Parcel::read(append_hash(spoilt)) {
             prop_assert_eq!(read.sculpture().len() + read.trace().len(), bytes.len());
         }
     }
 }
 
-/// Headsets and booths of different days exchange these bytes.
+/// Pins the format: headsets and booths of different versions exchange these bytes.
 #[test]
 fn a_parcel_has_the_same_bytes_as_ever() {
     let facts = UploadFacts {
@@ -258,7 +258,7 @@ fn what_is_no_parcel_is_refused_with_a_place() {
     );
 }
 
-/// The longest answer of a booth, which a link has to read.
+/// Checks that a link accepts the longest answer of a booth.
 #[test]
 fn a_link_reads_the_longest_answer() {
     let dice = &mut RandomSource::new(1);
@@ -289,7 +289,7 @@ fn another_version_says_which_program_to_update() {
     );
 }
 
-/// Refused: a message with this value in a field.
+/// Checks that a message with one of these values in a field is rejected.
 fn refuse<M>(message: &[u8], read: Read<M>, faults: &[(&str, Value)]) {
     for (field, value) in faults {
         let mut json: Value = serde_json::from_slice(message).expect("JSON");

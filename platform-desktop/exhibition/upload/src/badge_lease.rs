@@ -1,4 +1,5 @@
-//! The blocks of badges' numbers that this device holds. They are on the disk as used before a badge is shown.
+//! The blocks of badge numbers that this device holds. A number is marked as used on the disk before its
+//! badge is shown.
 
 use paros_core::badge::BadgeNumber;
 use paros_protocol::limits::MAX_HELD_BLOCKS;
@@ -7,22 +8,22 @@ use serde::{Deserialize, Serialize};
 
 use super::folder::OutboxFolder;
 
-/// The lease's file, beside the parcels: JSON, and its SHA-256.
+/// The file of the lease, beside the parcels: JSON and its SHA-256.
 const FILE: &str = "badges.lease";
 
-/// Bytes of the file at most: four times what it takes.
+/// Largest file in bytes: four times what it takes.
 const MAX_FILE_BYTES: u64 = 4096;
 
-/// A lease of numbers. They are used in order, and none is taken twice.
+/// A lease of badge numbers. They are used in order, and each at most once.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub(super) struct BadgeLease {
     report: BadgeReport,
-    /// Blocks that were given up last: a parcel may yet carry a number of theirs.
+    /// The blocks that were given up last. A later parcel may still carry one of their numbers.
     former: Vec<HeldBlock>,
 }
 
 impl BadgeLease {
-    /// Reads the lease in a folder. One that isn't there or is damaged is given up: a new epoch begins, by these random bits,
+    /// Reads the lease in a folder. If it is missing or damaged, starts a new epoch from these random bits,
     /// and the booth leases other blocks.
     pub(super) fn open(folder: &impl OutboxFolder, epoch: u64) -> Self {
         let read = folder.read(FILE, MAX_FILE_BYTES).ok();
@@ -30,20 +31,21 @@ impl BadgeLease {
             let report = BadgeReport { epoch, blocks: Vec::new() };
             return BadgeLease { report, former: Vec::new() };
         };
-        // Where a storage can't sync folders, a loss of power takes the last write back: its number may have been shown.
+        // On a storage that can't sync folders, a power cut may have undone the last write, whose number may
+        // have been shown.
         if let Some(held) = lease.next_block() {
             held.next += 1;
         }
         lease
     }
 
-    /// What the next heartbeat tells the booth.
+    /// Returns the badge report of the next heartbeat.
     pub(super) const fn report(&self) -> &BadgeReport {
         &self.report
     }
 
-    /// Takes the number of the next badge, and notes so on the disk: the first that is left; or a provisional one of
-    /// `random` bits, where none is or the disk refuses.
+    /// Takes the number of the next badge, and saves that it is used. Returns a provisional number of
+    /// `random` bits if no number is left or the disk fails.
     pub(super) fn take_number(
         &mut self,
         folder: &mut impl OutboxFolder,
@@ -60,7 +62,7 @@ impl BadgeLease {
         self.report.blocks.iter_mut().find(|held| !held.is_used_up())
     }
 
-    /// The serial of the lease that a number is of.
+    /// Returns the serial of the lease that a number belongs to.
     pub(super) fn serial_of(&self, number: BadgeNumber) -> Option<BlockSerial> {
         let (block, place) = number.block_and_place()?;
         let mut known = self.report.blocks.iter().chain(&self.former);
@@ -68,12 +70,12 @@ impl BadgeLease {
         Some(held.serial)
     }
 
-    /// Takes the booth's answer to a report: what this device holds from now on.
+    /// Applies the booth's answer to a report: the blocks that this device holds from now on.
     pub(super) fn take_answer(&mut self, folder: &mut impl OutboxFolder, answer: &[HeldBlock]) {
         let known = self.report.blocks.iter().chain(&self.former);
         let of_answer = |new: &HeldBlock| {
             let mut same = known.clone().filter(|held| held.serial == new.serial);
-            // Numbers may have been taken since the report was made.
+            // Numbers may have been used since the report was made.
             HeldBlock { next: same.next().map_or(new.next, |held| held.next.max(new.next)), ..*new }
         };
         let blocks: Vec<HeldBlock> = answer.iter().map(of_answer).collect();
@@ -83,7 +85,7 @@ impl BadgeLease {
         let is_gone = |held: &HeldBlock| blocks.iter().all(|new| new.serial != held.serial);
         let gone: Vec<HeldBlock> = known.copied().filter(is_gone).take(MAX_HELD_BLOCKS).collect();
         (self.report.blocks, self.former) = (blocks, gone);
-        // What isn't saved now is saved with the next badge, before that is shown.
+        // If this fails, the lease is saved with the next badge, before the badge is shown.
         let _ = self.save(folder);
     }
 
@@ -123,26 +125,26 @@ mod tests {
             lease.take_number(folder, 0).block_and_place()
         };
         assert_eq!(take(&mut lease, &mut folder), Some((7, 61)));
-        // The program ends, and another epoch is offered. The disk may have lost the last write.
+        // Restart with another random epoch. The disk may have lost the last write.
         let mut lease = BadgeLease::open(&folder, 6);
         assert_eq!(lease.report().epoch, 5);
-        // An answer to a report of before.
+        // An answer to an outdated report.
         lease.take_answer(&mut folder, &[held(7, 61), held(9, 0)]);
         assert_eq!(take(&mut lease, &mut folder), Some((7, 63)));
         assert_eq!(take(&mut lease, &mut folder), Some((9, 0)));
         assert_eq!(lease.report().blocks, [held(7, 64), held(9, 1)]);
         lease.take_answer(&mut folder, &[held(9, 1), held(11, 0)]);
-        // A parcel that is made late has the serial of a block that was given up; what was never shown has none.
+        // A late parcel gets the serial of a former block. A number that was never shown has no serial.
         let number = |block, place| BadgeNumber::of_block(block, place).expect("a number");
         assert_eq!(lease.serial_of(number(7, 63)), Some(held(7, 0).serial));
         assert_eq!(lease.serial_of(number(9, 1)), None);
         assert_eq!(lease.serial_of(BadgeNumber::provisional(3)), None);
-        // A booth that came back from a backup says that it is leased still.
+        // A restored booth still counts the block as leased.
         lease.take_answer(&mut folder, &[held(7, 10)]);
         assert_eq!(lease.report().blocks, [held(7, 64)]);
         assert!(take(&mut lease, &mut folder).is_none());
         lease.take_answer(&mut folder, &[held(13, 0)]);
-        // A damaged file is given up.
+        // A damaged file starts a new epoch.
         let file = path.join(FILE);
         let good = fs::read(&file).expect("it was written");
         for at in 0..good.len() {
@@ -151,7 +153,7 @@ mod tests {
             fs::write(&file, &bad).expect("room on the disk");
             assert_eq!(BadgeLease::open(&folder, 6).report().epoch, 6, "byte {at}");
         }
-        // Where the disk takes nothing, no leased number is shown.
+        // If the disk refuses writes, no leased number is shown.
         fs::remove_dir_all(&path).expect("it is there");
         assert!(take(&mut lease, &mut folder).is_none());
     }

@@ -1,7 +1,7 @@
-//! A courier: the thread that owns an outbox, steps it ten times a second, and tells what has become of it.
+//! The courier: a thread that owns an outbox, steps it ten times a second, and publishes its state.
 //!
-//! Whoever makes frames gives it orders and looks at its board, and never waits: a disk that syncs and a network that is
-//! gone are the thread's to wait for. It ends once it is dropped, after it has carried out what it was told.
+//! The render thread gives orders and reads the board, and never blocks: only the courier waits for disk
+//! syncs and the network. The courier ends after it is dropped, once it has carried out all orders.
 
 mod board;
 mod clock;
@@ -35,29 +35,29 @@ use orders::CourierOrder;
 pub use orders::{FinishedSculpture, ParcelDraft};
 use work::Work;
 
-/// The folder of outboxes beside a shell's saved sessions: a folder each site.
+/// The folder of outboxes, in the folder of saved sessions. It has a subfolder for each site.
 pub const OUTBOX_FOLDER: &str = "outbox";
 
-/// A file of outboxes before there was a folder each site.
+/// A file of an old outbox, from before each site had a folder.
 const OLD_JOURNAL: &str = "outbox.journal";
 
-/// What a courier is started with.
+/// The parameters of a courier.
 #[derive(Clone, Debug)]
 pub struct CourierPlan {
     /// The outbox's folder.
     pub folder: PathBuf,
-    /// Whose outbox it is.
+    /// The identity of this device, and its booth.
     pub enrolment: Enrolment,
-    /// What an exhibition sets.
+    /// The outbox settings of an exhibition.
     pub settings: OutboxSettings,
-    /// Milliseconds of a clock that goes on while the device sleeps and that nobody sets.
+    /// A monotonic clock in milliseconds that also runs while the device sleeps.
     pub clock: fn() -> u64,
 }
 
-/// A link that a thread may own.
+/// A link that can move to a thread.
 pub type CourierLink = Box<dyn BoothLink + Send>;
 
-/// A courier. It ends when it is dropped.
+/// A handle to a courier's thread, which ends when the handle is dropped.
 pub struct Courier {
     board: Arc<Mutex<Board>>,
     orders: Option<Sender<CourierOrder>>,
@@ -77,7 +77,7 @@ impl Courier {
     /// Opens the outbox and starts the thread.
     ///
     /// # Errors
-    /// Where the folder can't be opened or another process has it, or the site's key is none.
+    /// Returns an error if the folder can't be opened, another process uses it, or the enrolment is invalid.
     pub fn spawn(plan: &CourierPlan, link: CourierLink) -> Result<Self, SpoolError> {
         let opened = DiskFolder::open(&plan.folder);
         let folder = opened.map_err(|error| SpoolError::Disk {
@@ -93,11 +93,11 @@ impl Courier {
         Ok(Courier { board, orders, thread, clock: plan.clock, found, last_finished })
     }
 
-    /// Opens the outbox of a device that is enrolled at a booth; `None` for one that isn't. `sessions` is the folder of
-    /// saved sessions, `open_link` connects to the booth.
+    /// Opens the outbox of an enrolled device; returns `None` if the device isn't enrolled. `sessions` is the
+    /// folder of saved sessions, `open_link` connects to the booth.
     ///
     /// # Errors
-    /// A line that tells why nothing is sent: the enrolment can't be read, or the outbox can't be opened.
+    /// Returns a message why nothing is sent: the enrolment can't be read, or the outbox can't be opened.
     pub fn open_enrolled(
         settings: &BoothSettings,
         sessions: &Path,
@@ -132,55 +132,57 @@ impl Courier {
         Ok(Some(courier))
     }
 
-    /// What the outbox knew as it was opened.
+    /// Returns the sculptures that the outbox contained when it was opened, with their statuses.
     #[must_use]
     pub fn found(&self) -> &[(SculptureId, UploadStatus)] {
         &self.found
     }
 
-    /// The sculpture that was finished last before this start, where one is known.
+    /// Returns the last sculpture that was finished before this start, if it is known.
     #[must_use]
     pub const fn last_finished(&self) -> Option<&FinishedSculpture> {
         self.last_finished.as_ref()
     }
 
-    /// Announces a finished sculpture. `volume` is its `.rmap`, by which a start finds the id of a saved session's sculpture.
+    /// Announces a finished sculpture. `volume` is its `.rmap`: its hash identifies the sculpture of a saved
+    /// session after a restart.
     pub fn announce(&self, id: SculptureId, volume: Vec<u8>) {
         self.set_last_sculpture(id);
         self.lock().note_making(id);
         self.order(CourierOrder::Announce { id, volume });
     }
 
-    /// Asks for a badge, which [`Courier::badge_of`] has later.
+    /// Requests a badge. [`Courier::badge_of`] returns it later.
     pub fn ask_badge(&self, id: SculptureId) {
         self.order(CourierOrder::TakeBadge { id });
     }
 
-    /// The badge that was asked for, once the lease is on the disk.
+    /// Returns the requested badge, once its use is saved on the disk.
     #[must_use]
     pub fn badge_of(&self, id: SculptureId) -> Option<BadgeNumber> {
         self.lock().badge_of(id)
     }
 
-    /// Notes which badge the visitor is shown.
+    /// Records the badge that the visitor is shown.
     pub fn note_badge(&self, id: SculptureId, badge: BadgeNumber) {
         self.order(CourierOrder::NoteBadge { id, badge });
     }
 
-    /// Has a parcel packed and kept.
+    /// Packs a parcel and stores it in the outbox.
     pub fn keep(&self, draft: ParcelDraft) {
         self.lock().note_making(draft.facts.id);
         self.order(CourierOrder::Keep(Box::new(draft)));
     }
 
-    /// Has parcels kept that another courier had no room for. To be called before anything is given up.
+    /// Stores parcels that another courier had no room for. Call this before [`Courier::abandon`].
     pub fn keep_parcels(&self, parcels: Vec<Parcel>) {
         for parcel in parcels {
             self.order(CourierOrder::KeepParcel(Box::new(parcel)));
         }
     }
 
-    /// Ends it once it has done what it was told. Returns the parcels that had no room, which are nowhere else.
+    /// Ends the courier after it has carried out all orders. Returns the parcels that found no room, which
+    /// are stored nowhere else.
     #[must_use]
     pub fn close(mut self) -> Vec<Parcel> {
         self.end()
@@ -188,22 +190,22 @@ impl Courier {
 
     fn end(&mut self) -> Vec<Parcel> {
         self.orders = None;
-        // If it panicked there is nothing left to wait for.
+        // After a panic of the thread there are no parcels.
         self.thread.take().and_then(|thread| thread.join().ok()).unwrap_or_default()
     }
 
-    /// The parcel of a sculpture won't be made.
+    /// Reports that the parcel of a sculpture won't be made.
     pub fn abandon(&self, id: SculptureId) {
         self.order(CourierOrder::Abandon { id });
     }
 
-    /// Where a sculpture stands; `None` where nothing is known of it, or not any more.
+    /// Returns the upload status of a sculpture; `None` if it is unknown, or no longer known.
     #[must_use]
     pub fn upload_status(&self, id: SculptureId) -> Option<UploadStatus> {
         self.lock().status_of(id)
     }
 
-    /// Returns where the last finished sculpture stands on its way to the booth.
+    /// Returns the state of the last finished sculpture on its way to the booth.
     #[must_use]
     pub fn booth_state(&self) -> BoothState {
         let board = self.lock();
@@ -215,30 +217,30 @@ impl Courier {
         }
     }
 
-    /// Sets the last finished sculpture, which an earlier run announced.
+    /// Sets the last finished sculpture, which an earlier start announced.
     pub(crate) fn set_last_sculpture(&self, id: SculptureId) {
         self.lock().last = Some(id);
     }
 
-    /// What is to be told of the whole outbox.
+    /// Returns the state of the whole outbox.
     #[must_use]
     pub fn summary(&self) -> CourierSummary {
         self.lock().summary
     }
 
-    /// Whether the booth says that it doesn't know this device, as one does that came back from a backup of before the device
-    /// enrolled. One that staff shut out is known.
+    /// Returns `true` if the booth doesn't know this device, such as after a restore from a backup older than
+    /// the enrolment. A device that staff excluded is still known.
     #[must_use]
     pub fn is_forgotten(&self) -> bool {
         self.lock().summary.contact == BoothContact::Forgotten
     }
 
-    /// Takes how the headset is, for the next heartbeat.
+    /// Sets the status for the next heartbeat.
     pub fn report_status(&self, status: HeadsetStatus) {
         self.lock().status = status;
     }
 
-    /// Takes the next command of the booth's that is still alive. What comes of it is told by
+    /// Takes the next command of the booth that hasn't expired. Report its outcome with
     /// [`Courier::note_command_done`].
     #[must_use]
     pub fn take_command(&self) -> Option<RemoteCommand> {
@@ -251,12 +253,12 @@ impl Courier {
         }
     }
 
-    /// What came of a command.
+    /// Reports the outcome of a command.
     pub fn note_command_done(&self, id: u64, outcome: CommandOutcome) {
         self.order(CourierOrder::CommandDone { id, outcome });
     }
 
-    /// Takes what is to be told to who runs the shell, a line each.
+    /// Takes the messages for the operator of the shell, one line each.
     #[must_use]
     pub fn take_notes(&self) -> Vec<String> {
         self.lock().notes.drain(..).collect()
@@ -268,13 +270,13 @@ impl Courier {
 
     fn order(&self, order: CourierOrder) {
         if let Some(orders) = &self.orders {
-            // The thread ends after this.
+            // Fails if the thread has ended. The order then has no effect.
             let _ = orders.send(order);
         }
     }
 }
 
-/// The folders of other sites whose booths don't have all sculptures, and how many each lacks.
+/// Lists the outboxes of other sites with unsent sculptures, and the number of these sculptures.
 fn count_left(outboxes: &Path, own: &str) -> Vec<(String, usize)> {
     let entries = |folder: &Path| fs::read_dir(folder).into_iter().flatten().flatten();
     let is_left = |name: &str| {
@@ -290,7 +292,7 @@ fn count_left(outboxes: &Path, own: &str) -> Vec<(String, usize)> {
     counted.filter(|(_, count)| *count > 0).collect()
 }
 
-/// The board. Nothing panics that holds it, and what it has is never in half.
+/// Locks the board. Ignores poisoning: no code panics while it holds the lock.
 fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
     board.lock().unwrap_or_else(PoisonError::into_inner)
 }

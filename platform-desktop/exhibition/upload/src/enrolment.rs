@@ -1,4 +1,4 @@
-//! What an enrolment gave, as a shell keeps it: a file of TOML that its owner alone may read.
+//! Enrolments: the result of an enrolment, as a TOML file that only its owner may read.
 
 mod by_fleet;
 mod fleet_file;
@@ -19,79 +19,79 @@ use super::link::{HttpAnswer, LinkFault};
 pub use by_fleet::enrol_by_fleet;
 pub use fleet_file::{FLEET_FILE_NAME, FleetFile};
 
-/// The file's name, in the folder of saved sessions unless a setting says otherwise.
+/// The default name of the enrolment file, in the folder of saved sessions.
 pub const ENROLMENT_FILE_NAME: &str = "enrolment.toml";
 
-/// Bytes that such a file, or a fleet's, has at most: a certificate of an authority takes one or two thousand.
+/// Largest enrolment or fleet file in bytes: an authority's certificate takes one or two thousand.
 const MAX_FILE_BYTES: u64 = 64 << 10;
 
-/// What an enrolment gave, and where the booth is.
+/// The result of an enrolment, and the booth's address.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Enrolment {
-    /// `https://HOST:PORT`, without a slash at its end.
+    /// The URL of the booth, `https://HOST:PORT`, without a trailing slash.
     pub address: String,
-    /// The certificate of the site's authority, DER.
+    /// The certificate of the site's certificate authority, DER.
     pub ca: Vec<u8>,
-    /// By which the booth knows the device.
+    /// The token that identifies the device to the booth.
     pub token: Secret,
-    /// Whose headset it is now.
+    /// The site and the headset number of the device.
     pub owner: OutboxOwner,
 }
 
-/// A token, which compares and is never shown.
+/// A device token that can be compared, and that `Debug` doesn't show.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Secret([u8; DeviceToken::BYTES]);
 
-/// A device that wants to enrol.
+/// A device that asks to enrol.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct NewDevice {
-    /// By which staff find it again once it was wiped.
+    /// The hint by which staff recognise the device after a wipe.
     pub hint: DeviceHint,
-    /// What it calls itself.
+    /// The device's own name.
     pub name: DeviceName,
-    /// The token that it drew.
+    /// The token that the device drew.
     pub token: Secret,
 }
 
-/// Why a device isn't enrolled.
+/// The reason why an enrolment failed.
 #[derive(Debug, thiserror::Error)]
 pub enum EnrolError {
-    /// A file: which, where in it, and what was expected.
+    /// A file is invalid: with its name, the place in it, and what was expected.
     #[error("{0}")]
     File(String),
-    /// There is no answer.
+    /// There is no answer of the booth.
     #[error("{}", tell_fault(*.0))]
     Link(LinkFault),
-    /// The booth answered something else.
+    /// The booth refused the enrolment.
     #[error("the booth refuses ({status}): {why}")]
     Refused {
-        /// The status of HTTP.
+        /// The HTTP status.
         status: u16,
-        /// What it says.
+        /// The booth's explanation.
         why: String,
     },
-    /// An answer that is none.
+    /// The answer can't be read.
     #[error("the booth's answer: {0}")]
     BadAnswer(#[from] ProtocolError),
-    /// The booth isn't the one that the fleet's file is of, or its authority isn't the one that it shows.
+    /// The booth's site isn't that of the fleet file.
     #[error("the booth is another site's: expected the keys that it told first")]
     AnotherSite,
     /// The system has no random bits.
     #[error("the system has no random bits")]
     NoRandomBits,
-    /// It can't be kept.
+    /// The enrolment can't be written to the disk.
     #[error(transparent)]
     Write(#[from] WriteError),
 }
 
 impl Secret {
-    /// The token's bytes.
+    /// Returns the token.
     #[must_use]
     pub const fn token(&self) -> DeviceToken {
         DeviceToken(self.0)
     }
 
-    /// Its SHA-256, which is all that the booth keeps of it.
+    /// Returns the SHA-256 of the token. The booth stores only this hash.
     #[must_use]
     pub fn hash(&self) -> ContentHash {
         ContentHash::of(&self.0)
@@ -105,11 +105,10 @@ impl fmt::Debug for Secret {
 }
 
 impl NewDevice {
-    /// A device with a token that is drawn now. `hint` is what it remembers itself by; `None` for none, which is drawn
-    /// too.
+    /// Makes a device with a random token. `hint` identifies the device; `None` draws a random hint.
     ///
     /// # Errors
-    /// [`EnrolError::NoRandomBits`].
+    /// [`EnrolError::NoRandomBits`] if the system has no random bits.
     pub fn draw(hint: Option<DeviceHint>, name: DeviceName) -> Result<Self, EnrolError> {
         let hint = match hint {
             Some(hint) => hint,
@@ -119,8 +118,8 @@ impl NewDevice {
     }
 }
 
-/// What a device of this name of the system's (Linux's `machine-id`, Android's `ANDROID_ID`) remembers itself by, without
-/// telling what it is.
+/// Returns the device hint for a system identifier (Linux's `machine-id`, Android's `ANDROID_ID`). It is a
+/// hash, which doesn't reveal the identifier.
 #[must_use]
 pub fn hint_of_device(id: &str) -> DeviceHint {
     let ContentHash(hash) = ContentHash::of(format!("paros device hint v1\0{id}").as_bytes());
@@ -130,14 +129,14 @@ pub fn hint_of_device(id: &str) -> DeviceHint {
 }
 
 impl Enrolment {
-    /// Where the booth is, and by what it knows the device.
+    /// Returns the address of the booth with the device's token.
     #[must_use]
     pub fn booth_address(&self) -> BoothAddress {
         let (url, ca) = (self.address.clone(), self.ca.clone());
         BoothAddress { url, ca, token: self.token.token() }
     }
 
-    /// The same at the address and with the authority that a fleet's file tells, where the file is of the same site.
+    /// Returns the enrolment with the address and authority of a fleet file; `None` for another site's file.
     #[must_use]
     pub fn moved_to(&self, fleet: &FleetFile) -> Option<Self> {
         let is_same = self.owner.site == fleet.site;
@@ -145,10 +144,10 @@ impl Enrolment {
         is_same.then(|| Enrolment { address, ca, ..self.clone() })
     }
 
-    /// Writes it to a file that nobody else may read.
+    /// Writes the enrolment to a file that only its owner may read.
     ///
     /// # Errors
-    /// When the disk refuses.
+    /// Returns an error if the disk refuses.
     pub fn write(&self, path: &Path) -> Result<(), WriteError> {
         if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
             durable::make_folder(folder)?;
@@ -156,19 +155,19 @@ impl Enrolment {
         durable::write_private_file(path, self.to_toml().as_bytes())
     }
 
-    /// Reads one; `None` where there is no file.
+    /// Reads an enrolment file; `None` if there is no such file.
     ///
     /// # Errors
-    /// What the file can't be read by, or what is wrong with it: which file, where and what was expected.
+    /// Returns an error for an unreadable or invalid file: its name, the place, and what was expected.
     pub fn read(path: &Path) -> Result<Option<Self>, EnrolError> {
         let fields = Fields::read(path)?;
         fields.map(|fields| Self::from_fields(&fields)).transpose()
     }
 
-    /// Takes the bytes of such a file that `source` has.
+    /// Parses the bytes of an enrolment file. `source` names the file in errors.
     ///
     /// # Errors
-    /// Where in it and what was expected.
+    /// Returns an error with the place, and what was expected.
     pub fn parse(source: &str, bytes: &[u8]) -> Result<Self, EnrolError> {
         Self::from_fields(&Fields::parse(source, bytes)?)
     }
@@ -188,7 +187,7 @@ impl Enrolment {
         })
     }
 
-    /// What such a file has.
+    /// Returns the content of an enrolment file.
     #[must_use]
     pub fn to_toml(&self) -> String {
         let Enrolment { address, ca, token, owner } = self;
@@ -204,14 +203,14 @@ impl Enrolment {
     }
 }
 
-/// Random bytes of the system.
+/// Returns random bytes of the system.
 pub(super) fn random_bytes<const N: usize>() -> Result<[u8; N], EnrolError> {
     let mut bytes = [0; N];
     getrandom::fill(&mut bytes).map_err(|_| EnrolError::NoRandomBits)?;
     Ok(bytes)
 }
 
-/// The body of an answer that is 200.
+/// Sends a `POST` request, and returns the body of an answer with status 200.
 fn ask(link: &mut impl BoothCaller, path: &str, body: &[u8]) -> Result<Vec<u8>, EnrolError> {
     let answer = link.call(&HttpRequest::post(path, body));
     match answer.map_err(|error| EnrolError::Link(error.fault))? {
@@ -223,15 +222,15 @@ fn ask(link: &mut impl BoothCaller, path: &str, body: &[u8]) -> Result<Vec<u8>, 
     }
 }
 
-/// The fields of a file: texts, and numbers as they stand there.
+/// The fields of a TOML file: texts, and integers as their digits.
 struct Fields {
-    /// The file, as messages name it.
+    /// The name of the file in messages.
     source: String,
     values: BTreeMap<String, String>,
 }
 
 impl Fields {
-    /// Reads a file of TOML; `None` where there is none.
+    /// Reads a TOML file; `None` if there is no such file.
     fn read(path: &Path) -> Result<Option<Self>, EnrolError> {
         let source = path.display().to_string();
         match durable::read_regular_file_up_to(path, MAX_FILE_BYTES) {
@@ -241,7 +240,7 @@ impl Fields {
         }
     }
 
-    /// Takes a file's bytes.
+    /// Parses the bytes of a file.
     fn parse(source: &str, bytes: &[u8]) -> Result<Self, EnrolError> {
         let at = |why: &dyn fmt::Display| EnrolError::File(format!("{source}: {why}"));
         let text = str::from_utf8(bytes).map_err(|_| at(&"expected text in UTF-8"))?;
@@ -289,7 +288,7 @@ impl Fields {
     }
 }
 
-/// A booth's address without a slash at its end; `None` for what is none.
+/// Returns a booth's address without a trailing slash; `None` if it isn't a valid address.
 #[must_use]
 pub fn check_address(text: &str) -> Option<String> {
     let host = text.strip_prefix("https://")?.trim_end_matches('/');
@@ -305,7 +304,7 @@ fn parse_hex(text: &str) -> Option<Vec<u8>> {
 }
 
 impl EnrolError {
-    /// Whether a file or an argument is at fault, and not what is there now.
+    /// `true` if a file or an argument is wrong, rather than the booth or the network.
     #[must_use]
     pub const fn is_input(&self) -> bool {
         matches!(self, EnrolError::File(_))
@@ -320,7 +319,7 @@ const fn tell_fault(fault: LinkFault) -> &'static str {
     }
 }
 
-/// Where an enrolment is kept beside a shell's saved sessions.
+/// Returns the default path of the enrolment file, in the folder of saved sessions.
 #[must_use]
 pub fn enrolment_file(sessions: &Path) -> PathBuf {
     sessions.join(ENROLMENT_FILE_NAME)

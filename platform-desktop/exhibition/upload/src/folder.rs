@@ -1,4 +1,4 @@
-//! The folder of an outbox: whole files or none.
+//! The folder of an outbox, with atomic writes.
 
 use std::fs::{self, File};
 use std::io;
@@ -8,43 +8,43 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use paros_shell::claim::SessionClaim;
 use paros_shell::durable::{self, WriteError};
 
-/// Before every file of an outbox, since 1970: 2026.
+/// A time before every file of an outbox: 2026, since 1970.
 const FIRST_TIME: Duration = Duration::from_secs(56 * 365 * 86_400);
 
-/// A folder that one outbox alone writes to. What has returned outlives a loss of power.
+/// A folder that only one outbox writes to. A change survives a power cut after its call has returned.
 pub trait OutboxFolder {
-    /// The names of all files.
+    /// Returns the names of all files.
     ///
     /// # Errors
-    /// What the disk says.
+    /// Errors of the disk.
     fn list(&self) -> io::Result<Vec<String>>;
 
-    /// A file's bytes.
+    /// Reads a file.
     ///
     /// # Errors
-    /// What the disk says; `NotFound` where there is none; that it has more than `most` bytes.
+    /// Errors of the disk; `NotFound` if there is no such file; a file of more than `most` bytes.
     fn read(&self, name: &str, most: u64) -> io::Result<Vec<u8>>;
 
-    /// Writes a file, whole or not at all, in place of one of the same name.
+    /// Writes a file atomically, and replaces one of the same name.
     ///
     /// # Errors
-    /// What the disk says. Then the file is as it was, or, where only the last sync failed, as it was to be.
+    /// Errors of the disk. The file is unchanged; if only the last sync failed, it may have the new content.
     fn write(&mut self, name: &str, bytes: &[u8]) -> io::Result<()>;
 
-    /// Gives a file another name, in place of a file that has it.
+    /// Renames a file, and replaces one of the new name.
     ///
     /// # Errors
-    /// What the disk says.
+    /// Errors of the disk.
     fn rename(&mut self, from: &str, to: &str) -> io::Result<()>;
 
-    /// Seconds since a file was written or got its name, by the wall clock; 0 if that isn't known, as where the clock was
-    /// set back.
+    /// Returns the seconds since a file was written or renamed, by the wall clock; 0 if unknown, such as
+    /// after the clock was set back.
     fn age_seconds(&self, name: &str) -> u64;
 
     /// Removes a file, if there is one.
     ///
     /// # Errors
-    /// What the disk says.
+    /// Errors of the disk.
     fn remove(&mut self, name: &str) -> io::Result<()>;
 }
 
@@ -52,22 +52,23 @@ pub trait OutboxFolder {
 #[derive(Debug)]
 pub struct DiskFolder {
     path: PathBuf,
-    // Held for its drop.
+    // Unlocks the folder when dropped.
     _claim: SessionClaim,
 }
 
 impl DiskFolder {
-    /// Makes the folder, if it isn't there, and claims it for this process.
+    /// Creates the folder, if it doesn't exist, and claims it for this process.
     ///
     /// # Errors
-    /// When the system refuses, a file has that name, or another process has the outbox open.
+    /// Returns an error if the system refuses, a file has that name, or another process has the outbox open.
     pub fn open(path: &Path) -> Result<Self, WriteError> {
         durable::make_folder(path)?;
-        // Their names are on the disk before anything in them is promised; a storage that can't sync folders does without.
+        // Make the folders durable before any file in them. Errors are ignored: some storages can't sync
+        // folders.
         for parent in path.ancestors().skip(1).take(2) {
             let _ = File::open(parent).and_then(|folder| folder.sync_all());
         }
-        // No grid has a side of 0: the claim is the outbox's own.
+        // Grids have a side greater than 0, so that number 0 is the outbox's own claim.
         let claim = SessionClaim::claim_lowest_free_number(path, 0);
         if claim.number() > 1 {
             let source = io::Error::new(io::ErrorKind::ResourceBusy, "another process has it open");
@@ -81,7 +82,7 @@ impl OutboxFolder for DiskFolder {
     fn list(&self) -> io::Result<Vec<String>> {
         let mut names = Vec::new();
         for entry in fs::read_dir(&self.path)? {
-            // No file of an outbox has a name that isn't text.
+            // Names that aren't UTF-8 are no outbox files.
             names.extend(entry?.file_name().into_string());
         }
         Ok(names)
@@ -97,7 +98,7 @@ impl OutboxFolder for DiskFolder {
 
     fn rename(&mut self, from: &str, to: &str) -> io::Result<()> {
         let path = self.path.join(from);
-        // A storage that can't say when leaves the time at which the file was written.
+        // On a storage that can't set the time, the age counts from when the file was written.
         let _ = File::options()
             .write(true)
             .open(&path)
@@ -107,7 +108,7 @@ impl OutboxFolder for DiskFolder {
 
     fn age_seconds(&self, name: &str) -> u64 {
         let modified = fs::metadata(self.path.join(name)).and_then(|found| found.modified());
-        // A device whose clock isn't set yet thinks that it is 1970.
+        // A device whose clock isn't set yet is in 1970.
         let is_set =
             |at: &SystemTime| at.duration_since(UNIX_EPOCH).is_ok_and(|at| at > FIRST_TIME);
         let age = modified.ok().filter(is_set).and_then(|at| at.elapsed().ok());

@@ -1,4 +1,4 @@
-//! What a headset tells the booth every two seconds, and what it takes from the answers.
+//! The client side of heartbeats: sends one every two seconds, and applies the answers.
 
 use paros_protocol::limits::MAX_ANNOUNCEMENTS;
 use paros_protocol::{
@@ -12,32 +12,32 @@ use super::link::{BoothLink, HttpAnswer, LinkFault};
 use super::sender::{Sender, jittered_wait_ms};
 use super::spool::SpoolEntry;
 
-/// Milliseconds between heartbeats: the longest time that a button on the staff's page waits.
+/// Milliseconds between heartbeats: the longest delay of a button on the staff's page.
 const HEARTBEAT_MS: u64 = 2_000;
 
-/// Milliseconds between heartbeats that aren't answered, at most: as long as a command lives.
+/// Longest wait between unanswered heartbeats in milliseconds: the lifetime of a command.
 const MAX_HEARTBEAT_WAIT_MS: u64 = HEARTBEAT_TIMEOUT_MS;
 
-/// Milliseconds after which a headset asks again whether the booth has a sent parcel that is still here. Bounds how soon
-/// sculptures lost in a restore are sent again.
+/// Poll interval in milliseconds, at which a headset asks if the booth still has a sent parcel. Bounds how
+/// soon sculptures lost in a restore are sent again.
 pub const CONFIRM_MS: u64 = 60_000;
 
-/// The heartbeat under way, when the next one is due, and the last command.
+/// The state of heartbeats: the one under way, the time of the next one, and the last command.
 #[derive(Debug, Default)]
 pub(super) struct HeartbeatClock {
     heartbeats: u32,
-    /// When the heartbeat under way was sent, in milliseconds of the sender and of the host.
+    /// The time when the heartbeat under way was sent, in milliseconds of the sender and of the host.
     sent_ms: Option<(u64, u64)>,
     due_ms: u64,
-    /// Heartbeats in a row that weren't answered.
+    /// Number of consecutive unanswered heartbeats.
     failures: u8,
-    /// The entry from which on announcements are listed.
+    /// The index of the entry with which the next list of announcements starts.
     cursor: usize,
-    /// Of the booth's last answer.
+    /// The store epoch of the booth's last answer.
     store_epoch: Option<u64>,
-    /// The last command that was taken; 0 for none.
+    /// The id of the last command that was received; 0 for none.
     last_command: u64,
-    /// Its outcome, once that is known.
+    /// The report of the last command's outcome, once it is known.
     report: Option<CommandReport>,
 }
 
@@ -48,7 +48,7 @@ impl HeartbeatClock {
         }
     }
 
-    /// Notes the outcome of a command, which the next heartbeats report. That of an older one than the last isn't reported.
+    /// Records the outcome of a command for the next heartbeats. Ignores all but the last command.
     pub(super) fn note_command_done(&mut self, id: u64, outcome: CommandOutcome) {
         if self.last_command == id && self.report.is_none() {
             self.report = Some(CommandReport { id, outcome });
@@ -57,12 +57,12 @@ impl HeartbeatClock {
 }
 
 impl SpoolEntry {
-    /// `true` if the booth hasn't noted where the sculpture stands.
+    /// `true` if the booth hasn't acknowledged the current status.
     fn has_news(&self) -> bool {
         self.announcement().is_some_and(|announcement| self.noted != Some(announcement))
     }
 
-    /// The question whether the booth still has a sent parcel; `None` if it said so a short while ago.
+    /// Returns the question if the booth still has a sent parcel; `None` if it was confirmed recently.
     fn question(&self, now_ms: u64) -> Option<Announcement> {
         let is_due = |confirmed_ms: u64| now_ms.saturating_sub(confirmed_ms) >= CONFIRM_MS;
         let is_asked = self.status == UploadStatus::Sent && self.confirmed_ms.is_none_or(is_due);
@@ -72,7 +72,7 @@ impl SpoolEntry {
 }
 
 impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
-    /// `true` if a heartbeat is to be sent now. One that was sent ten seconds ago has failed.
+    /// `true` if a heartbeat is to be sent now. A heartbeat times out after ten seconds.
     pub(super) fn is_heartbeat_due(&self) -> bool {
         let clock = &self.heartbeats;
         let is_late = |(sent_ms, _): (u64, u64)| {
@@ -81,7 +81,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         self.elapsed_ms >= clock.due_ms && clock.sent_ms.is_none_or(is_late)
     }
 
-    /// Returns how the booth answers.
+    /// Returns the booth's response to this device.
     #[must_use]
     pub const fn contact(&self) -> BoothContact {
         match self.contact {
@@ -90,7 +90,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         }
     }
 
-    /// Makes a heartbeat, to be sent now. `random` bits spread the next one if the last ones weren't answered.
+    /// Makes the heartbeat to send now. `random` bits add jitter to the backoff after unanswered heartbeats.
     pub(super) fn begin_heartbeat(&mut self, status: HeadsetStatus, random: u32) -> Heartbeat {
         self.heartbeats.forget_sent();
         let announcements = self.list_announcements();
@@ -117,8 +117,9 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         }
     }
 
-    /// First all sculptures whose status the booth hasn't noted, then questions of sent ones, then the others that the booth
-    /// doesn't have, in turn.
+    /// Lists the announcements of a heartbeat: first the sculptures whose status the booth hasn't
+    /// acknowledged, then sent ones to confirm, then the others that the booth doesn't have, as a round
+    /// robin.
     fn list_announcements(&mut self) -> Vec<Announcement> {
         let now_ms = self.elapsed_ms;
         let entries = self.spool.entries_mut();
@@ -138,7 +139,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         }
         let room = MAX_ANNOUNCEMENTS - list.len();
         list.extend(others.iter().take(room).filter_map(|&at| entries[at].announcement()));
-        // The next heartbeat goes on behind the last one.
+        // The next heartbeat continues after the last listed entry.
         let last = others.get(room.wrapping_sub(1)).or(news.get(MAX_ANNOUNCEMENTS - 1));
         if let Some(at) = last {
             self.heartbeats.cursor = at + 1;
@@ -146,7 +147,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         list
     }
 
-    /// Takes the result of a heartbeat; `session_id` is that of the visit under way.
+    /// Handles the result of a heartbeat. `session_id` is that of the visit under way.
     pub(super) fn take_heartbeat_result(
         &mut self,
         number: u32,
@@ -167,8 +168,8 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         }
     }
 
-    /// Takes an answer to the heartbeat under way. Returns `false` for the answer to another one, or of another booth:
-    /// nothing of it counts.
+    /// Applies an answer to the heartbeat under way. Returns `false`, and changes nothing, if the answer is
+    /// to another heartbeat or of another booth.
     fn take_heartbeat_answer(&mut self, answer: &HeartbeatAnswer, session_id: u64) -> bool {
         let is_own = (answer.site, answer.headset) == (self.owner.site, self.owner.headset);
         let is_last = (answer.boot_id, answer.number) == (self.boot_id, self.heartbeats.heartbeats);
@@ -179,7 +180,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         self.contact = BoothContact::Open;
         self.was_wiped = false;
         if self.heartbeats.store_epoch.replace(answer.store_epoch) != Some(answer.store_epoch) {
-            // A restored booth may lack sculptures.
+            // A restored booth may lack sculptures: confirm all of them again.
             self.spool.entries_mut().iter_mut().for_each(|entry| entry.confirmed_ms = None);
         }
         self.badges.take_answer(self.spool.folder_mut(), &answer.badges);
@@ -212,7 +213,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         }
     }
 
-    /// At most once: numbers grow, and each start takes its own commands alone.
+    /// Accepts a command at most once: ids increase, and each program start accepts only its own commands.
     fn take_command(
         &mut self,
         command: &BoothCommand,

@@ -1,5 +1,5 @@
-//! How the booth is asked over HTTPS, whichever library does it: what a request says, how long it waits, and the
-//! threads that wait.
+//! Requests to the booth over HTTPS, independent of the HTTP library: content, timeouts, and threads that
+//! wait for answers.
 
 use std::fmt;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -13,18 +13,18 @@ use super::link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, Re
 const OCTETS: &str = "application/octet-stream";
 const JSON: &str = "application/json";
 
-/// Where a booth is, and by what it is known.
+/// The address of a booth, its certificate authority, and the headset's token.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct BoothAddress {
-    /// `https://HOST:PORT`, without a slash at its end.
+    /// The URL of the booth, `https://HOST:PORT`, without a trailing slash.
     pub url: String,
-    /// The certificate of the site's authority, DER.
+    /// The certificate of the site's certificate authority, DER.
     pub ca: Vec<u8>,
-    /// By which the booth knows the headset.
+    /// The token that identifies the headset to the booth.
     pub token: DeviceToken,
 }
 
-/// A request's method.
+/// An HTTP method.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum HttpMethod {
     /// `PUT`.
@@ -33,41 +33,42 @@ pub enum HttpMethod {
     Post,
 }
 
-/// A request of HTTP. Its body's length is told too.
+/// An HTTP request. The caller also sends the length of its body.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct HttpRequest<'a> {
     /// The method.
     pub method: HttpMethod,
-    /// The path and the query, from the slash on.
+    /// The path with the query, starting with a slash.
     pub path: String,
-    /// Names and values of headers.
+    /// The names and values of the headers.
     pub headers: Vec<(&'static str, String)>,
     /// The body.
     pub body: &'a [u8],
-    /// How long the answer is waited for, from when the request begins.
+    /// The timeout, counted from the start of the request.
     pub timeout: Duration,
 }
 
-/// Why there is no answer, in words too.
+/// The reason why a request has no answer.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct LinkError {
-    /// The kind.
+    /// The kind of the fault.
     pub fault: LinkFault,
-    /// As the library has it, for a log.
+    /// The library's message, for a log.
     pub why: String,
 }
 
-/// Asks a booth, and waits.
+/// A blocking HTTPS client of a booth.
 pub trait BoothCaller {
-    /// Sends a request, and waits for the answer until its timeout. Follows no redirect.
+    /// Sends a request, and waits for the answer until the timeout. Doesn't follow redirects.
     ///
     /// # Errors
-    /// No answer came, or one with a body of more than [`MAX_ANSWER_BYTES`](paros_protocol::limits::MAX_ANSWER_BYTES).
+    /// No answer arrived, or its body is longer than
+    /// [`MAX_ANSWER_BYTES`](paros_protocol::limits::MAX_ANSWER_BYTES).
     fn call(&mut self, request: &HttpRequest<'_>) -> Result<HttpAnswer, LinkError>;
 }
 
-/// A link with a thread for each of the two kinds of request, so that a part on its way holds up no heartbeat. The
-/// threads end once it is dropped and what they wait for is over.
+/// A link with one thread for each kind of request, so that an upload doesn't delay heartbeats. After the
+/// link is dropped, each thread ends with its current request.
 #[derive(Debug)]
 pub struct ThreadedLink {
     puts: Sender<BoothRequest>,
@@ -79,7 +80,7 @@ pub struct ThreadedLink {
 }
 
 impl HttpMethod {
-    /// Its name.
+    /// Returns the name of the method.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -90,7 +91,7 @@ impl HttpMethod {
 }
 
 impl<'a> HttpRequest<'a> {
-    /// A `POST` of a message that needs no token.
+    /// Makes a `POST` request of a message without a token.
     #[must_use]
     pub fn post(path: &str, body: &'a [u8]) -> Self {
         HttpRequest {
@@ -102,7 +103,7 @@ impl<'a> HttpRequest<'a> {
         }
     }
 
-    /// A request of an outbox, by the headset's token.
+    /// Makes the HTTP request of an outbox's request, with the headset's token.
     #[must_use]
     pub fn of_outbox(request: &'a BoothRequest, token: &DeviceToken, times: LinkTimes) -> Self {
         let body = &request.body[..];
@@ -123,7 +124,7 @@ impl<'a> HttpRequest<'a> {
 }
 
 impl ThreadedLink {
-    /// A link whose requests go by these two.
+    /// Starts a link that sends parcels with `of_puts` and heartbeats with `of_heartbeats`.
     #[must_use]
     pub fn start<C: BoothCaller + Send + 'static>(
         token: DeviceToken,
@@ -135,11 +136,11 @@ impl ThreadedLink {
         let spawn = |name: &str, mut caller: C| {
             let tell = tell.clone();
             let (ask, requests) = channel::<BoothRequest>();
-            // Where the system refuses a thread nothing is answered, as where nobody is there.
+            // If the system can't start a thread, requests get no answer, as if the booth were unreachable.
             let _ = thread::Builder::new().name(name.to_owned()).spawn(move || {
                 for request in requests {
                     let result = caller.call(&HttpRequest::of_outbox(&request, &token, times));
-                    // Nobody listens any more where the link was dropped.
+                    // The send fails if the link was dropped.
                     if tell.send((request.kind, request.number, result)).is_err() {
                         break;
                     }
@@ -151,13 +152,14 @@ impl ThreadedLink {
         ThreadedLink { puts, heartbeats, answers, last_error: None, log: None, told: None }
     }
 
-    /// The same, which writes a line where requests begin to fail, or fail for another kind of reason.
+    /// Returns the link with a log function, which gets a line when requests begin to fail, or fail for
+    /// another kind of reason.
     #[must_use]
     pub fn with_log(self, log: fn(fmt::Arguments<'_>)) -> Self {
         ThreadedLink { log: Some(log), ..self }
     }
 
-    /// Why the last request had no answer; `None` where it had one.
+    /// Returns the error of the last request; `None` if it was answered.
     #[must_use]
     pub const fn last_error(&self) -> Option<&LinkError> {
         self.last_error.as_ref()
@@ -170,7 +172,7 @@ impl BoothLink for ThreadedLink {
             RequestKind::Put(_) => &self.puts,
             RequestKind::Heartbeat => &self.heartbeats,
         };
-        // The threads end after this.
+        // Fails if the thread has ended. The request then has no answer.
         let _ = queue.send(request);
     }
 
@@ -206,7 +208,7 @@ mod tests {
 
     use super::*;
 
-    /// Gives these faults one after the other, and then answers.
+    /// A caller that returns these faults one after the other, from the last one, and then answers.
     struct Caller(Vec<LinkFault>);
 
     impl BoothCaller for Caller {

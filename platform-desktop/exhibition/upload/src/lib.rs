@@ -1,19 +1,20 @@
 //! The sender: brings a studio's finished sculptures to an exhibition's booth.
 //!
-//! [`connect`] gives what a studio finishes to a [`Courier`](courier::Courier), the thread that owns the outbox. A
-//! [`Parcel`](paros_protocol::Parcel) is kept in a [`Spool`], whose folder is the whole state. A [`Sender`] decides what goes to the booth when;
-//! it takes a clock and random bits from an [`OutboxHost`], and gives requests to a [`BoothLink`] and events. It knows no
-//! network library and starts no thread: the courier steps it in its own, as a step may wait for a disk to sync.
-//! [`ThreadedLink`] is a link by any library that sends a request and waits.
+//! [`connect`] passes what a studio finishes to a [`Courier`](courier::Courier), the thread that owns the
+//! outbox. A [`Parcel`](paros_protocol::Parcel) is stored in a [`Spool`], whose folder is the whole state. A
+//! [`Sender`] decides when to send what. It gets clock and random bits from an [`OutboxHost`], passes
+//! requests to a [`BoothLink`], and reports events. It uses no network library and starts no thread: the
+//! courier steps it in its own thread, as a step may wait for a disk sync. [`ThreadedLink`] is a link for any
+//! blocking HTTP library.
 //!
-//! | file, ID being 32 hexadecimal digits | meaning |
+//! | file (ID: 32 hexadecimal digits) | meaning |
 //! |---|---|
 //! | `ID.parcel` | *kept here*: to be sent |
-//! | `ID.sent` | *kept at the booth*: deleted after the grace, or earlier if there is no room |
-//! | `ID.refused` | the booth can't take it: sent again every six hours and at each start |
-//! | `ID.damaged` | was a parcel; for people to look at |
-//! | `badges.lease` | the blocks of badges' numbers that the device holds |
-//! | `last-finished` | the sculpture that was finished last |
+//! | `ID.sent` | *kept at the booth*: deleted after the grace period, or earlier if space is needed |
+//! | `ID.refused` | refused by the booth: sent again every six hours and at each start |
+//! | `ID.damaged` | a damaged parcel, kept for people to examine |
+//! | `badges.lease` | the blocks of badge numbers that the device holds |
+//! | `last-finished` | the mark of the last finished sculpture |
 #![forbid(unsafe_code)]
 
 mod badge_lease;

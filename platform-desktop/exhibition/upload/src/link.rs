@@ -1,15 +1,15 @@
-//! Requests to the booth and its answers.
+//! The link to the booth: requests and answers.
 
 use paros_protocol::SculptureId;
 
-/// A link to the booth. It asks and never waits: answers are polled. What is asked may be lost; an answer comes late,
-/// or not at all.
+/// A non-blocking link to the booth: answers are polled. Requests may be lost, and answers may be late or
+/// missing.
 pub trait BoothLink {
-    /// Sends a request. There are at most two under way, one of each kind; an older one of the kind has been given
-    /// up.
+    /// Sends a request. At most two requests are under way, one of each kind. A new request replaces an older
+    /// one of its kind, which has timed out.
     fn send(&mut self, request: BoothRequest);
 
-    /// The next answer that has come.
+    /// Returns the next answer that has arrived.
     fn poll(&mut self) -> Option<LinkAnswer>;
 }
 
@@ -26,11 +26,11 @@ impl<L: BoothLink + ?Sized> BoothLink for Box<L> {
 /// A request to the booth.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct BoothRequest {
-    /// The kind.
+    /// The kind of the request.
     pub kind: RequestKind,
-    /// The request's own number among those of its kind.
+    /// The sequence number of the request among those of its kind.
     pub number: u32,
-    /// The body.
+    /// The body of the request.
     pub body: Vec<u8>,
 }
 
@@ -46,32 +46,32 @@ pub enum RequestKind {
 /// The result of a request.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct LinkAnswer {
-    /// The request's kind.
+    /// The kind of the request.
     pub kind: RequestKind,
-    /// The request's number.
+    /// The sequence number of the request.
     pub number: u32,
-    /// The answer, or why there is none.
+    /// The answer, or the reason why there is none.
     pub result: Result<HttpAnswer, LinkFault>,
 }
 
-/// An answer of HTTP.
+/// An HTTP answer.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct HttpAnswer {
-    /// The status.
+    /// The HTTP status.
     pub status: u16,
-    /// The header `Retry-After`, where it is a number of seconds.
+    /// The seconds of the header `Retry-After`; `None` if the header is missing or has another form.
     pub retry_after: Option<u32>,
-    /// The body, at most 8 KiB of it.
+    /// The body, at most 8 KiB.
     pub body: Vec<u8>,
 }
 
-/// Why there is no answer.
+/// The reason why there is no answer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum LinkFault {
-    /// Nobody is there, or the way there is interrupted.
+    /// The host doesn't exist, or the connection failed.
     Unreachable,
-    /// Nothing came in time.
+    /// The request timed out.
     TimedOut,
-    /// Who is there isn't the booth: its certificate isn't of the site.
+    /// The peer isn't the booth: its certificate isn't from the site's authority.
     Untrusted,
 }

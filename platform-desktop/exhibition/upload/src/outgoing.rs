@@ -1,4 +1,5 @@
-//! A studio's way to a booth: each finished sculpture gets an id, which is announced, and a parcel once its print is made.
+//! The connection of a studio to a booth. Each finished sculpture gets an id, is announced, and is sent as a
+//! parcel once its print is made.
 
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -17,33 +18,33 @@ use paros_shell::studio::{SculptureReceiver, Studio};
 
 use crate::courier::{Courier, ParcelDraft};
 
-/// The plan of what is sent of sculptures.
+/// The settings of what is sent with a sculpture.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct SendPlan {
     /// `true` if traces are sent.
     pub sends_traces: bool,
-    /// The visits' languages, by their numbers; a session that is no visit's has the first.
+    /// The languages of visits, by their numbers. A session without a visit has the first one.
     pub languages: Vec<Language>,
 }
 
-/// The receiver of a studio's sculptures that gives them to a courier.
+/// The receiver that passes a studio's sculptures to a courier.
 #[derive(Debug)]
 struct Outgoing {
     courier: Arc<Courier>,
     plan: SendPlan,
-    /// The id under which an earlier run began the sculpture that is begun next.
+    /// The id that an earlier start gave to the next sculpture, if it had begun to send it.
     found: Option<SculptureId>,
-    /// The parcel of the sculpture whose files are being made, without its badge.
+    /// The draft of the sculpture whose files are being made, without its badge.
     making: Option<ParcelDraft>,
-    /// The badge of this sculpture that was passed to the courier.
+    /// The badge of this sculpture that the courier already knows.
     told_badge: Option<u32>,
-    /// The session's ticks in which its visitor could sculpt.
+    /// The number of ticks of the session in which its visitor could sculpt.
     sculpting_ticks: u32,
 }
 
-/// Gives the sculptures that a studio finishes from now on to a courier, and the sculpture of an earlier run whose parcel was
-/// not kept. To be called before the first tick. The studio and the caller share the courier until
-/// [`Studio::set_receiver`].
+/// Passes the sculptures that a studio finishes from now on to a courier, and the sculpture of an earlier
+/// start whose parcel wasn't stored. Call this before the first tick. The studio and the caller share the
+/// courier until [`Studio::set_receiver`].
 pub fn connect<const N: usize>(
     studio: &mut Studio<'_, N>,
     courier: Courier,
@@ -73,8 +74,8 @@ where
     courier
 }
 
-/// Finds the finished sculpture of an earlier run's save. Returns its id, and `true` if its parcel was kept; `None` if no
-/// courier announced it.
+/// Finds the finished sculpture of an earlier start's save. Returns its id, and `true` if its parcel was
+/// stored; `None` if no courier announced it.
 fn find_finished(courier: &Courier, volume: &[u8]) -> Option<(SculptureId, bool)> {
     let hash = ContentHash::of(volume);
     let last = courier.last_finished().filter(|last| last.volume_hash == hash)?;
@@ -82,7 +83,7 @@ fn find_finished(courier: &Courier, volume: &[u8]) -> Option<(SculptureId, bool)
     Some((last.id, last.is_kept || is_spooled))
 }
 
-/// Draws a new sculpture's id. Returns `None` if the system has no random bits: then nothing can be sent.
+/// Draws the id of a new sculpture; `None` if the system has no random bits: then it can't be sent.
 fn draw_id() -> Option<SculptureId> {
     let mut bytes = [0; SculptureId::BYTES];
     getrandom::fill(&mut bytes).ok()?;
@@ -178,7 +179,7 @@ where
     }
 }
 
-/// A language's letters by ISO 639-1.
+/// Returns the ISO 639-1 code of a language.
 const fn code_of(language: Language) -> [u8; 2] {
     match language {
         Language::English => *b"en",

@@ -1,4 +1,4 @@
-//! The sender: decides which parcel goes to the booth when, and renames its file by the answer.
+//! The sender: decides when to send which parcel, and renames its file according to the answer.
 
 use std::mem;
 use std::time::Duration;
@@ -15,25 +15,25 @@ use super::heartbeats::HeartbeatClock;
 use super::link::{BoothLink, BoothRequest, HttpAnswer, LinkAnswer, LinkFault, RequestKind};
 use super::spool::{OutboxSettings, Spool, SpoolEntry, SpoolError};
 
-/// Milliseconds after the first failed request; doubled after each further one.
+/// Wait after the first failed request in milliseconds. It doubles with each further failure.
 const UPLOAD_WAIT_MS: u64 = 2_000;
 
-/// Milliseconds between failing requests at most: a visitor waits no longer at the booth once it is back.
+/// Longest wait between failing requests in milliseconds: a visitor's wait after the booth is back.
 const MAX_UPLOAD_WAIT_MS: u64 = 60_000;
 
-/// Seconds of `Retry-After` that are respected at most.
+/// Longest `Retry-After` that is respected, in seconds.
 const MAX_RETRY_AFTER_SECONDS: u32 = 600;
 
-/// Milliseconds until a refused parcel is sent again, once somebody may have mended the booth: six hours.
+/// Retry interval of a refused parcel in milliseconds: six hours. Somebody may have repaired the booth.
 const REFUSED_RETRY_MS: u64 = 6 * 3600 * 1000;
 
-/// Milliseconds by which that is shorter at most, so that headsets don't return at one moment.
+/// Largest jitter that shortens this interval, in milliseconds, so that headsets don't all retry at once.
 const REFUSED_SPREAD_MS: u64 = 600_000;
 
-/// Milliseconds between sweeps of the spool.
+/// Milliseconds between two sweeps of the spool.
 const SWEEP_MS: u64 = 1_000;
 
-/// An outbox with its spool and its link to the booth.
+/// An outbox: its spool and its link to the booth.
 #[derive(Debug)]
 pub struct Sender<F, L> {
     pub(super) spool: Spool<F>,
@@ -41,27 +41,27 @@ pub struct Sender<F, L> {
     pub(super) owner: OutboxOwner,
     /// Random bits of this start, not 0.
     pub(super) boot_id: u64,
-    /// `true` if the folder was empty, until a heartbeat that says so is answered.
+    /// `true` if the folder was empty at the start, until the booth has answered a heartbeat that reports it.
     pub(super) was_wiped: bool,
-    /// The host's clock as it was read last, in milliseconds.
+    /// The last reading of the host's clock, in milliseconds.
     host_ms: Option<u64>,
-    /// Milliseconds of this start.
+    /// Milliseconds since this start.
     pub(super) elapsed_ms: u64,
     uploads: UploadClock,
     pub(super) badges: BadgeLease,
     pub(super) heartbeats: HeartbeatClock,
-    /// How the booth answered last.
+    /// The booth's last response to this device.
     pub(super) contact: BoothContact,
     next_sweep_ms: u64,
     events: Vec<OutboxEvent>,
 }
 
-/// The request under way, and when the next one may be made.
+/// The upload under way, and the earliest time of the next one.
 #[derive(Debug, Default)]
 struct UploadClock {
     requests: u32,
     in_flight: Option<InFlight>,
-    /// Failed requests in a row.
+    /// Number of consecutive failed requests.
     failures: u8,
     wait_until_ms: u64,
 }
@@ -73,8 +73,8 @@ struct InFlight {
     late_ms: u64,
 }
 
-/// Exponential backoff with jitter, between half of the wait and all of it, so that headsets that lost the booth at one
-/// moment don't return at one.
+/// Returns the wait of an exponential backoff with jitter, between half and all of the full wait. Jitter
+/// keeps headsets that lost the booth at the same time from returning at once.
 pub(super) fn jittered_wait_ms(first_ms: u64, longest_ms: u64, failures: u8, random: u32) -> u64 {
     let doublings = u32::from(failures.saturating_sub(1)).min(20);
     let full = (first_ms << doublings).min(longest_ms);
@@ -82,10 +82,10 @@ pub(super) fn jittered_wait_ms(first_ms: u64, longest_ms: u64, failures: u8, ran
 }
 
 impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
-    /// Opens the outbox in a folder. `boot_id` is random bits of this start, not 0.
+    /// Opens the outbox in a folder. `boot_id` is random bits that identify this start, not 0.
     ///
     /// # Errors
-    /// `Disk` if the folder can't be listed.
+    /// Returns `Disk` if the folder can't be listed.
     pub fn open(
         folder: F,
         link: L,
@@ -113,34 +113,34 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         })
     }
 
-    /// The sculptures of the outbox.
+    /// Returns the spool of the outbox.
     #[must_use]
     pub const fn spool(&self) -> &Spool<F> {
         &self.spool
     }
 
-    /// Seconds since the booth took a parcel that is still here.
+    /// Returns the seconds since the booth accepted a parcel that is still here.
     #[must_use]
     pub fn sent_seconds(&self, id: SculptureId) -> Option<u64> {
         let sent = self.spool.find(id).filter(|entry| entry.status == UploadStatus::Sent)?;
         Some(sent.sent_seconds(self.elapsed_ms))
     }
 
-    /// `true` if the outbox was empty at the start, and the booth hasn't heard so yet.
+    /// `true` if the outbox was empty at the start, and the booth hasn't acknowledged this yet.
     #[must_use]
     pub const fn was_wiped(&self) -> bool {
         self.was_wiped
     }
 
-    /// The link.
+    /// Returns the link.
     pub const fn link(&mut self) -> &mut L {
         &mut self.link
     }
 
-    /// Notes a finished sculpture, which the next heartbeats announce.
+    /// Adds a finished sculpture, which the next heartbeats announce.
     ///
     /// # Errors
-    /// Those of [`Spool::announce`].
+    /// Returns the errors of [`Spool::announce`].
     pub fn announce(
         &mut self,
         id: SculptureId,
@@ -149,20 +149,21 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         self.spool.announce(id, badge)
     }
 
-    /// Notes the badge of a sculpture whose parcel isn't made yet.
+    /// Sets the badge of a sculpture whose parcel isn't made yet.
     ///
     /// # Errors
-    /// Those of [`Spool::note_badge`].
+    /// Returns the errors of [`Spool::note_badge`].
     pub fn note_badge(&mut self, id: SculptureId, badge: BadgeNumber) -> Result<(), SpoolError> {
         self.spool.note_badge(id, badge)
     }
 
-    /// Takes the number of the next badge. A leased one is on the disk as taken; a provisional one is of these `random` bits.
+    /// Takes the number of the next badge. A leased number is saved as used. A provisional number consists of
+    /// these `random` bits.
     pub fn take_badge(&mut self, random: u32) -> BadgeNumber {
         self.badges.take_number(self.spool.folder_mut(), random)
     }
 
-    /// The serial by which a parcel proves that its badge was leased to this device.
+    /// Returns the serial that proves that a badge was leased to this device.
     #[must_use]
     pub fn badge_serial(&self, badge: BadgeNumber) -> Option<BlockSerial> {
         self.badges.serial_of(badge)
@@ -171,27 +172,28 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
     /// Writes a parcel to the disk: *kept here*.
     ///
     /// # Errors
-    /// Those of [`Spool::keep`].
+    /// Returns the errors of [`Spool::keep`].
     pub fn keep(&mut self, parcel: &Parcel) -> Result<(), SpoolError> {
         self.spool.keep(parcel)
     }
 
-    /// Notes that the parcel of a sculpture won't be made.
+    /// Gives up a sculpture whose parcel won't be made.
     ///
     /// # Errors
-    /// Those of [`Spool::abandon`].
+    /// Returns the errors of [`Spool::abandon`].
     pub fn abandon(&mut self, id: SculptureId) -> Result<(), SpoolError> {
         self.spool.abandon(id)?;
         self.events.push(OutboxEvent::Lost(id));
         Ok(())
     }
 
-    /// Notes the outcome of a command.
+    /// Records the outcome of a command.
     pub fn note_command_done(&mut self, id: u64, outcome: CommandOutcome) {
         self.heartbeats.note_command_done(id, outcome);
     }
 
-    /// Takes answers, deletes what is over, sends a parcel and a heartbeat. To be called ten times a second or so.
+    /// Handles answers, deletes expired parcels, and sends a parcel and a heartbeat if they are due. Call
+    /// this about ten times a second.
     pub fn step(&mut self, host: &mut impl OutboxHost) {
         self.pass_time(host.now_ms());
         while let Some(answer) = self.link.poll() {
@@ -210,11 +212,12 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         }
     }
 
-    /// A clock that is set back stands still; one that is set forward only makes waits shorter.
+    /// Advances the sender's time. If the host's clock is set back, time stands still; if it is set forward,
+    /// waits get shorter.
     fn pass_time(&mut self, now_ms: u64) {
         let before = self.host_ms.replace(now_ms).unwrap_or(now_ms);
         if now_ms < before {
-            // The age of the heartbeat under way isn't known any more.
+            // The age of the heartbeat under way is unknown now.
             self.heartbeats.forget_sent();
         }
         self.elapsed_ms = self.elapsed_ms.saturating_add(now_ms.saturating_sub(before));
@@ -231,10 +234,11 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         }
     }
 
-    /// Sends the next parcel, if it is time and none is under way.
+    /// Sends the next parcel, if it is due and no other is under way.
     ///
-    /// The newest sculpture goes first: its visitor is on the way to the booth. One whose requests failed goes after all
-    /// others, so that none holds up the rest; a refused one is tried again every six hours and once in each start.
+    /// The newest sculpture goes first, as its visitor is on the way to the booth. A parcel whose requests
+    /// failed goes after all others, so that it doesn't block them. A refused parcel is retried every six
+    /// hours and once in each start.
     fn send_parcel(&mut self, random: u32) {
         let now_ms = self.elapsed_ms;
         if let Some(late) = self.uploads.in_flight.take_if(|request| now_ms >= request.late_ms) {
@@ -258,21 +262,22 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         };
         self.uploads.requests = self.uploads.requests.wrapping_add(1);
         let (number, body) = (self.uploads.requests, parcel.into_file());
-        // A little longer than the link waits, so that no request waits for one that was given up.
+        // Slightly longer than the link's timeout, so that no request queues behind one that has timed out.
         let timeout = LinkTimes::default().of_parcel(body.len()) + Duration::from_secs(5);
         let late_ms = now_ms + u64::try_from(timeout.as_millis()).unwrap_or(u64::MAX);
         self.uploads.in_flight = Some(InFlight { number, id, late_ms });
         self.link.send(BoothRequest { kind: RequestKind::Put(id), number, body });
     }
 
-    /// Takes the answer to a parcel. An answer that is none of the booth's, as a portal's page, is a failure.
+    /// Handles the answer to a parcel. An answer that isn't the booth's, such as a captive portal's page,
+    /// counts as a failure.
     fn take_put_answer(
         &mut self,
         number: u32,
         result: &Result<HttpAnswer, LinkFault>,
         random: u32,
     ) {
-        // A late answer says nothing of the request under way; its parcel is sent again, which is harmless.
+        // A late answer is ignored. Its parcel is sent again, which is idempotent.
         let in_flight = self.uploads.in_flight.take_if(|request| request.number == number);
         let Some(InFlight { id, .. }) = in_flight else { return };
         let answer = result.as_ref().ok();
@@ -305,13 +310,13 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         }
     }
 
-    /// Reports the outcome of a parcel that the disk has noted. Returns `is_noted`.
+    /// Reports the outcome of a parcel if the disk has stored it. Returns `is_noted`.
     fn report_noted(&mut self, is_noted: bool, outcome: OutboxEvent) -> bool {
         self.events.extend(is_noted.then_some(outcome));
         is_noted
     }
 
-    /// The booth can't take the parcel. Returns `false` if the disk refuses to note that.
+    /// Marks a parcel that the booth refused. Returns `false` if the disk couldn't store it.
     fn take_refused(&mut self, id: SculptureId, random: u32) -> bool {
         let is_noted = self.spool.rename(id, UploadStatus::Refused, self.elapsed_ms);
         let wait_ms = REFUSED_RETRY_MS - u64::from(random) % REFUSED_SPREAD_MS;
@@ -322,7 +327,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         self.report_noted(is_noted, OutboxEvent::RefusedByBooth(id))
     }
 
-    /// Notes that the booth doesn't let this headset in, by the status of HTTP.
+    /// Records by the HTTP status why the booth rejects this headset.
     pub(super) const fn note_stranger(&mut self, status: u16) {
         self.contact = match status {
             401 => BoothContact::Forgotten,
@@ -330,8 +335,8 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         };
     }
 
-    /// The booth is there and asks to wait: no failure of the link. The parcel goes after all others, as it may be this one
-    /// alone that the booth has no room for.
+    /// Waits as the booth asks, which isn't a failure of the link. The parcel goes after all others, as the
+    /// booth may have no room for this one only.
     fn wait_for_booth(&mut self, id: SculptureId, retry_after_seconds: u32, random: u32) {
         self.put_last(id);
         let asked_ms = u64::from(retry_after_seconds.min(MAX_RETRY_AFTER_SECONDS)) * 1000;
@@ -348,7 +353,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         self.put_last(id);
     }
 
-    /// Has a parcel sent after those with fewer failures.
+    /// Increments the failures of a parcel, so that it is sent after those with fewer failures.
     fn put_last(&mut self, id: SculptureId) {
         if let Some(entry) = self.spool.find_mut(id) {
             entry.failures = entry.failures.saturating_add(1);
@@ -366,7 +371,7 @@ impl<F: OutboxFolder, L: BoothLink> Sender<F, L> {
         self.events.push(event);
     }
 
-    /// Milliseconds of the host's clock.
+    /// Returns the last reading of the host's clock in milliseconds.
     pub(super) fn host_ms(&self) -> u64 {
         self.host_ms.unwrap_or_default()
     }

@@ -1,4 +1,5 @@
-//! The spool: the parcels in an outbox's folder. The folder is the state; a file's name says where its sculpture stands.
+//! The spool: the parcels in an outbox's folder. The folder is the state: the name of a file gives the status
+//! of its sculpture.
 
 use std::collections::BTreeSet;
 use std::io;
@@ -11,28 +12,28 @@ use paros_protocol::{
 
 use super::folder::OutboxFolder;
 
-/// Sculptures that a spool knows: five days of 50 visits without the booth, and some.
+/// Largest number of sculptures in a spool: five days of 50 visits without the booth, and some spare.
 pub const MAX_SPOOL_ENTRIES: usize = 256;
 
-/// Milliseconds until files are looked at again that aren't in the table: a bad sector takes long to read.
+/// Interval in milliseconds at which unloadable files are tried again: a bad sector takes long to read.
 const LOOK_AGAIN_MS: u64 = 60_000;
 
-/// What an exhibition sets.
+/// The outbox settings of an exhibition.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct OutboxSettings {
-    /// Seconds that a parcel stays here after the booth has it.
+    /// Seconds for which a parcel is kept here after the booth has it.
     pub grace_seconds: u32,
-    /// Bytes that all parcels may take together.
+    /// Largest size of all parcels together in bytes.
     pub max_bytes: u64,
 }
 
-/// Why the spool doesn't do what it was asked. No sculpture that the booth doesn't have has lost its parcel.
+/// The reason why an operation failed. Every sculpture that the booth doesn't have still has its parcel.
 #[derive(Debug, thiserror::Error)]
 pub enum SpoolError {
-    /// There is no room, and nothing that may be deleted.
+    /// The spool is full, and nothing may be deleted.
     #[error("the outbox is full with sculptures that the booth doesn't have")]
     Full,
-    /// There is a sculpture of this id.
+    /// A sculpture of this id already exists.
     #[error("there is a sculpture of this id")]
     KnownId,
     /// There is no sculpture of this id whose parcel is still to be made.
@@ -41,9 +42,9 @@ pub enum SpoolError {
     /// The disk refused.
     #[error("the outbox's {name}: {source}")]
     Disk {
-        /// The file.
+        /// The name of the file.
         name: String,
-        /// The system's reason.
+        /// The error of the system.
         source: io::Error,
     },
 }
@@ -55,23 +56,25 @@ pub struct SpoolEntry {
     pub id: SculptureId,
     /// The badge that the visitor was shown, once there is one.
     pub badge: Option<BadgeNumber>,
-    /// Where the sculpture stands.
+    /// The upload status of the sculpture.
     pub status: UploadStatus,
-    /// Bytes of its file; 0 without one.
+    /// Size of its file in bytes; 0 if there is no file.
     pub bytes: u64,
-    /// Seconds since 1970 by the headset's wall clock: the order of the entries.
+    /// Seconds since 1970 by the headset's wall clock. The entries are sorted by it.
     finished_at: u64,
-    /// When the booth took the parcel, in milliseconds of the sender; below 0 where that was before this start.
+    /// The time when the booth accepted the parcel, in milliseconds of the sender; negative if that was
+    /// before this start.
     sent_ms: i64,
-    /// The announcement that the booth noted last.
+    /// The last announcement that the booth acknowledged.
     pub(super) noted: Option<Announcement>,
-    /// Failed requests in a row.
+    /// Number of consecutive failed requests.
     pub(super) failures: u8,
-    /// When a refused parcel is sent again, in milliseconds of the sender.
+    /// The time of the next try of a refused parcel, in milliseconds of the sender.
     pub(super) retry_ms: u64,
-    /// When the booth last said that it has the sent parcel, in milliseconds of the sender; `None` in this start.
+    /// The time when the booth last confirmed that it has the sent parcel, in milliseconds of the sender;
+    /// `None` if it hasn't in this start.
     pub(super) confirmed_ms: Option<u64>,
-    /// `true` if the heartbeat under way asks whether the booth has the sent parcel.
+    /// `true` if the heartbeat under way asks for this confirmation.
     pub(super) is_asked_for: bool,
 }
 
@@ -80,11 +83,11 @@ pub struct SpoolEntry {
 pub struct Spool<F> {
     folder: F,
     settings: OutboxSettings,
-    /// The oldest first.
+    /// The sculptures, the oldest first.
     entries: Vec<SpoolEntry>,
-    /// `true` if there are parcels in the folder that the table has no room for, or that couldn't be read.
+    /// `true` if the folder has parcels that don't fit in the table, or that couldn't be read.
     has_unlisted: bool,
-    /// When these are looked at again, in milliseconds of the sender.
+    /// The time of the next try to load them, in milliseconds of the sender.
     next_look_ms: u64,
 }
 
@@ -105,14 +108,14 @@ impl SpoolEntry {
         }
     }
 
-    /// Seconds since the booth took the parcel, `now_ms` being the sender's time.
+    /// Returns the seconds since the booth accepted the parcel. `now_ms` is the sender's time.
     #[must_use]
     pub(super) fn sent_seconds(&self, now_ms: u64) -> u64 {
         let now_ms = i64::try_from(now_ms).unwrap_or(i64::MAX);
         u64::try_from(now_ms.saturating_sub(self.sent_ms) / 1000).unwrap_or(0)
     }
 
-    /// The announcement of a sculpture that the booth doesn't have.
+    /// Returns the announcement of the sculpture; `None` if the booth has it.
     #[must_use]
     pub fn announcement(&self) -> Option<Announcement> {
         let SpoolEntry { id, badge, status, .. } = *self;
@@ -121,10 +124,10 @@ impl SpoolEntry {
 }
 
 impl<F: OutboxFolder> Spool<F> {
-    /// Opens a folder: names damaged files so, and removes what a cut-off write left.
+    /// Opens a folder: renames damaged files, and removes the remains of interrupted writes.
     ///
     /// # Errors
-    /// `Disk` if the folder can't be listed.
+    /// Returns `Disk` if the folder can't be listed.
     pub fn open(folder: F, settings: OutboxSettings) -> Result<Self, SpoolError> {
         let mut spool = Spool {
             folder,
@@ -135,7 +138,7 @@ impl<F: OutboxFolder> Spool<F> {
         };
         let names = spool.list()?;
         for name in names.iter().filter(|name| name.starts_with(".paros-")) {
-            // Nobody else writes here. If it stays, the next start tries again.
+            // No other process writes here. If the removal fails, the next start tries again.
             let _ = spool.folder.remove(name);
         }
         spool.take_in(&names);
@@ -150,7 +153,7 @@ impl<F: OutboxFolder> Spool<F> {
         &mut self.folder
     }
 
-    /// `true` if the folder has no file yet: the device is new, or its data was wiped.
+    /// `true` if the folder has no files: the device is new, or its data was wiped.
     #[must_use]
     pub fn is_new(&self) -> bool {
         self.entries.is_empty() && self.list().is_ok_and(|names| names.is_empty())
@@ -161,10 +164,10 @@ impl<F: OutboxFolder> Spool<F> {
         listed.map_err(|source| SpoolError::Disk { name: "folder".into(), source })
     }
 
-    /// Takes in files that the table doesn't know: first those that the booth doesn't have.
+    /// Loads files that aren't in the table: first those that the booth doesn't have.
     fn take_in(&mut self, names: &[String]) {
         self.has_unlisted = false;
-        // Of two files of one sculpture a damaged one says least.
+        // If a sculpture has two files, a damaged file comes last.
         let is_last = |status| status == UploadStatus::Lost;
         let files: BTreeSet<_> = names
             .iter()
@@ -173,7 +176,7 @@ impl<F: OutboxFolder> Spool<F> {
             .collect();
         for (_, status, id) in files {
             if self.find(id).is_some() {
-                // A rename was cut off, and both names are there: the first is sent again, which is harmless.
+                // An interrupted rename left both names. The first file is sent again, which is idempotent.
                 continue;
             }
             if self.entries.len() >= MAX_SPOOL_ENTRIES {
@@ -193,7 +196,7 @@ impl<F: OutboxFolder> Spool<F> {
             return Some(entry);
         }
         let Ok(bytes) = self.folder.read(&name, MAX_PARCEL_FILE_BYTES) else {
-            // A later sweep reads it again.
+            // A later sweep tries again.
             self.has_unlisted = true;
             return None;
         };
@@ -205,7 +208,7 @@ impl<F: OutboxFolder> Spool<F> {
                 entry.bytes = 0;
                 return Some(entry);
             }
-            // Another version's: it stays for that.
+            // The file belongs to another version, and stays for that version.
             _ => return None,
         };
         (entry.badge, entry.finished_at) = (parcel.facts().badge, parcel.facts().finished_at);
@@ -216,7 +219,7 @@ impl<F: OutboxFolder> Spool<F> {
         Some(entry)
     }
 
-    /// Gives a damaged file the name of one; a sent one is removed. Returns the status then, `None` for nothing.
+    /// Renames a damaged file, or removes it if it was sent. Returns the new status; `None` if removed.
     fn set_aside(&mut self, id: SculptureId, status: UploadStatus) -> Option<UploadStatus> {
         let name = parcel_name(id, status);
         if status == UploadStatus::Sent {
@@ -226,7 +229,7 @@ impl<F: OutboxFolder> Spool<F> {
         Some(if renamed.is_ok() { UploadStatus::Lost } else { status })
     }
 
-    /// All sculptures, the oldest first.
+    /// Returns all sculptures, the oldest first.
     #[must_use]
     pub fn entries(&self) -> &[SpoolEntry] {
         &self.entries
@@ -236,7 +239,7 @@ impl<F: OutboxFolder> Spool<F> {
         &mut self.entries
     }
 
-    /// The sculpture of an id.
+    /// Finds the sculpture of an id.
     #[must_use]
     pub fn find(&self, id: SculptureId) -> Option<&SpoolEntry> {
         self.entries.iter().find(|entry| entry.id == id)
@@ -250,14 +253,14 @@ impl<F: OutboxFolder> Spool<F> {
         self.entries.iter().filter(|entry| entry.status != UploadStatus::Sent)
     }
 
-    /// Sculptures that the booth doesn't have.
+    /// Returns the number of sculptures that the booth doesn't have.
     #[must_use]
     pub fn depth(&self) -> usize {
         self.owed().count()
     }
 
-    /// How full the outbox is with parcels that the booth doesn't have, in percent of its entries or bytes, whichever is
-    /// fuller.
+    /// Returns the share of the outbox that is filled with parcels that the booth doesn't have, in percent:
+    /// of entries or of bytes, whichever is higher.
     #[must_use]
     pub fn full_percent(&self) -> u8 {
         let bytes: u64 = self.owed().map(|entry| entry.bytes).sum();
@@ -266,16 +269,16 @@ impl<F: OutboxFolder> Spool<F> {
         of_entries.max(of_bytes.unwrap_or(100)).min(100) as u8
     }
 
-    /// `true` if four fifths of the outbox are taken: staff see a warning.
+    /// `true` if at least 80 % of the outbox are filled. Staff see a warning then.
     #[must_use]
     pub fn is_nearly_full(&self) -> bool {
         self.full_percent() >= 80
     }
 
-    /// Notes a finished sculpture whose parcel is being made.
+    /// Adds a finished sculpture whose parcel is being made.
     ///
     /// # Errors
-    /// `KnownId`; `Full`. The visit continues without.
+    /// Returns `KnownId` or `Full`. The visit continues in either case.
     pub fn announce(
         &mut self,
         id: SculptureId,
@@ -289,19 +292,19 @@ impl<F: OutboxFolder> Spool<F> {
         Ok(())
     }
 
-    /// Notes the badge of a sculpture whose parcel isn't made yet.
+    /// Sets the badge of a sculpture whose parcel isn't made yet.
     ///
     /// # Errors
-    /// `UnknownId`.
+    /// Returns `UnknownId`.
     pub fn note_badge(&mut self, id: SculptureId, badge: BadgeNumber) -> Result<(), SpoolError> {
         self.find_making(id)?.badge = Some(badge);
         Ok(())
     }
 
-    /// Notes that the parcel of a sculpture won't be made.
+    /// Marks a sculpture as lost, because its parcel won't be made.
     ///
     /// # Errors
-    /// `UnknownId`.
+    /// Returns `UnknownId`.
     pub fn abandon(&mut self, id: SculptureId) -> Result<(), SpoolError> {
         self.find_making(id)?.status = UploadStatus::Lost;
         Ok(())
@@ -312,10 +315,10 @@ impl<F: OutboxFolder> Spool<F> {
         found.ok_or(SpoolError::UnknownId)
     }
 
-    /// Writes a parcel to the disk: *kept here*. A parcel that is here already changes nothing.
+    /// Writes a parcel to the disk: *kept here*. Does nothing if the parcel is already here.
     ///
     /// # Errors
-    /// `Full`; `Disk`.
+    /// Returns `Full` or `Disk`.
     pub fn keep(&mut self, parcel: &Parcel) -> Result<(), SpoolError> {
         let facts = parcel.facts();
         let known = self.find(facts.id).map(|entry| entry.status);
@@ -331,7 +334,7 @@ impl<F: OutboxFolder> Spool<F> {
         Ok(())
     }
 
-    /// Writes a file. On a full disk sent parcels make room, the oldest first.
+    /// Writes a file. If the disk is full, deletes sent parcels, the oldest first.
     fn write(&mut self, name: &str, bytes: &[u8]) -> Result<(), SpoolError> {
         loop {
             let Err(source) = self.folder.write(name, bytes) else { return Ok(()) };
@@ -350,21 +353,21 @@ impl<F: OutboxFolder> Spool<F> {
         ids.into_iter().any(|id| self.delete(id))
     }
 
-    /// Forgets the oldest sculpture without a parcel that the booth hasn't noted as lost. Returns `false` if there is none.
+    /// Forgets the oldest lost sculpture, whose loss the booth hasn't acknowledged; `false` if there is none.
     fn forget_oldest_lost(&mut self) -> bool {
         let lost = self.entries.iter().find(|entry| entry.status == UploadStatus::Lost);
         let id = lost.map(|entry| entry.id);
         id.inspect(|id| self.forget(*id)).is_some()
     }
 
-    /// The entries that can't leave, and the bytes of their files.
+    /// Counts the entries that can't be removed, and the bytes of their files.
     fn count_owed(&self) -> (usize, u64) {
         let may_leave = |status| matches!(status, UploadStatus::Sent | UploadStatus::Lost);
         let owed = self.entries.iter().filter(|entry| !may_leave(entry.status));
         owed.fold((0, 0), |(count, bytes), entry| (count + 1, bytes + entry.bytes))
     }
 
-    /// Deletes sent parcels, the oldest first, until there is room for so many entries and bytes more.
+    /// Makes room: deletes sent parcels, the oldest first, then forgets lost sculptures.
     fn make_room(&mut self, more_entries: usize, more_bytes: u64) -> Result<(), SpoolError> {
         let (owed, owed_bytes) = self.count_owed();
         let has_room = owed_bytes.saturating_add(more_bytes) <= self.settings.max_bytes;
@@ -383,7 +386,7 @@ impl<F: OutboxFolder> Spool<F> {
         }
     }
 
-    /// The parcel of a sculpture; `None` if it can't be read now. A parcel that is gone or damaged is lost.
+    /// Reads a sculpture's parcel; `None` if it can't be read now. Marks missing or damaged parcels as lost.
     pub(super) fn read(&mut self, id: SculptureId) -> Option<Parcel> {
         let status = self.find(id)?.status;
         let bytes = match self.folder.read(&parcel_name(id, status), MAX_PARCEL_FILE_BYTES) {
@@ -412,7 +415,7 @@ impl<F: OutboxFolder> Spool<F> {
         }
     }
 
-    /// Gives a parcel another status, and its file the name of that. Returns `false` if the disk refuses.
+    /// Sets the status of a parcel, and renames its file accordingly. Returns `false` if the disk refuses.
     pub(super) fn rename(&mut self, id: SculptureId, status: UploadStatus, now_ms: u64) -> bool {
         let Some(before) = self.find(id).map(|entry| entry.status) else { return false };
         let names = [before, status].map(|status| parcel_name(id, status));
@@ -435,16 +438,16 @@ impl<F: OutboxFolder> Spool<F> {
         is_done
     }
 
-    /// Removes a sculpture from the table. Its file, if there is one, stays for people to look at.
+    /// Removes a sculpture from the table. Its file, if there is one, stays for people to examine.
     pub(super) fn forget(&mut self, id: SculptureId) {
         self.entries.retain(|entry| entry.id != id);
     }
 
-    /// Deletes sent parcels whose grace is over, and takes in files that are in the folder and not in the table.
+    /// Deletes sent parcels after their grace period, and loads files that aren't in the table.
     pub(super) fn sweep(&mut self, now_ms: u64) {
         let grace_seconds = u64::from(self.settings.grace_seconds);
         let is_over = |entry: &&SpoolEntry| {
-            // A booth that was restored meanwhile may lack it: it is asked before.
+            // The booth may have been restored and lack the parcel: its confirmation is needed first.
             let is_confirmed = entry.confirmed_ms.is_some() && !entry.is_asked_for;
             let is_sent = entry.status == UploadStatus::Sent && is_confirmed;
             is_sent && entry.sent_seconds(now_ms) > grace_seconds
@@ -452,7 +455,7 @@ impl<F: OutboxFolder> Spool<F> {
         let ids: Vec<SculptureId> =
             self.entries.iter().filter(is_over).map(|entry| entry.id).collect();
         for id in ids {
-            // One that can't be deleted now is tried again by the next sweep.
+            // A failed deletion is retried by the next sweep.
             self.delete(id);
         }
         if self.has_unlisted

@@ -1,4 +1,4 @@
-//! The sender over a real folder, and a booth that answers as it is told.
+//! The sender on a real folder, with a booth whose answers are scripted.
 
 mod heartbeats;
 mod starts;
@@ -64,7 +64,7 @@ impl OutboxHost for Host {
     }
 }
 
-/// A folder of a test's own, which goes with it.
+/// A temporary folder of a test, removed on drop.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -138,12 +138,12 @@ fn id_of(number: u8) -> SculptureId {
     SculptureId([number; 16])
 }
 
-/// The name of a sculpture's file.
+/// Returns the file name of a sculpture.
 fn name_of(number: u8, end: &str) -> String {
     format!("{}.{end}", id_of(number))
 }
 
-/// Steps until a parcel is sent, answers it so, and returns which it was.
+/// Steps until a parcel is sent, answers it, and returns its id.
 fn answer(
     sender: &mut Sender<DiskFolder, Link>,
     host: &mut Host,
@@ -171,7 +171,7 @@ fn status(sender: &Sender<DiskFolder, Link>, number: u8) -> Option<UploadStatus>
     sender.spool().find(id_of(number)).map(|entry| entry.status)
 }
 
-/// Opens an outbox that keeps these parcels, all of which the booth has.
+/// Opens an outbox with these parcels, all of which the booth has.
 fn send_all(folder: &Folder, host: &mut Host, numbers: &[u8]) -> Sender<DiskFolder, Link> {
     let mut sender = folder.open();
     for number in numbers {
@@ -210,7 +210,7 @@ fn a_parcel_outlives_starts_until_its_grace_is_over() {
     assert_eq!((status(&sender, 1), folder.names().len()), (None, 0));
 }
 
-/// The grace goes on while the program doesn't run.
+/// The grace period also runs while the program doesn't.
 #[test]
 fn a_parcel_that_was_sent_long_ago_is_deleted_once_the_booth_has_it_still() {
     let folder = Folder::new("age");
@@ -232,7 +232,7 @@ fn a_parcel_that_cant_be_removed_holds_up_no_other() {
     let mut host = Host::default();
     let mut sender = send_all(&folder, &mut host, &[1, 2]);
     let stuck = folder.0.join(name_of(1, "sent"));
-    // No file's removal takes a folder away.
+    // Removing a file doesn't remove a folder.
     fs::remove_file(&stuck).expect("it is kept");
     fs::create_dir(&stuck).expect("room on the disk");
     host.now_ms += 200_000;
@@ -251,7 +251,7 @@ fn each_answer_has_its_file() {
     let mut sender = folder.open();
     let mut host = Host::default();
     sender.keep(&parcel(1)).expect("room");
-    // A captive portal's page, and what no booth says.
+    // A captive portal's page, and answers that no booth gives.
     for (code, body) in [(200, &b"<html>Please log in</html>"[..]), (200, b""), (204, KEPT)] {
         answer(&mut sender, &mut host, code, body);
     }
@@ -269,7 +269,7 @@ fn each_answer_has_its_file() {
         assert_eq!(status(&sender, 1), Some(UploadStatus::Refused));
         assert_eq!(folder.names(), [name_of(1, "refused")]);
         assert_eq!(host.events.iter().filter(|event| **event == refused).count(), times + 1);
-        // It is tried again after six hours at most, and in each start.
+        // A refused parcel is retried after six hours at most, and in each start.
         sender.link().sent.clear();
         host.now_ms += 3 * 3600 * 1000 - 100;
         sender.step(&mut host);
@@ -291,14 +291,14 @@ fn each_answer_has_its_file() {
     assert_eq!((status(&sender, 1), folder.names().len()), (None, 0));
 }
 
-/// A disk that doesn't rename has nothing noted: the parcel is sent again.
+/// If the disk can't rename the file, the outcome isn't stored, and the parcel is sent again.
 #[test]
 fn an_answer_that_cant_be_noted_comes_again() {
     let folder = Folder::new("unnoted");
     let mut sender = folder.open();
     let mut host = Host::default();
     sender.keep(&parcel(1)).expect("room");
-    // No file takes the place of a folder.
+    // A file can't replace a folder.
     let place = folder.0.join(name_of(1, "sent"));
     fs::create_dir(&place).expect("room on the disk");
     answer(&mut sender, &mut host, 200, KEPT);
@@ -317,7 +317,7 @@ fn the_newest_goes_first_and_one_that_fails_last() {
         sender.keep(&parcel(number)).expect("room");
     }
     drop(sender);
-    // By the time at which they were finished.
+    // Parcels are ordered by the times at which their sculptures were finished.
     let mut sender = folder.open();
     assert_eq!(answer(&mut sender, &mut host, 500, b""), id_of(3));
     assert_eq!(answer(&mut sender, &mut host, 200, KEPT), id_of(2));
@@ -337,9 +337,9 @@ fn failures_are_followed_by_longer_and_longer_waits_up_to_a_minute() {
         answer(&mut sender, &mut host, 500, b"");
         waits.push((host.now_ms - begun) / 1000);
     }
-    // Without random bits a wait is half of its longest.
+    // Without random bits a wait is half of the full wait.
     assert_eq!(waits, [1, 1, 2, 4, 8, 16, 30, 30, 30]);
-    // A booth that says when is asked then, and nothing has failed.
+    // A booth that sends `Retry-After` is asked then, and this counts as no failure.
     host.now_ms += 30_000;
     sender.step(&mut host);
     let is_put = |request: &BoothRequest| matches!(request.kind, RequestKind::Put(_));
@@ -352,7 +352,7 @@ fn failures_are_followed_by_longer_and_longer_waits_up_to_a_minute() {
     assert_eq!((host.now_ms - begun) / 1000, 11);
 }
 
-/// Sent parcels make room, the oldest first; what the booth doesn't have never does.
+/// Sent parcels are deleted to make room, the oldest first; unsent ones never are.
 #[test]
 fn a_new_parcel_takes_the_place_of_the_oldest_sent_one() {
     let folder = Folder::new("room");

@@ -1,16 +1,16 @@
-//! The cards of the ways to start.
+//! The cards of the ways to start a session.
 
 use paros_core::session::SessionMode;
 use paros_shaders::panel::{Icon, Message};
 use paros_shell::modes::named_modes;
 
-/// What a way to start is called.
+/// Returns the name of a way to start.
 #[must_use]
 pub fn name_of_start(start: SessionMode) -> Message {
     card_of_start(start).0
 }
 
-/// The card of a way to start: its text and its icon.
+/// Returns the card of a way to start: its text and its icon.
 pub(crate) fn card_of_start(start: SessionMode) -> (Message, Icon) {
     match start {
         SessionMode::None | SessionMode::FreeForm => (Message::ChoiceFree, Icon::Stone),
@@ -23,7 +23,7 @@ pub(crate) fn card_of_start(start: SessionMode) -> (Message, Icon) {
                 Some("cat") => (Message::FigureCat, Icon::Cat),
                 Some("dolphin") => (Message::FigureDolphin, Icon::Dolphin),
                 Some("amphora") => (Message::FigureAmphora, Icon::Amphora),
-                // The operator's own.
+                // A figure of the operator.
                 _ => (Message::FigureSurprise, Icon::Surprise),
             }
         }

@@ -1,26 +1,26 @@
-//! The warning in the room that the battery falls though the headset is charged.
+//! The panel in the room that warns if the battery drains while the headset is charged.
 
 use glam::Vec3;
 use paros_shaders::panel::layout::{PanelNotice, draw_notice, palette};
 use paros_shaders::panel::{FillingValue, Icon, Language, Message, Panel, PanelPose};
 use paros_shell::headset::device_health::DeviceHealth;
 
-/// The middle of the panel, in the room: far to the left, out of a sculptor's way and beside all panels of a visit.
+/// The centre of the panel, in the room: far to the left, away from the sculptor and all panels of a visit.
 const MIDDLE: Vec3 = Vec3::new(-1.0, 1.4, -0.7);
 
-/// The eyes that it is turned to: those of a visitor before the stool.
+/// The eyes that the panel faces: those of a visitor in front of the stool.
 const EYES: Vec3 = Vec3::new(0.0, 1.45, 0.0);
 
-/// The panel in a headset's room, laid out anew with each percent that goes.
+/// The warning panel in a headset's room. It is laid out again whenever the percentage changes.
 #[derive(Debug)]
 pub struct ChargerPanel {
     panel: Panel,
-    /// What it shows, if it is shown.
+    /// The shown percentage; `None` while the panel is hidden.
     percent: Option<u8>,
 }
 
 impl ChargerPanel {
-    /// Takes in the device's health: a charger that is too weak is told until it no longer is.
+    /// Applies the device's health: shows the warning as long as the charger is too weak.
     pub fn follow_health(&mut self, health: &DeviceHealth) {
         let percent = health.battery_percent.filter(|_| health.drains_on_charger);
         if let Some(percent) = percent.filter(|_| self.percent != percent) {
@@ -37,7 +37,7 @@ impl ChargerPanel {
         self.percent = percent;
     }
 
-    /// What is to be drawn of it.
+    /// Returns the panels to draw: the warning, or nothing.
     #[must_use]
     pub fn panels(&self) -> &[Panel] {
         match self.percent {
@@ -47,7 +47,7 @@ impl ChargerPanel {
     }
 }
 
-/// Not shown.
+/// Starts hidden.
 impl Default for ChargerPanel {
     fn default() -> Self {
         let mut panel = Panel::new([0.0; 2]);
@@ -72,7 +72,7 @@ mod tests {
         battery: Battery { percent: Some(40), charging: true },
     };
 
-    /// The bearings of a panel's left and right side, in degrees to the right of ahead.
+    /// Returns the bearings of a panel's left and right side, in degrees to the right of straight ahead.
     fn bearings(panel: &Panel, eyes: Vec3) -> [f32; 2] {
         [-0.5, 0.5].map(|side| {
             let aside = Vec3::X * (side * panel.size_mm()[0] * 1e-3);
@@ -81,7 +81,7 @@ mod tests {
         })
     }
 
-    /// Wherever a visitor's head is, up to a step aside: the choice's panel is the widest.
+    /// Holds wherever a visitor's head is, up to a step aside. The choice's panel is the widest.
     #[test]
     fn it_stands_beside_the_widest_panel_of_a_visit() {
         let mut charger = ChargerPanel::default();
@@ -112,7 +112,7 @@ mod tests {
         assert!(charger.panels().is_empty());
         charger.follow_health(&weak(40));
         assert_eq!(charger.panels().len(), 1);
-        // As large as all text in the room.
+        // The text is as large as all text in the room.
         let degrees = charger.panels()[0].least_text_degrees(MIDDLE.distance(EYES));
         assert!(degrees.is_some_and(|degrees| degrees >= 1.0), "{degrees:?}");
     }

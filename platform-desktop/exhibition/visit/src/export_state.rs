@@ -1,4 +1,4 @@
-//! How far an export is, as a host is told of it.
+//! The state of an export, as it is reported to a host.
 
 use paros_core::limits::INTERVALS;
 use paros_core::volume::{Grid, Size};
@@ -6,23 +6,23 @@ use paros_shell::statics::Resident;
 use paros_shell::studio::Studio;
 use paros_upload::courier::{BoothState, Courier};
 
-/// How far a finished sculpture's files are.
+/// The state of a finished sculpture's files.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub struct ExportState {
-    /// Whether they are being made or written.
+    /// `true` if the files are being made or written.
     pub is_busy: bool,
-    /// Whether this session's print is written.
+    /// `true` if this session's print is written.
     pub is_kept: bool,
-    /// How much of it is made, 0 to 1.
+    /// The progress, 0 to 1.
     pub part: f32,
-    /// Sculptures whose files are not yet where they are to be kept: being made, being written, or to be written again.
+    /// Number of sculptures whose files aren't stored yet: being made, being written, or to be written again.
     pub pending: u32,
-    /// Where it stands on its way to the booth; `None` where the device isn't enrolled at one.
+    /// The state of the upload to the booth; `None` if the device isn't enrolled.
     pub booth: Option<BoothState>,
 }
 
 impl ExportState {
-    /// Returns the state of a studio's last sculpture, and of its upload where the device is enrolled at a booth.
+    /// Returns the state of a studio's last sculpture, and of its upload if the device is enrolled.
     #[must_use]
     pub fn of_studio<const N: usize>(studio: &Studio<'_, N>, courier: Option<&Courier>) -> Self
     where

@@ -1,5 +1,5 @@
-//! Visits on a headset: its menu button and what bare hands do for it, the time for which it was away, and eyes that
-//! panels turn to.
+//! Visits on a headset: the menu button and its bare-hand gesture, pauses of the headset, and the eyes that
+//! panels face.
 
 use std::time::Duration;
 
@@ -18,67 +18,67 @@ use crate::options::Controls;
 use crate::pointing::{PRESSED_FROM, Pointer};
 use crate::standing::room_pose;
 
-/// Ticks for which the menu button is held to ask for the staff's panel: two seconds, so that no visitor opens it who
-/// only holds a controller; and those for which bare hands are held up.
+/// Ticks for which the menu button is held, or bare hands are held up, to ask for the staff's panel: two
+/// seconds, so that visitors don't open it by accident.
 const STAFF_HOLD_TICKS: u32 = 2 * TICK_RATE;
 
-/// Ticks are farther apart than this where the device slept, the runtime lost its session, or the program showed nothing.
-/// Slow frames are not. Where settings have a visitor gone sooner, it is their time.
+/// Gap between ticks that counts as time away: the device slept, the runtime lost its session, or the program
+/// showed nothing. Slow frames are shorter. A shorter absence limit in the settings counts instead.
 const LEAST_AWAY: Duration = Duration::from_secs(3);
 
-/// The height of eyes that were never seen, in metres.
+/// The height of eyes that were never tracked, in metres.
 const EYE_HEIGHT: f32 = 1.6;
 
-/// What a headset tells in a tick.
+/// The readings of a headset in a tick.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct HeadsetTick<'a> {
-    /// The time since boot, sleep included.
+    /// The time since boot, including sleep.
     pub now: Duration,
-    /// The head in metres of the room; None while it isn't tracked.
+    /// The position of the head in metres of the room; `None` while it isn't tracked.
     pub head: Option<Vec3>,
-    /// Left and right hand, in metres of the room.
+    /// The left and the right hand, in metres of the room.
     pub hands: &'a [HandSample; 2],
-    /// What they are read from.
+    /// The sources of the hands' readings.
     pub sources: [HandSource; 2],
-    /// Whether the menu button is down.
+    /// `true` while the menu button is down.
     pub is_menu_down: bool,
-    /// Whether the headset is worn, and used.
+    /// The state of the headset: worn, off, or unknown.
     pub presence: Presence,
-    /// Whether the tick shows a use.
+    /// `true` if the headset is used in this tick.
     pub is_used: bool,
 }
 
-/// What a press of the menu button asks for.
+/// The kind of a press of the menu button.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum MenuPress {
-    /// It was pressed and let go.
+    /// The button was released early.
     Short,
-    /// It has been held for long.
+    /// The button has been held for [`STAFF_HOLD_TICKS`].
     Long,
 }
 
-/// What is remembered of a headset from tick to tick.
+/// The state of a headset from tick to tick.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub(crate) struct HeadsetWatch {
-    /// When the last tick was, since boot.
+    /// The time of the last tick, since boot.
     last_tick: Option<Duration>,
-    /// Ticks for which the menu button has been down.
+    /// Number of ticks for which the menu button has been down.
     menu_ticks: u32,
-    /// Ticks for which both bare hands have been held up.
+    /// Number of ticks for which both bare hands have been held up.
     raised_ticks: u32,
-    /// Where the head was seen last.
+    /// The last tracked position of the head.
     head: Option<Vec3>,
-    /// Where it was when the screen last changed: panels turn to it, and follow no head.
+    /// The position of the head at the last change of the screen. Panels face it, and don't follow the head.
     eyes: Option<Vec3>,
 }
 
 impl HeadsetWatch {
-    /// Has panels turn to where the head is from the next tick on.
+    /// Makes panels face the position of the head from the next tick on.
     pub(crate) const fn take_eyes_anew(&mut self) {
         self.eyes = None;
     }
 
-    /// The whole seconds for which there was no tick before this one, if that was long.
+    /// Returns the whole seconds since the previous tick, if the gap counts as time away.
     fn note_tick(&mut self, now: Duration, plan: &VisitPlan) -> Option<u16> {
         let last = self.last_tick.replace(now)?;
         let soonest = Duration::from_secs(plan.value(PlanSetting::OffAfter).max(1).into());
@@ -86,7 +86,7 @@ impl HeadsetWatch {
         Some(u16::try_from(away.as_secs()).unwrap_or(u16::MAX))
     }
 
-    /// What the menu button asks for: short once it is let go, long while it is still held.
+    /// Returns the press of the menu button: short when it is released, long while it is still held.
     fn follow_menu(&mut self, is_down: bool) -> Option<MenuPress> {
         let held = self.menu_ticks;
         self.menu_ticks = if is_down { held.saturating_add(1) } else { 0 };
@@ -96,8 +96,8 @@ impl HeadsetWatch {
         }
     }
 
-    /// Whether bare hands, which have no menu button, ask for the staff's panel: once, when both have pinched above the
-    /// eyes for long. No visitor works there, and no other gesture of theirs needs both hands.
+    /// Returns `true` once if bare hands, which have no menu button, ask for the staff's panel: both pinch
+    /// above the eyes for [`STAFF_HOLD_TICKS`]. Visitors neither work there nor use two-handed gestures.
     fn follow_bare_hands(&mut self, tick: &HeadsetTick<'_>) -> bool {
         let is_raised = |head: Vec3| {
             let mut hands = tick.hands.iter().zip(tick.sources);
@@ -112,7 +112,7 @@ impl HeadsetWatch {
         self.raised_ticks == STAFF_HOLD_TICKS
     }
 
-    /// The eyes that panels turn to.
+    /// Returns the position that panels face.
     fn eyes(&mut self) -> Vec3 {
         let head = self.head.filter(|head| head.is_finite());
         *self.eyes.get_or_insert(head.unwrap_or(Vec3::Y * EYE_HEIGHT))
@@ -120,8 +120,8 @@ impl HeadsetWatch {
 }
 
 impl VisitHost {
-    /// Takes in that the world's visit was found on the disk, and for how long nobody had used the headset, where that
-    /// can be told: what the visit has counted of it is no part of the time away. One of which it can't be told is a
+    /// Handles a visit that was found on the disk. `unused` is the time without use, and the idle time that
+    /// the visit has already counted is subtracted from it. If `unused` is `None`, the visit counts as a
     /// former visitor's.
     pub fn note_found(&mut self, visit: &Visit, unused: Option<Duration>) {
         let counted = u64::from(visit.idle_ticks() / TICK_RATE);
@@ -129,12 +129,12 @@ impl VisitHost {
         self.note_away(away.and_then(|seconds| u16::try_from(seconds).ok()).unwrap_or(u16::MAX));
     }
 
-    /// Takes in that the room lies elsewhere: panels turn to where the head is in it.
+    /// Handles a move of the room: panels face the head's position in the new room.
     pub const fn note_room_moved(&mut self) {
         self.headset.take_eyes_anew();
     }
 
-    /// Takes in what a headset tells in a tick, does what is pressed, and puts the visit's part into the tick's input,
+    /// Processes a headset's tick: performs button presses, and adds the visit's part to the tick's input,
     /// which has the same hands.
     pub fn fill_headset_input<const N: usize, const K: usize>(
         &mut self,
@@ -165,7 +165,7 @@ impl VisitHost {
         self.fill_input(world, (tick.presence, tick.is_used), input);
     }
 
-    /// Takes in what a headset's tick did, and puts panels and rays in the room.
+    /// Applies the results of a headset's tick, and places panels and rays in the room.
     pub fn follow_headset_tick<const N: usize, const K: usize>(
         &mut self,
         world: &World<N, K>,
@@ -180,13 +180,13 @@ impl VisitHost {
         self.screen.draw_rays(&self.pointing.rays(), seen_from);
     }
 
-    /// Whether the hands in the world are the host's own, and the visitor's are not to be seen.
+    /// Returns `true` if the host moves the hands in the world, and the visitor's hands are hidden.
     #[must_use]
     pub fn moves_hands(visit: &Visit) -> bool {
         visit.phase() == VisitPhase::Attract
     }
 
-    /// Puts what is felt of buttons into what hands feel of a tick. Of the host's own hand nobody feels anything.
+    /// Adds the haptics of buttons to those of a tick. A hand that the host moves has no other haptics.
     pub fn adapt_haptics(&self, visit: &Visit, felt: &mut [TickHaptics; 2]) {
         for (hand, felt) in felt.iter_mut().enumerate() {
             if Self::moves_hands(visit) {
@@ -268,7 +268,7 @@ mod tests {
         for hands in [[up, down], [down, up], [up, open], [open, up], [down; 2]] {
             assert_eq!(asked(hands, [Joints; 2], head, long), 0, "{hands:?}");
         }
-        // A controller has its menu button; one hand, or eyes, out of sight tell nothing.
+        // A controller has its menu button. A single hand, or hands without a tracked head, ask for nothing.
         assert_eq!(asked([up; 2], [Joints, Controller], head, long), 0);
         assert_eq!(asked([up, HandSample::default()], [Joints, HandSource::None], head, long), 0);
         assert_eq!(asked([up; 2], [Joints; 2], None, long), 0);

@@ -1,4 +1,4 @@
-//! What holds visits in a shell.
+//! The host of visits in a shell.
 
 mod keeping;
 mod pressing;
@@ -29,20 +29,20 @@ use crate::standing::PanelSpot;
 use remote::RemoteWatch;
 pub use remote::{DeviceStatus, answer_without_visits};
 
-/// For how long a visitor is told of the time that is left, in ticks.
+/// Ticks for which a warning of the remaining time is shown.
 const WARNING_TICKS: u32 = 6 * TICK_RATE;
 
-/// How far the button turns the stool, and how far in a tick, in 65,536ths of a turn: an eighth in half a second.
+/// Turn of the stool by the button, and in a tick, in 65,536ths of a turn: an eighth in half a second.
 const BUTTON_TURN: i16 = 8192;
 const BUTTON_TURN_SPEED: i16 = 228;
 
-/// Holds visits: between the core, which decides, and a shell.
+/// The host of visits, between the core, which decides, and a shell.
 #[derive(Debug)]
 pub struct VisitHost {
     pub(crate) options: VisitOptions,
     queue: VisitQueue,
     pin_pad: Option<PinPad>,
-    /// For badges.
+    /// The source of random bits for provisional badges.
     random_bits: fn() -> u32,
     question: Question,
     lathe: LatheHand,
@@ -50,26 +50,26 @@ pub struct VisitHost {
     pub(crate) pointing: Pointing,
     pub(crate) screen: Screen,
     pub(crate) headset: HeadsetWatch,
-    /// What the visitor is told of the time, and for how many ticks more.
+    /// The shown message about the remaining time, and the number of ticks for which it stays.
     told: Option<(Message, u32)>,
-    /// The phase is the guided one.
+    /// `true` in the guided phase.
     is_guided: bool,
-    /// How the first cut ended, and for how many ticks more that is told.
+    /// The end of the guided first cut, and the number of ticks for which its message stays.
     guide_end: Option<(GuideEnd, u32)>,
-    /// Turn of the stool that a button has asked for and no tick has taken yet.
+    /// The rest of the stool's turn that a button requested, not yet sent in a tick.
     turn_left: i16,
     undoes: bool,
     recentres: bool,
-    /// The badge of this visit has been sent, and the export's end.
+    /// `true` once the badge of this visit was sent. `has_sent_export` is the same for the end of the export.
     has_sent_badge: bool,
     has_sent_export: bool,
     remote: RemoteWatch,
-    /// Seconds for which the program slept or didn't run, not sent yet.
+    /// Seconds for which the program slept or didn't run, not yet sent to the visit.
     away_seconds: u16,
 }
 
 impl VisitHost {
-    /// A host of a world: visits begin there, or go on where they are.
+    /// Makes the host of a world. Starts visits there, or resumes the world's visit.
     #[must_use]
     pub fn new(options: VisitOptions, visit: &Visit) -> Self {
         let mut queue = VisitQueue::default();
@@ -102,25 +102,25 @@ impl VisitHost {
         }
     }
 
-    /// Has visits begin anew, in an empty world, whatever visit was found there.
+    /// Restarts visits in an empty world, whatever visit was found there.
     pub fn begin_anew(&mut self) {
         self.queue.open(&self.options.plan);
     }
 
-    /// Takes in what visitors work with now.
+    /// Sets the controls that visitors use now.
     pub(crate) const fn set_controls(&mut self, controls: Controls) {
         self.options.controls = controls;
     }
 
-    /// Takes in that the program slept, or didn't run, for so many seconds in which nobody used it.
+    /// Adds seconds for which the program slept, or didn't run, without use.
     pub(crate) const fn note_away(&mut self, seconds: u16) {
         self.away_seconds = self.away_seconds.saturating_add(seconds);
     }
 
-    /// Takes in where hands, rays and cursor are, after the panels were put where they stand. Does what they press.
-    /// Call it before each tick.
+    /// Processes the poses of hands, rays and cursor, and performs what they press. Call this before each
+    /// tick, after the panels were placed.
     pub fn follow_pointers(&mut self, visit: &Visit, pointers: &[Option<Pointer>; POINTERS]) {
-        // Who is asked something looks at the question.
+        // While a question is open, the visitor looks at it.
         let is_at_work = visit.phase().lets_hands_work() && self.question == Question::None;
         let is_stone_between = is_at_work && self.options.controls != Controls::Mouse;
         let (panels, buttons) = (self.screen.panels(), self.screen.buttons());
@@ -130,14 +130,14 @@ impl VisitHost {
         }
     }
 
-    /// Whether a ray meets a panel: then a press is not for what lies behind it.
+    /// Returns `true` if a ray meets a panel. A press along the ray is then not for anything behind it.
     #[must_use]
     pub fn covers_ray(&self, origin: Vec3, direction: Vec3) -> bool {
         self.panels().iter().any(|panel| panel.intersect_ray(origin, direction).is_some())
     }
 
-    /// Puts into a tick's input what the visit is told, and what buttons ask for. While nobody is there the hands are
-    /// the host's own.
+    /// Adds the visit's messages and the requests of buttons to a tick's input. In the attract phase, the
+    /// host moves the hands.
     pub fn fill_input<const N: usize, const K: usize>(
         &mut self,
         world: &World<N, K>,
@@ -149,7 +149,7 @@ impl VisitHost {
         let phase = world.visit().phase();
         for (hand, state) in input.hands.iter_mut().enumerate() {
             let known = world.hand_state(hand);
-            // One that waits for its release isn't let go by a glance at a button.
+            // A hand that pulls, or waits for its release, isn't released by a glance at a button.
             let is_pulled = known.trigger || known.awaits_release;
             if self.pointing.is_on_button(hand) && !is_pulled {
                 state.trigger = 0;
@@ -172,11 +172,11 @@ impl VisitHost {
         };
         self.remote.note_tick(phase, presence, is_used);
         input.visit = VisitInput { presence, is_used, command };
-        // How a session starts is the visit's to say.
+        // The visit decides how a session starts.
         input.start = SessionMode::None;
     }
 
-    /// Takes in what a tick did, and lays the panels out that show it.
+    /// Applies the results of a tick, and lays out the panels.
     pub fn follow_tick<const N: usize, const K: usize>(
         &mut self,
         world: &World<N, K>,
@@ -196,7 +196,7 @@ impl VisitHost {
         }
         self.told = self.told.and_then(|(message, left)| Some((message, left.checked_sub(1)?)));
         if self.question == Question::None {
-            // A question hides it.
+            // The timeout pauses while a question hides the message.
             self.guide_end =
                 self.guide_end.and_then(|(end, left)| Some((end, left.checked_sub(1)?)));
         }
@@ -210,7 +210,7 @@ impl VisitHost {
                 self.begin_anew();
             }
             VisitPhase::Choice if self.options.starts.len() < 2 => {
-                // There is nothing to choose.
+                // There is no choice with fewer than two starts.
                 let confirm = VisitCommand::Press(PanelAction::Confirm);
                 if !self.queue.contains(&confirm) {
                     self.queue.push(confirm);
@@ -223,13 +223,13 @@ impl VisitHost {
         self.draw(visit, export);
     }
 
-    /// The panels to be drawn: those that are shown, and the rays of hands on them.
+    /// Returns the panels to draw: the shown panels, and the rays of hands on them.
     #[must_use]
     pub fn panels(&self) -> &[Panel] {
         self.screen.drawn_panels()
     }
 
-    /// The buttons that are shown: what they do, for tests and logs, and where their middles are in the room.
+    /// Returns the shown buttons: their actions as text, for tests and logs, and their centres in the room.
     pub fn buttons(&self) -> impl Iterator<Item = (String, Vec3)> {
         self.screen.buttons().iter().filter_map(|shown| {
             let action = self.screen.action(shown.button.id)?;
@@ -238,36 +238,36 @@ impl VisitHost {
         })
     }
 
-    /// Puts the panels where a shell has them stand, by their spots and sizes in millimetres.
+    /// Places the panels with a function of the shell, from a spot and a size in millimetres to a pose.
     pub fn place_panels(&mut self, pose: impl Fn(PanelSpot, [f32; 2]) -> PanelPose) {
         self.screen.place_panels(pose);
     }
 
-    /// Whether a panel stands beside the sculpture, and a window moves that aside for it.
+    /// Returns `true` if a panel stands beside the sculpture. A window then moves the sculpture aside.
     #[must_use]
     pub fn is_beside_sculpture(&self) -> bool {
         self.screen.is_beside_sculpture()
     }
 
-    /// Whether the guide has its panel: at the first cut, and until its end is read.
+    /// Returns `true` if the guide's panel is shown: during the first cut, and while its end is read.
     #[must_use]
     pub const fn has_guide(&self) -> bool {
         self.is_guided || self.guide_end.is_some()
     }
 
-    /// Asks the staff for its PIN, if there is one; a panel of the staff's that is open is shut.
+    /// Asks the staff for its PIN, if there is one. Closes an open question or staff's panel instead.
     pub fn toggle_staff_panel(&mut self) {
         let opens = self.pin_pad.is_some() && self.question == Question::None;
         self.ask(if opens { Question::Pin } else { Question::None });
     }
 
-    /// Asks the visitor whether the sculpture is ready, or no longer does.
+    /// Asks if the sculpture is finished. If a question is open, closes it instead.
     pub fn toggle_finish_question(&mut self, visit: &Visit) {
         let asks = is_at_work(visit.phase()) && self.question == Question::None;
         self.ask(if asks { Question::Finish } else { Question::None });
     }
 
-    /// Asks the visitor whether the sculpture is ready; where that is being asked, it is.
+    /// Asks if the sculpture is finished. If this question is open already, answers it with yes.
     pub fn ask_or_confirm_finish(&mut self, visit: &Visit) {
         match self.question {
             Question::Finish => self.perform(ButtonAction::Press(PanelAction::Finish)),
@@ -275,8 +275,8 @@ impl VisitHost {
         }
     }
 
-    /// Takes in that a window's visitor has done what a step of the guide asks for, where no tick tells: a bit that rests
-    /// over the stone touches nothing, and an eye that goes round it turns no stool.
+    /// Completes a step of the guide that a window's visitor has done, if no tick shows it: a bit that hovers
+    /// over the stone touches nothing, and a view that orbits the stone turns no stool.
     pub fn note_step_done(&mut self, visit: &Visit, step: GuideStep) {
         let is_asked = visit.phase() == VisitPhase::Guided && visit.guide_step() == step;
         let done = VisitCommand::Press(PanelAction::Skip { all: false });
@@ -285,31 +285,31 @@ impl VisitHost {
         }
     }
 
-    /// The visitor's language.
+    /// Returns the visitor's language.
     #[must_use]
     pub fn language(&self, visit: &Visit) -> Language {
         self.options.language(visit.language())
     }
 
-    /// Whether something is asked, of the visitor or the staff.
+    /// Returns `true` if a question to the visitor or the staff is open.
     #[must_use]
     pub fn is_asking(&self) -> bool {
         self.question != Question::None
     }
 
-    /// Asks nothing more.
+    /// Closes the open question.
     pub fn drop_question(&mut self) {
         self.ask(Question::None);
     }
 
-    /// Whether the room is to be turned to who wears the headset, as a visitor is welcome or the staff asks for it; told
-    /// once.
+    /// Returns `true` once if the room is to be turned to the headset's wearer, when a visitor is welcomed or
+    /// the staff asks for it.
     pub fn take_recentring(&mut self) -> bool {
         core::mem::take(&mut self.recentres)
     }
 
     fn enter_phase(&mut self, phase: VisitPhase, visit: &Visit) {
-        // The staff is asked on, whatever the visitor's time does.
+        // A question to the staff stays open, whatever the phase of the visit.
         if self.question == Question::Finish {
             self.ask(Question::None);
         }
@@ -326,7 +326,7 @@ impl VisitHost {
             VisitPhase::Export => (self.has_sent_badge, self.has_sent_export) = (false, false),
             _ => {}
         }
-        // Where the first cut is left out, a tick of it passes all the same.
+        // If the guide is off, its phase still lasts for a tick.
         let has_guide = visit.plan().value(PlanSetting::Guided) > 0;
         let is_end = self.is_guided && phase == VisitPhase::Sculpting && has_guide;
         self.is_guided = phase == VisitPhase::Guided;
@@ -344,7 +344,7 @@ impl VisitHost {
         state.warning = self.told.map(|(message, _)| message);
         state.guide_end = self.guide_end.map(|(end, _)| end);
         if state.phase == VisitPhase::Export {
-            // The last hundredth is writing it.
+            // The last percent is for writing the files.
             state.percent = (export.part.clamp(0.0, 1.0) * 99.0) as u32;
         }
         state.pending = export.pending;
@@ -362,15 +362,15 @@ impl VisitHost {
     }
 }
 
-/// Where a shell holds no visits: closes the one that a save has from a run that did. Left open it would hand the
-/// sculpture over, as nobody is told to be there.
+/// Closes a visit that a save has from an earlier run with visits, for a shell without visits. An open visit
+/// would hand over the sculpture, as no presence is reported.
 pub fn close_visits(visit: &Visit, input: &mut TickInput) {
     if visit.phase() != VisitPhase::Closed {
         input.visit.command = VisitCommand::Close;
     }
 }
 
-/// How a visitor is told of the seconds left.
+/// Returns the warning for a number of remaining seconds.
 const fn warning_of(seconds: u16) -> Option<Message> {
     match seconds {
         120 => Some(Message::WarningTwoMinutes),

@@ -1,7 +1,7 @@
-//! What the studio does while nobody is there: the stone turns, and a hand turns a vase out of it.
+//! The demonstration of the attract phase: the stone turns, and a hand carves a vase out of it.
 //!
-//! A function of the ticks since it began and of the tool that the world has put into the hand; so a trace holds what
-//! was done, as of any visitor.
+//! The hand depends only on the number of ticks and on the tool that the world has put into it. A trace
+//! therefore records its work like that of any visitor.
 
 use core::f32::consts::TAU;
 
@@ -11,28 +11,28 @@ use paros_core::session::{BenchItem, PointerCommand, RawPose, TICK_RATE, Tool, T
 use paros_core::volume::{Grid, Size};
 use paros_core::{HandInput, TickInput, World};
 
-/// The hand that works: the right one.
+/// The hand that works: the right hand.
 const HAND: usize = 1;
 
-/// Of the bit, a roughing ball of its natural size, in metres.
+/// Radius of the bit in metres: a roughing ball of its natural size.
 const BIT_RADIUS: f32 = 0.04;
 
-/// Turn of the stool in a tick, in 65,536ths of a turn: at the block's corners that is half a metre a second.
+/// Turn of the stool in a tick, in 65,536ths of a turn: half a metre a second at the block's corners.
 const TURN: i16 = 340;
 
-/// Ticks of a turn.
+/// Ticks of a full turn.
 const TURN_TICKS: f32 = 65_536.0 / TURN as f32;
 
-/// Metres that the bit comes down in a turn: less than the bit is wide, so that no ridge stays.
+/// Descent of the bit in a turn, in metres: less than the bit's width, so that no ridge remains.
 const PITCH: f32 = 0.026;
 
-/// Metres between one pass and the next.
+/// Distance between one pass and the next, in metres.
 const PASS_DEPTH: f32 = 0.036;
 
-/// Passes: the last one is on the vase itself.
+/// Number of passes. The last one is on the vase itself.
 const PASSES: u32 = 4;
 
-/// Ticks for which the vase is shown before another is begun.
+/// Ticks for which the vase is shown before the next one is begun.
 const SHOWN_TICKS: u32 = 8 * TICK_RATE;
 
 /// Heights above the stool at which a pass begins and ends, in metres.
@@ -41,39 +41,39 @@ const HEIGHTS: [f32; 2] = [BOX_SIDE, 0.03];
 /// Radii of the vase from its foot to its lip, in metres, at even heights.
 const PROFILE: [f32; 9] = [0.085, 0.11, 0.15, 0.172, 0.17, 0.14, 0.095, 0.075, 0.1];
 
-/// The same of a waist.
+/// Radii of a waist, in the form of [`PROFILE`].
 const WAIST: [f32; 9] = [0.2, 0.17, 0.12, 0.085, 0.07, 0.085, 0.12, 0.17, 0.2];
 
-/// Ticks of a stroke down the stone, or up it. In the next turn of the stool strokes lie between those of the one before.
+/// Ticks of a stroke down or up the stone. In the stool's next turn, strokes lie between the former ones.
 const STROKE_TICKS: u32 = 11;
 
 /// Ticks of a pass of strokes: a turn of the stool.
 const STROKED_PASS_TICKS: u32 = TURN_TICKS as u32;
 
-/// How far beside the stone a hand waits that has done its work, in metres.
+/// Distance from the stone at which the hand waits after its work, in metres.
 const AWAY: f32 = 0.35;
 
-/// The side of the stone from which it works, in radians from the visitor to the right.
+/// The side of the stone on which the hand works, in radians from the visitor to the right.
 const AZIMUTH: f32 = 0.9;
 
-/// What a hand does.
+/// The work of the hand.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub(crate) enum LatheWork {
-    /// It turns a vase out of a stone, thread by thread as a lathe does: what fills minutes.
+    /// Turns a vase out of a stone along a helix, as on a lathe. Takes minutes.
     #[default]
     Turning,
-    /// A vase, in strokes down and up the stone while it turns: what is seen to go on in seconds.
+    /// Carves a vase in strokes down and up the stone while it turns. Takes seconds.
     Vase,
-    /// A waist in what is there, by such strokes.
+    /// Carves a waist into the stone, in such strokes.
     Waist,
-    /// It takes off all that it can, by such strokes, down to what hides in the stone.
+    /// Removes all stone that it can, in such strokes, down to the hidden figure.
     Bare {
-        /// In so many passes from outside.
+        /// Number of passes from outside.
         passes: u8,
     },
 }
 
-/// The hand at its work.
+/// The hand of the demonstration.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub(crate) struct LatheHand {
     tick: u32,
@@ -81,7 +81,7 @@ pub(crate) struct LatheHand {
 }
 
 impl LatheWork {
-    /// Radii that it works down to, as [`PROFILE`] is.
+    /// Returns the radii down to which the work carves, in the form of [`PROFILE`].
     const fn profile(self) -> [f32; 9] {
         match self {
             LatheWork::Turning | LatheWork::Vase => PROFILE,
@@ -90,7 +90,7 @@ impl LatheWork {
         }
     }
 
-    /// Passes, and metres between one and the next.
+    /// Returns the number of passes, and the distance between two passes in metres.
     const fn passes(self) -> (u32, f32) {
         match self {
             LatheWork::Turning => (PASSES, PASS_DEPTH),
@@ -100,7 +100,7 @@ impl LatheWork {
         }
     }
 
-    /// Ticks of a pass.
+    /// Returns the ticks of a pass.
     const fn pass_ticks(self) -> u32 {
         match self {
             LatheWork::Turning => ((HEIGHTS[0] - HEIGHTS[1]) / PITCH * TURN_TICKS) as u32,
@@ -108,7 +108,7 @@ impl LatheWork {
         }
     }
 
-    /// Ticks for which it is shown before another is begun.
+    /// Returns the ticks for which the result is shown before the next work is begun.
     const fn shown_ticks(self) -> u32 {
         match self {
             LatheWork::Turning => SHOWN_TICKS,
@@ -116,7 +116,7 @@ impl LatheWork {
         }
     }
 
-    /// The part of the way down the stone at a tick of a pass, 0 to 1.
+    /// Returns how far down the stone the bit is at a tick of a pass, 0 to 1.
     fn part_at(self, tick: u32) -> f32 {
         match self {
             LatheWork::Turning => tick as f32 / self.pass_ticks() as f32,
@@ -129,22 +129,22 @@ impl LatheWork {
 }
 
 impl LatheHand {
-    /// A hand before such work.
+    /// Makes a hand that begins this work.
     pub(crate) const fn new(work: LatheWork) -> Self {
         LatheHand { tick: 0, work }
     }
 
-    /// Ticks after which the work is done.
+    /// Returns the ticks after which the work is done.
     pub(crate) const fn work_ticks(&self) -> u32 {
         self.work.passes().0 * self.work.pass_ticks()
     }
 
-    /// Whether the work is done, and has been shown.
+    /// Returns `true` if the work is done, and was shown.
     pub(crate) const fn is_done(&self) -> bool {
         self.tick >= self.work_ticks() + self.work.shown_ticks()
     }
 
-    /// Puts the work of the next tick into its input, in place of who may be there.
+    /// Replaces the hands in the next tick's input by the working hand.
     pub(crate) fn fill_input<const N: usize, const K: usize>(
         &mut self,
         world: &World<N, K>,
@@ -169,7 +169,7 @@ impl LatheHand {
             return;
         }
         let Some((tool, _)) = world.held_tool(HAND) else { return };
-        // In the end it waits above, beside the stone.
+        // At the end the hand waits above, beside the stone.
         let [part, clear] = match passes.checked_sub(1 + pass) {
             Some(left) => [self.work.part_at(tick % pass_ticks), left as f32 * depth],
             None => [0.0, AWAY],
@@ -179,7 +179,7 @@ impl LatheHand {
         let axis = STOOL_TOP + Vec3::Y * height;
         let tip = axis
             + outward * (radius_at(&self.work.profile(), height / BOX_SIDE) + clear + BIT_RADIUS);
-        // Held a little from above, as hands are.
+        // Tilted down a little, as hands hold tools.
         let rotation = Quat::from_rotation_y(AZIMUTH) * Quat::from_rotation_x(-0.35);
         let grip = tip + rotation * Vec3::Z * (tool.length_um() as f32 * 1e-6);
         let pose = RawPose::quantise(grip, rotation);
@@ -189,7 +189,7 @@ impl LatheHand {
     }
 }
 
-/// A profile's radius at a height, 0 to 1, in metres: smooth between its points.
+/// Returns the radius of a profile in metres at a height, 0 to 1: smooth between its points.
 fn radius_at(profile: &[f32; 9], height: f32) -> f32 {
     let along = height.clamp(0.0, 1.0) * (profile.len() - 1) as f32;
     let k = (along as usize).min(profile.len() - 2);

@@ -1,9 +1,10 @@
-//! Visits in a shell: what the core is told of a visitor, and the panels that show what it decides.
+//! Visits in a shell: the host that feeds the core with a visitor's actions, and the panels.
 //!
-//! The core's [`Visit`](paros_core::visit::Visit) decides what comes next; a [`VisitHost`] stands between it and a shell.
-//! It takes rays and presses, whether the headset is worn, and how far an export is; it gives the visit's part of a
-//! tick's input, and panels to be drawn. While nobody is there it moves the hands itself. It knows no
-//! OpenXR, no window, no file and no clock but the ticks. While a start is chosen, a thread of its own draws previews.
+//! The core's [`Visit`](paros_core::visit::Visit) decides what comes next. A [`VisitHost`] stands between it
+//! and a shell. Its inputs are rays, presses, the headset's presence, and the state of an export. Its outputs
+//! are the visit's part of a tick's input, and panels to draw. In the attract phase it moves the hands
+//! itself. It has no access to OpenXR, windows, files, or any clock but the ticks. While a start is chosen, a
+//! separate thread draws previews.
 #![forbid(unsafe_code)]
 
 mod cards;

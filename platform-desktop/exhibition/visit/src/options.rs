@@ -1,4 +1,4 @@
-//! What a shell says of its visits.
+//! The options of visits that a shell sets.
 
 use paros_core::session::SessionMode;
 use paros_core::visit::VisitPlan;
@@ -8,30 +8,30 @@ use paros_shell::modes::parse_mode;
 use paros_shell::settings::{BoothSettings, StaffPin, VisitSettings};
 use paros_upload::SendPlan;
 
-/// What visitors work with: their texts tell of it.
+/// The controls that visitors use. Texts are adapted to them.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum Controls {
-    /// A headset's.
+    /// The controllers of a headset.
     #[default]
     Controllers,
-    /// A headset's, without controllers.
+    /// Bare hands with a headset.
     BareHands,
     /// A mouse or a touch screen.
     Mouse,
 }
 
-/// What an exhibition sets of its visits.
+/// The settings of an exhibition for its visits.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct VisitOptions {
-    /// Times, whether there are badges, and how a session starts where nothing is chosen.
+    /// Times, the use of badges, and the start of a session if nothing is chosen.
     pub plan: VisitPlan,
-    /// Languages on offer, that of who chose none first; at least one.
+    /// Languages on offer, at least one. The first one is the default.
     pub languages: Vec<Language>,
-    /// Ways to start on offer; with one there is nothing to choose.
+    /// Ways to start on offer. With a single one there is no choice.
     pub starts: Vec<SessionMode>,
-    /// The staff's PIN; without one its panel stays shut.
+    /// The staff's PIN. Without a PIN the staff's panel can't be opened.
     pub staff_pin: Option<StaffPin>,
-    /// What visitors work with at first.
+    /// The controls at the start.
     pub controls: Controls,
 }
 
@@ -50,7 +50,7 @@ impl Default for VisitOptions {
     }
 }
 
-/// How finished sculptures go to the booth; a studio without visits speaks English.
+/// Returns what is sent of finished sculptures to the booth. A studio without visits uses English.
 #[must_use]
 pub fn send_plan(settings: &BoothSettings, visits: Option<&VisitOptions>) -> SendPlan {
     let languages = visits.map_or_else(|| vec![Language::English], |v| v.languages.clone());
@@ -58,8 +58,8 @@ pub fn send_plan(settings: &BoothSettings, visits: Option<&VisitOptions>) -> Sen
 }
 
 impl Controls {
-    /// What a headset's hands are read from: a controller in either counts, as its owner holds it. None while neither
-    /// hand is there.
+    /// Returns the controls that match the hands' sources. A controller in either hand counts as controllers.
+    /// Returns `None` while neither hand is tracked.
     #[must_use]
     pub fn of_hands(sources: [HandSource; 2]) -> Option<Self> {
         let is_there = |wanted: &[HandSource]| sources.iter().any(|source| wanted.contains(source));
@@ -73,7 +73,7 @@ impl Controls {
 }
 
 impl VisitOptions {
-    /// Those of settings.
+    /// Makes the options from settings.
     #[must_use]
     pub fn of_settings(settings: &VisitSettings) -> Self {
         VisitOptions {
@@ -85,7 +85,7 @@ impl VisitOptions {
         }
     }
 
-    /// The language of a number of the visit's.
+    /// Returns the language of a visit's language number.
     pub(crate) fn language(&self, number: u8) -> Language {
         let first = self.languages.first().copied().unwrap_or_default();
         self.languages.get(usize::from(number)).copied().unwrap_or(first)

@@ -1,21 +1,21 @@
-//! The pad on which the staff enters its PIN.
+//! The PIN pad of the staff.
 //!
-//! Digits stay here: a trace holds what the PIN opened, not what was pressed.
+//! Digits aren't recorded: a trace holds what the PIN opened, not what was pressed.
 
 use paros_core::session::TICK_RATE;
 use paros_shaders::panel::layout::PinEntry;
 use paros_shell::settings::StaffPin;
 
-/// Wrong PINs in a row after which none is taken for a while.
+/// Number of consecutive wrong PINs after which the pad is locked.
 const TRIES: u8 = 5;
 
-/// For how long, in ticks: a minute.
+/// Ticks for which the pad is locked: a minute.
 const LOCKED_TICKS: u32 = 60 * TICK_RATE;
 
-/// Ticks without a press after which who opened the staff's panel has left it: no visitor shall find it open.
+/// Idle timeout of the staff's panel in ticks, so that no visitor finds it open.
 pub(crate) const LEFT_TICKS: u32 = 45 * TICK_RATE;
 
-/// What has been entered, and how often it was wrong.
+/// The entered digits, and the number of failed tries.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct PinPad {
     pin: StaffPin,
@@ -24,12 +24,12 @@ pub(crate) struct PinPad {
     is_wrong: bool,
     failed: u8,
     locked_ticks: u32,
-    /// Since anything was pressed.
+    /// Ticks since the last press.
     quiet_ticks: u32,
 }
 
 impl PinPad {
-    /// For a PIN, nothing entered.
+    /// Makes an empty pad for a PIN.
     pub(crate) const fn new(pin: StaffPin) -> Self {
         PinPad {
             pin,
@@ -42,14 +42,14 @@ impl PinPad {
         }
     }
 
-    /// Lets a tick pass. Whether whoever opened it, or what it opens, has left it.
+    /// Advances the pad by one tick. Returns `true` once it has timed out.
     pub(crate) const fn is_left_after_tick(&mut self) -> bool {
         self.locked_ticks = self.locked_ticks.saturating_sub(1);
         self.quiet_ticks = self.quiet_ticks.saturating_add(1);
         self.quiet_ticks >= LEFT_TICKS && self.locked_ticks == 0
     }
 
-    /// Takes a digit. Whether it completes the PIN.
+    /// Enters a digit. Returns `true` if it completes the right PIN.
     pub(crate) fn press_digit(&mut self, digit: u8) -> bool {
         self.quiet_ticks = 0;
         if self.locked_ticks > 0 {
@@ -71,18 +71,18 @@ impl PinPad {
         is_right
     }
 
-    /// Takes the last digit back.
+    /// Removes the last digit.
     pub(crate) const fn erase(&mut self) {
         (self.count, self.quiet_ticks) = (self.count.saturating_sub(1), 0);
     }
 
-    /// Forgets what has been entered; what was wrong counts on.
+    /// Clears the entered digits. The number of failed tries stays.
     pub(crate) fn forget(&mut self) {
         (self.entered, self.count, self.is_wrong) = ([0; 4], 0, false);
         self.quiet_ticks = 0;
     }
 
-    /// What the pad shows.
+    /// Returns what the pad shows.
     pub(crate) const fn entry(&self) -> PinEntry {
         match self.count {
             _ if self.locked_ticks > 0 => PinEntry::Locked,
@@ -123,7 +123,7 @@ mod tests {
         let mut pad = pad("0000");
         for _ in 0..TRIES {
             assert!(!enter(&mut pad, [9; 4]));
-            // Closing the panel gives no more tries.
+            // Closing the panel doesn't reset the failed tries.
             pad.forget();
         }
         assert_eq!(pad.entry(), PinEntry::Locked);

@@ -1,4 +1,4 @@
-//! Hands, rays and cursors on panels: what they point at, and when that is pressed.
+//! Pointing at panels with hands, rays and cursors: hovering and pressing.
 
 use glam::Vec3;
 use paros_core::internals::{BOX_SIDE, STOOL_TOP};
@@ -6,85 +6,87 @@ use paros_core::session::TICK_RATE;
 use paros_shaders::panel::{Panel, PanelButton, PanelPoint, find_button};
 use paros_shell::headset::hand_sample::HandSample;
 
-/// Pointers that a shell may have: left and right hand, and a cursor.
+/// Largest number of pointers: left hand, right hand, and a cursor.
 pub const POINTERS: usize = 3;
 
-/// How near the block's middle a hand is at work on it, with what it holds before it, in metres.
+/// Distance from the block's centre, in metres, within which a hand counts as working on the block. Includes
+/// the length of the held tool.
 const AT_WORK: f32 = 0.45;
 
-/// How near a fingertip presses, in metres before a panel or behind it.
+/// Distance in metres before or behind a panel at which a fingertip presses.
 const TOUCH_DEPTH: f32 = 0.015;
 
-/// How far before a hand's grip its foremost point is, in metres: a controller's ring, or knuckles.
+/// Distance from a hand's grip to its foremost point in metres: a controller's ring, or knuckles.
 const GRIP_REACH: f32 = 0.08;
 
-/// A trigger that is pulled so far presses, as the core has it: 128 of 255.
+/// Trigger value from which a press counts, as in the core: 128 of 255.
 pub(crate) const PRESSED_FROM: f32 = 128.0 / 255.0;
 
-/// Ticks for which buttons that have just appeared are not pressed: 300 ms. Who presses so soon meant what was there before.
+/// Ticks for which new buttons can't be pressed: 300 ms. Earlier presses are meant for what was before.
 pub(crate) const UNAIMED_TICKS: u32 = (TICK_RATE * 3).div_ceil(10);
 
-/// What is felt of a button that a hand comes onto, and of one that is pressed, of 255.
+/// Haptic levels when a hand moves onto a button, and when it presses the button, of 255.
 const HOVER_TAP: u8 = 70;
 const PRESS_TAP: u8 = 170;
 
-/// What points at panels.
+/// A pointer at panels.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Pointer {
-    /// Where its ray begins, in metres of the room.
+    /// The origin of the ray, in metres of the room.
     pub origin: Vec3,
-    /// Where it goes.
+    /// The direction of the ray.
     pub direction: Vec3,
-    /// Whether its trigger or button is down.
+    /// `true` while the trigger or button is down.
     pub is_pressed: bool,
-    /// A fingertip or the foremost point of a hand, which presses by touch.
+    /// The fingertip or the foremost point of a hand, which presses by touch.
     pub fingertip: Option<Vec3>,
 }
 
 /// A ray that ends on a panel.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct PanelRay {
-    /// The panel's place among them.
+    /// The index of the panel.
     pub(crate) panel: usize,
-    /// Where it begins, and where it ends on the panel, in metres of the room.
+    /// The origin and the end of the ray, in metres of the room.
     pub(crate) ends: [Vec3; 2],
 }
 
-/// What a pointer was on, and did.
+/// The state of a pointer since the last tick.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 struct PointerState {
     was_pressed: bool,
     was_touching: bool,
-    /// What is held down has pressed a panel: until it is let go it is for nothing else.
+    /// `true` if the current press began on a panel. Until its release it has no other effect.
     holds_press: bool,
-    /// The button under it.
+    /// The button under the pointer.
     hot: Option<u16>,
-    /// Its ray, where it ends on a panel that has buttons.
+    /// The ray, if it ends on a panel with buttons.
     ray: Option<PanelRay>,
-    /// What is felt of it in this tick, of 255.
+    /// The haptic level of this tick, of 255.
     tap: u8,
 }
 
-/// All pointers as of the last tick.
+/// The state of all pointers since the last tick.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub(crate) struct Pointing {
     states: [PointerState; POINTERS],
-    /// Ticks left of [`UNAIMED_TICKS`].
+    /// The remaining ticks of [`UNAIMED_TICKS`].
     unaimed_ticks: u32,
 }
 
-/// A button of one of the panels that are shown.
+/// A button of a shown panel.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct ShownButton {
-    /// The panel's place among them.
+    /// The index of the panel.
     pub(crate) panel: usize,
-    /// Its number is unique among all of them.
+    /// The button, whose number is unique among all shown buttons.
     pub(crate) button: PanelButton<'static>,
 }
 
 impl Pointer {
-    /// A headset's hand: its aim is the ray, its trigger or pinch presses, and so does the touch of its index finger's
-    /// tip or, where that isn't known, its foremost point. None where it isn't known where it aims.
+    /// Makes the pointer of a headset's hand. The aim gives the ray, and trigger or pinch press. The tip of
+    /// the index finger presses by touch; without it, the hand's foremost point does. Returns `None` if the
+    /// aim is unknown.
     #[must_use]
     pub fn of_hand(sample: &HandSample) -> Option<Self> {
         let (origin, rotation) = sample.aim?;
@@ -99,8 +101,9 @@ impl Pointer {
 }
 
 impl Pointing {
-    /// Takes in where the pointers are in a tick. Returns the button that one of them has pressed just now, unless it has
-    /// only just appeared. `is_stone_between` tells that rays through the stone are at work on it, and point at nothing beyond.
+    /// Processes the pointers of a tick. Returns the button that was pressed in this tick. New buttons can't
+    /// be pressed at first. With `is_stone_between`, rays through the stone are at work on it, and don't
+    /// point at panels behind it.
     pub(crate) fn follow(
         &mut self,
         pointers: &[Option<Pointer>; POINTERS],
@@ -113,7 +116,7 @@ impl Pointing {
         self.unaimed_ticks = self.unaimed_ticks.saturating_sub(1);
         for (state, pointer) in self.states.iter_mut().zip(pointers) {
             let Some(pointer) = pointer else {
-                // What was held down or touched may be so still when it is seen again: that is no other press.
+                // A press or touch may continue when the pointer is seen again, which is no new press.
                 (state.hot, state.ray, state.tap) = (None, None, 0);
                 continue;
             };
@@ -152,29 +155,29 @@ impl Pointing {
         pressed
     }
 
-    /// Whether a pointer is on a button, or still holds down what it pressed one with.
+    /// Returns `true` if a pointer is on a button, or still holds the press that began on a button.
     pub(crate) fn is_on_button(&self, pointer: usize) -> bool {
         self.states.get(pointer).is_some_and(|state| state.hot.is_some() || state.holds_press)
     }
 
-    /// The buttons that are pointed at.
+    /// Returns the buttons under the pointers.
     pub(crate) fn hot_buttons(&self) -> [Option<u16>; POINTERS] {
         self.states.map(|state| state.hot)
     }
 
-    /// The rays that end on panels.
+    /// Returns the rays that end on panels.
     pub(crate) fn rays(&self) -> [Option<PanelRay>; POINTERS] {
         self.states.map(|state| state.ray)
     }
 
-    /// What is felt of a pointer's button in this tick, of 255: a light tap where it comes onto it, and a clear one
-    /// where it presses.
+    /// Returns a pointer's haptic level of this tick, of 255: low when it moves onto a button, higher when it
+    /// presses.
     pub(crate) fn tap(&self, pointer: usize) -> u8 {
         self.states.get(pointer).map_or(0, |state| state.tap)
     }
 
-    /// Forgets what is under the pointers: other buttons are shown. What is held down presses none of them, and nothing
-    /// does for [`UNAIMED_TICKS`].
+    /// Resets the pointers when other buttons are shown. A held press doesn't press the new buttons, and no
+    /// press counts for [`UNAIMED_TICKS`].
     pub(crate) fn forget_buttons(&mut self) {
         self.unaimed_ticks = UNAIMED_TICKS;
         self.states.iter_mut().for_each(|state| {
@@ -183,7 +186,7 @@ impl Pointing {
     }
 }
 
-/// The button of a panel at a point of it.
+/// Returns the button at a point of a panel.
 fn button_at(buttons: &[ShownButton], panel: usize, point: PanelPoint) -> Option<u16> {
     let of_panel = buttons.iter().filter(|shown| shown.panel == panel);
     let at = |shown: &ShownButton| find_button(core::slice::from_ref(&shown.button), point.at_mm);
@@ -197,7 +200,7 @@ fn find_touched_button(panels: &[Panel], buttons: &[ShownButton], tip: Vec3) -> 
     })
 }
 
-/// The pointer's ray to the panel that it meets first, unless that has no buttons.
+/// Returns the pointer's ray to the nearest panel that it meets; `None` if that panel has no buttons.
 fn find_ray(
     panels: &[Panel],
     buttons: &[ShownButton],
@@ -214,13 +217,13 @@ fn find_ray(
     (has_buttons && !is_behind).then_some(PanelRay { panel, ends: [origin, end] })
 }
 
-/// Whether a ray begins at the block, in a hand at work there, or passes through the block.
+/// Returns `true` if a ray starts near the block, in a hand at work on it, or passes through the block.
 fn crosses_stone(origin: Vec3, direction: Vec3) -> bool {
     let middle = STOOL_TOP + Vec3::Y * (0.5 * BOX_SIDE);
     let from = origin - middle;
     let half = Vec3::splat(0.5 * BOX_SIDE);
-    // The slabs of the box: where the ray enters the last one and leaves the first. A ray along a slab divides by zero,
-    // which is what the comparison wants.
+    // The slab method: the ray enters the box at the last slab and leaves it at the first. A ray parallel to
+    // a slab divides by zero, and the infinities compare correctly.
     let (a, b) = ((-half - from) / direction, (half - from) / direction);
     let (enters, leaves) = (a.min(b).max_element(), a.max(b).min_element());
     from.length() < AT_WORK || leaves >= enters.max(0.0)

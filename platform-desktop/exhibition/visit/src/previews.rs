@@ -1,7 +1,7 @@
-//! Living previews of the choice of a start: each start turns and is worked on in a small world of its own, and a thread
-//! draws pictures of them for the cards' cells.
+//! Live previews of the choice of a start. Each start is carved in a small world of its own while it turns. A
+//! thread draws pictures of these worlds for the cells of the cards.
 //!
-//! They are pictures: nothing of the visitor's world comes from them.
+//! They are only pictures: the visitor's world doesn't use them.
 
 mod show;
 mod stage;
@@ -16,18 +16,18 @@ use crate::host::VisitHost;
 use stage::PreviewSubject;
 use worker::PreviewWorker;
 
-/// The previews of a choice while it is open.
+/// The previews while a choice is open.
 #[derive(Debug, Default)]
 pub(crate) struct LivingPreviews {
     worker: Option<PreviewWorker>,
-    /// Of a choice that is over: it may still be at its last picture, for which nobody waits.
+    /// The worker of a closed choice. It may still draw its last picture, which is discarded.
     ending: Option<PreviewWorker>,
 }
 
 impl LivingPreviews {
-    /// Takes in a tick: the visit's phase in it, and the starts on offer.
+    /// Processes a tick, with the visit's phase and the starts on offer.
     pub(crate) fn follow_tick(&mut self, phase: VisitPhase, starts: &[SessionMode]) {
-        // With one there is nothing to choose, and no panel.
+        // With a single start there is no choice, and no panel.
         let is_open = phase == VisitPhase::Choice && starts.len() > 1;
         if self.ending.as_ref().is_some_and(PreviewWorker::has_ended) {
             self.ending = None;
@@ -43,13 +43,13 @@ impl LivingPreviews {
         }
     }
 
-    /// Whether previews are under way.
+    /// Returns `true` while previews are shown.
     #[cfg(test)]
     pub(crate) const fn is_open(&self) -> bool {
         self.worker.is_some()
     }
 
-    /// Whether a thread runs, or is about to end.
+    /// Returns `true` while a thread runs, or is about to end.
     #[cfg(test)]
     pub(crate) const fn is_running(&self) -> bool {
         self.worker.is_some() || self.ending.is_some()
@@ -60,14 +60,15 @@ impl LivingPreviews {
     }
 }
 
-/// The cell of a card of the choice by its place, if it may have a picture.
+/// Returns the cell of a card by its place; `None` if the card has no picture.
 pub(crate) fn cell_of_card(place: usize, start: SessionMode) -> Option<u8> {
     let has_cell = place < PANEL_CELLS && PreviewSubject::of_start(start).is_some();
     has_cell.then_some(place as u8)
 }
 
 impl VisitHost {
-    /// Gives the pictures that are ready, and their cells, to a renderer before a frame; it returns whether it took one.
+    /// Passes finished pictures and their cells to a renderer before a frame. `take` returns `true` if it
+    /// took the picture.
     pub fn hand_over_previews(&mut self, mut take: impl FnMut(u8, &Image) -> bool) {
         while let Some((cell, picture)) = self.previews.take_picture() {
             let is_taken = take(cell, &picture);

@@ -1,40 +1,40 @@
-//! Commands for the core, which takes one a tick.
+//! The queue of commands for the core, which takes one in each tick.
 
 use std::collections::VecDeque;
 
 use paros_core::visit::{VisitCommand, VisitPlan};
 use paros_shell::settings::plan_changes;
 
-/// The most that wait: a plan, and what a visitor can press in as many ticks.
+/// Largest number of waiting commands: a plan, and what a visitor can press in as many ticks.
 const LIMIT: usize = 64;
 
-/// Commands that wait for a tick of their own.
+/// Commands that wait to be sent, one in each tick.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub(crate) struct VisitQueue {
     waiting: VecDeque<VisitCommand>,
 }
 
 impl VisitQueue {
-    /// Adds one, unless too many wait: then it is lost.
+    /// Adds a command. Drops it if too many are waiting.
     pub(crate) fn push(&mut self, command: VisitCommand) {
         if self.waiting.len() < LIMIT {
             self.waiting.push_back(command);
         }
     }
 
-    /// Has visits begin, by a plan. What waited for those before is dropped.
+    /// Starts visits with a plan. Drops waiting commands of earlier visits.
     pub(crate) fn open(&mut self, plan: &VisitPlan) {
         self.waiting.clear();
         self.push(VisitCommand::Open);
         plan_changes(&VisitPlan::new(), plan).for_each(|command| self.push(command));
     }
 
-    /// Whether such a command waits.
+    /// Returns `true` if this command is waiting.
     pub(crate) fn contains(&self, command: &VisitCommand) -> bool {
         self.waiting.contains(command)
     }
 
-    /// The next tick's.
+    /// Takes the command of the next tick.
     pub(crate) fn take(&mut self) -> VisitCommand {
         self.waiting.pop_front().unwrap_or_default()
     }

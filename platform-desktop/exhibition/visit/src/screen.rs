@@ -1,4 +1,4 @@
-//! What is shown of a visit: which panels, with which buttons, and what those do.
+//! The screen of a visit: its panels, their buttons, and the actions of the buttons.
 
 mod draw;
 mod guide;
@@ -19,106 +19,106 @@ use crate::standing::PanelSpot;
 pub(crate) use guide::GuideEnd;
 pub(crate) use rays::point_in_room;
 
-/// The most panels shown at once: one before the visitor, one at the side.
+/// Largest number of panels shown at once: one in front of the visitor, one at the side.
 pub(crate) const MAX_PANELS: usize = 2;
 
-/// The most with the rays of both hands on them: a beam, and where it ends.
+/// Largest number of panels with the rays of both hands: a beam and a dot each.
 const MAX_DRAWN: usize = MAX_PANELS + 2 * rays::RAYS;
 
-/// For how long a visitor who rests is told that another's turn comes, at most. Who has a headset on is seen to be there.
+/// Ticks before the end of a visit at which an idle visitor at a window is warned. Headsets need no warning.
 const REST_TOLD_TICKS: u32 = 20 * TICK_RATE;
 
-/// What is asked beside what the visit's phase shows.
+/// The question that is shown instead of the visit's phase.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub(crate) enum Question {
-    /// Nothing.
+    /// No question.
     #[default]
     None,
-    /// Whether the sculpture is ready.
+    /// Asks the visitor if the sculpture is finished.
     Finish,
-    /// The staff's PIN.
+    /// Asks for the staff's PIN.
     Pin,
-    /// What the staff wants.
+    /// Shows the staff's panel.
     Staff,
 }
 
-/// What a button does.
+/// The action of a button.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum ButtonAction {
-    /// It is told to the visit.
+    /// Sends the action to the visit.
     Press(PanelAction),
-    /// A way to start is taken, and that is all there was to choose.
+    /// Chooses a start, and confirms the choice.
     Choose(SessionMode),
-    /// It is told to the visit, and the staff's panel is shut.
+    /// Sends the command to the visit, and closes the staff's panel.
     Staff(StaffCommand),
-    /// The room is turned to who wears the headset.
+    /// Turns the room to the headset's wearer.
     Recentre,
-    /// A question is asked, or none any more.
+    /// Opens a question, or closes the open one.
     Ask(Question),
-    /// A digit of the PIN.
+    /// Enters a digit of the PIN.
     Digit(u8),
-    /// The PIN's last digit is taken back.
+    /// Removes the last digit of the PIN.
     Erase,
-    /// The last stroke is taken back.
+    /// Undoes the last stroke.
     Undo,
-    /// The stone turns by a part.
+    /// Turns the stone by an eighth of a turn.
     Turn,
-    /// The headset is cleaned: the next visitor may come.
+    /// Confirms that the headset is cleaned: the next visitor can start.
     Cleaned,
-    /// A window's next visitor is there.
+    /// Starts the visit of a window's next visitor.
     NewVisit,
 }
 
-/// Whether a visitor works on the stone in this phase, and has a clock and tools.
+/// Returns `true` if a visitor works on the stone in this phase, with a clock and tools.
 #[must_use]
 pub const fn is_at_work(phase: VisitPhase) -> bool {
     matches!(phase, VisitPhase::Guided | VisitPhase::Sculpting)
 }
 
-/// All that panels show: they are laid out anew where it differs.
+/// The state that panels show. They are laid out again when it changes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct ScreenState {
     pub(crate) phase: VisitPhase,
     pub(crate) question: Question,
     pub(crate) step: GuideStep,
-    /// The first cut has just ended, and the visitor is told so.
+    /// The end of the guided first cut, while its message is shown.
     pub(crate) guide_end: Option<GuideEnd>,
     pub(crate) language: Language,
     pub(crate) language_number: u8,
     pub(crate) working_hand: u8,
     pub(crate) is_seated: bool,
-    /// Seconds left, and of how many.
+    /// The remaining seconds, and the seconds of the whole visit.
     pub(crate) seconds: Option<[u32; 2]>,
     pub(crate) warning: Option<Message>,
-    /// Seconds until a window's visitor who rests counts as gone, once they are to be told.
+    /// The seconds until a window's idle visitor counts as gone, while the visitor is warned.
     pub(crate) seconds_to_gone: Option<u32>,
-    /// It is a sculpture that they are told of.
+    /// `true` if there is a sculpture, which the warning mentions.
     pub(crate) is_sculpted: bool,
-    /// Of an export, 0 to 100.
+    /// The progress of an export, 0 to 100.
     pub(crate) percent: u32,
     pub(crate) badge: Option<u32>,
-    /// The clock has run out.
+    /// `true` if the visit's time has run out.
     pub(crate) is_time_up: bool,
-    /// The badge has been shown long enough.
+    /// `true` if the badge has been shown for long enough.
     pub(crate) may_leave_badge: bool,
-    /// Sculptures that are not yet where they are kept.
+    /// Number of sculptures whose files aren't stored yet.
     pub(crate) pending: u32,
-    /// What is told of the booth, where there is one.
+    /// The state of the booth; `None` if there is no booth.
     pub(crate) booth: Option<BoothTold>,
-    /// The staff looks for the device.
+    /// `true` while the device identifies itself to the staff.
     pub(crate) is_glowing: bool,
     pub(crate) pin: PinEntry,
     pub(crate) controls: Controls,
 }
 
-/// What panels tell of the way to a booth.
+/// The state of uploads that panels show.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct BoothTold {
-    /// Where the visitor's sculpture stands.
+    /// The upload status of the visitor's sculpture.
     pub(crate) status: Option<UploadStatus>,
     /// Sculptures that the booth doesn't have.
     pub(crate) owed: u32,
-    /// Whether the device is nearly full with them.
+    /// `true` if the outbox is nearly full with these sculptures.
     pub(crate) is_nearly_full: bool,
 }
 
@@ -130,10 +130,10 @@ impl BoothTold {
     }
 }
 
-/// The panels that are shown, and their buttons.
+/// The shown panels and their buttons.
 #[derive(Debug)]
 pub(crate) struct Screen {
-    /// Those of the visit, then the rays'.
+    /// The panels of the visit, followed by those of the rays.
     panels: [Panel; MAX_DRAWN],
     spots: [PanelSpot; MAX_PANELS],
     count: usize,
@@ -144,7 +144,7 @@ pub(crate) struct Screen {
 }
 
 impl ScreenState {
-    /// What is shown of a visit; what the host knows beside it is filled in by the host.
+    /// Makes the state of a visit. The host fills in the rest.
     pub(crate) fn of_visit(visit: &Visit, options: &VisitOptions) -> Self {
         let length = u32::from(visit.plan().value(PlanSetting::Length));
         let left = visit.seconds_left().filter(|_| is_at_work(visit.phase()));
@@ -158,7 +158,7 @@ impl ScreenState {
             language_number: visit.language(),
             working_hand: visit.working_hand(),
             is_seated: visit.is_seated(),
-            // A minute more may make it more than all.
+            // An extension may make the remaining time longer than the plan's.
             seconds: left.map(|left| [left, length.max(left)]),
             warning: None,
             seconds_to_gone: seconds_to_gone(visit, options.controls),
@@ -175,15 +175,15 @@ impl ScreenState {
         }
     }
 
-    /// Whether a visitor who rests is asked to stay, over what was shown. Thanks go on beside the sculpture that is looked
-    /// at, and tell the seconds themselves.
+    /// Returns `true` if an idle visitor is asked to stay, instead of the phase's panel. In the thanks phase,
+    /// its panel shows the seconds itself.
     pub(crate) fn is_asked_to_stay(&self) -> bool {
         self.seconds_to_gone.is_some() && self.phase != VisitPhase::Thanks
     }
 }
 
-/// The seconds after which a window's visitor who rests counts as gone, once that is near. A mouse is all that a window
-/// knows of its visitor.
+/// Returns the seconds until a window's idle visitor counts as gone, once that is near. Only windows need
+/// this, as the mouse is their only sign of a visitor.
 fn seconds_to_gone(visit: &Visit, controls: Controls) -> Option<u32> {
     let is_told = controls == Controls::Mouse && visit.idle_ticks() > 0;
     let ticks = visit.ticks_until_gone().filter(|ticks| is_told && *ticks <= REST_TOLD_TICKS)?;
@@ -191,7 +191,7 @@ fn seconds_to_gone(visit: &Visit, controls: Controls) -> Option<u32> {
 }
 
 impl Screen {
-    /// Nothing.
+    /// Makes an empty screen.
     pub(crate) fn new() -> Self {
         Screen {
             panels: core::array::from_fn(|_| Panel::new([0.0; 2])),
@@ -204,27 +204,27 @@ impl Screen {
         }
     }
 
-    /// The panels with what is to be read and pressed.
+    /// Returns the panels of the visit.
     pub(crate) fn panels(&self) -> &[Panel] {
         &self.panels[..self.count]
     }
 
-    /// All panels to be drawn: the rays of hands, too.
+    /// Returns all panels to draw, including the rays of hands.
     pub(crate) fn drawn_panels(&self) -> &[Panel] {
         &self.panels[..self.count + self.ray_panels]
     }
 
-    /// Their buttons.
+    /// Returns the buttons of the panels.
     pub(crate) fn buttons(&self) -> &[ShownButton] {
         &self.buttons
     }
 
-    /// What a button does.
+    /// Returns the action of a button.
     pub(crate) fn action(&self, id: u16) -> Option<ButtonAction> {
         self.actions.get(usize::from(id)).copied()
     }
 
-    /// Puts the panels where they stand.
+    /// Places the panels with a function from spot and size to pose.
     pub(crate) fn place_panels(
         &mut self,
         pose: impl Fn(PanelSpot, [f32; 2]) -> paros_shaders::panel::PanelPose,
@@ -234,30 +234,30 @@ impl Screen {
         }
     }
 
-    /// The seconds that a visitor who rests is told.
+    /// Returns the seconds of the shown warning.
     #[cfg(test)]
     pub(crate) fn told_rest(&self) -> Option<u32> {
         self.drawn.and_then(|(drawn, _)| drawn.seconds_to_gone)
     }
 
-    /// What is told of the first cut's end.
+    /// Returns the shown end of the first cut.
     #[cfg(test)]
     pub(crate) fn told_guide_end(&self) -> Option<GuideEnd> {
         self.drawn.and_then(|(drawn, _)| drawn.guide_end)
     }
 
-    /// What is told of the booth.
+    /// Returns the shown state of the booth.
     #[cfg(test)]
     pub(crate) fn told_booth(&self) -> Option<BoothTold> {
         self.drawn.and_then(|(drawn, _)| drawn.booth)
     }
 
-    /// Whether a panel stands beside the sculpture, and a window moves that aside.
+    /// Returns `true` if a panel stands beside the sculpture. A window then moves the sculpture aside.
     pub(crate) fn is_beside_sculpture(&self) -> bool {
         self.spots[..self.count].contains(&PanelSpot::Beside)
     }
 
-    /// Whether panels of this state are another screen than what is shown: other buttons, which nobody has aimed at.
+    /// Returns `true` if a state has another screen than the shown one, with buttons that weren't aimed at.
     pub(crate) fn is_another(&self, state: &ScreenState) -> bool {
         let screen = |state: &ScreenState| {
             (state.phase, state.question, state.is_asked_to_stay(), state.is_glowing)

@@ -1,72 +1,74 @@
-//! Where panels stand: in the room, or before the eye of a window.
+//! The places of panels: in the room, or in front of a window's eye.
 
 use glam::{Quat, Vec3};
 use paros_core::internals::{BOX_SIDE, STOOL_TOP};
 use paros_shaders::panel::PanelPose;
 
-/// A panel's place.
+/// The spot of a panel.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PanelSpot {
-    /// Before the visitor.
+    /// In front of the visitor.
     Main,
-    /// Before the visitor in a room; in a window in its left half, beside the sculpture, of which it tells.
+    /// In a room, in front of the visitor. In a window, in its left half, beside the sculpture.
     Beside,
-    /// Before the visitor in a room; in a window beside the stone, which is worked on meanwhile.
+    /// In a room, in front of the visitor. In a window, beside the stone, which is worked on meanwhile.
     Guide,
     /// Beside the stone, out of the way.
     Side,
-    /// There too, where it is all that is shown: larger in a window.
+    /// Beside the stone like [`PanelSpot::Side`], but larger in a window, as it is the only panel.
     Caption,
 }
 
-/// The foot of what stands before the visitor: it is seen above the stone.
+/// Lower edge of panels in front of the visitor, in metres: visible above the stone.
 const MAIN_FOOT: f32 = STOOL_TOP.y + BOX_SIDE + 0.05;
 
-/// How far beyond the stone that is, in metres along z.
+/// The z coordinate of these panels in metres, beyond the stone.
 const MAIN_DEPTH: f32 = -1.15;
 
-/// Beside the stone: the middle of the upper edge, right of it. The lowest button is seen over the stone by a left hand.
+/// Centre of the upper edge of panels beside the stone, on its right. Their lowest button is visible over the
+/// stone for the left hand.
 const SIDE_HEAD: Vec3 = Vec3::new(0.78, 1.85, -0.9);
 
-/// How high eyes may be that panels turn to.
+/// Lowest and highest eyes that panels face, in metres.
 const EYE_HEIGHTS: [f32; 2] = [0.9, 2.1];
 
-/// Metres from a window's eye to its panels: nearer than any stone may be.
+/// Distance from a window's eye to its panels in metres: nearer than any stone.
 const VIEW_DEPTH: f32 = 0.2;
 
-/// The parts of a window's picture that a panel before the visitor fills at most, across and down.
+/// Largest share of a window's picture for a panel in front of the visitor, across and down.
 const MAIN_PARTS: [f32; 2] = [0.86, 0.62];
 
-/// The same of one that the window has moved the sculpture aside for, and where its middle is from the left.
+/// The same for a panel beside the sculpture, and the panel's centre from the left.
 const BESIDE_PARTS: [f32; 2] = [0.5, 0.84];
 const BESIDE_MIDDLE: f32 = 0.27;
 
-/// The same of those beside the stone, on the left and on the right.
+/// The same for panels beside the stone, on the left and on the right.
 const GUIDE_PARTS: [f32; 2] = [0.36, 0.46];
 const SIDE_PARTS: [f32; 2] = [0.26, 0.5];
 const CAPTION_PARTS: [f32; 2] = [0.34, 0.5];
 
-/// Between them and the picture's edges, in parts of its height: at the side, and above, where the status stands.
+/// Margins between these panels and the picture's edges, as shares of its height: at the side, and at the
+/// top, below the status.
 const SIDE_MARGINS: [f32; 2] = [0.03, 0.075];
 
-/// What a window sees: the eye, and tangents of its angles to the four sides.
+/// The view of a window: the eye, and the tangents of the angles to the four sides.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct WindowView {
-    /// The eye, in metres of the room.
+    /// The position of the eye, in metres of the room.
     pub position: Vec3,
-    /// It looks along its -z.
+    /// The rotation of the eye, which looks along its -z axis.
     pub rotation: Quat,
-    /// Tangent to the left side, mostly negative.
+    /// The tangent to the left side, mostly negative.
     pub left: f32,
-    /// To the right side.
+    /// The tangent to the right side.
     pub right: f32,
-    /// To the upper side.
+    /// The tangent to the upper side.
     pub up: f32,
-    /// To the lower side, negative below the middle: of what no tool bar covers.
+    /// The tangent to the lower side, negative below the centre. A tool bar's area is excluded.
     pub down: f32,
 }
 
-/// Where a panel stands in the room, for eyes as high as `eye_height` metres.
+/// Returns the pose of a panel in the room, for eyes at the height `eye_height` in metres.
 #[must_use]
 pub fn room_pose(spot: PanelSpot, [_, height_mm]: [f32; 2], eye_height: f32) -> PanelPose {
     let half = 0.5e-3 * height_mm;
@@ -80,7 +82,7 @@ pub fn room_pose(spot: PanelSpot, [_, height_mm]: [f32; 2], eye_height: f32) -> 
 }
 
 impl WindowView {
-    /// Where a panel of this size is held before the eye.
+    /// Returns the pose of a panel of this size in front of the eye.
     #[must_use]
     pub fn panel_pose(&self, spot: PanelSpot, [width_mm, height_mm]: [f32; 2]) -> PanelPose {
         let (wide, high) = (self.right - self.left, self.up - self.down);
@@ -91,7 +93,7 @@ impl WindowView {
             PanelSpot::Side => SIDE_PARTS,
             PanelSpot::Caption => CAPTION_PARTS,
         };
-        // Tangents of a millimetre.
+        // Size of a millimetre as a tangent.
         let fits = (wide * across / width_mm).min(high * down / height_mm);
         let at = match spot {
             PanelSpot::Main => [0.5 * (self.left + self.right), 0.5 * (self.up + self.down)],
@@ -122,7 +124,7 @@ mod tests {
     const ALL: [PanelSpot; 5] =
         [PanelSpot::Main, PanelSpot::Beside, PanelSpot::Guide, PanelSpot::Side, PanelSpot::Caption];
 
-    /// From seated children to tall people: what is before the visitor is seen above the highest stone.
+    /// From seated children to tall people: panels in front of the visitor are visible above the stone.
     #[test]
     fn the_stone_hides_nothing_before_a_visitor() {
         for eye_height in [1.1, 1.25, 1.45, 1.6, 1.8] {
@@ -130,7 +132,7 @@ mod tests {
                 let pose = room_pose(PanelSpot::Main, [1000.0, height_mm], eye_height);
                 let eye = Vec3::Y * eye_height;
                 let foot = pose.middle - pose.rotation * Vec3::Y * (0.5e-3 * height_mm);
-                // Where the line of sight to the panel's foot passes the stone's far edge.
+                // The share of the line of sight to the panel's foot at which it passes the stone's far edge.
                 let part = (STOOL_TOP.z - 0.5 * BOX_SIDE) / foot.z;
                 let above = eye.y + (foot.y - eye.y) * part;
                 assert!(above > STOOL_TOP.y + BOX_SIDE - 0.06, "{eye_height} {height_mm}: {above}");
@@ -140,7 +142,7 @@ mod tests {
         }
     }
 
-    /// What tells of a sculpture leaves it the right of the picture, where the window has moved it.
+    /// A panel about a sculpture leaves it the right half of the picture, to which the window has moved it.
     #[test]
     fn a_panel_beside_the_sculpture_leaves_it_half_of_a_window() {
         for [width, height] in [[640.0, 420.0], [1280.0, 800.0], [800.0, 600.0]] {

@@ -1,4 +1,4 @@
-//! New passwords of accounts. The shell hashes them.
+//! Password changes of accounts. The caller hashes the passwords.
 
 use crate::audit::{Subject, note};
 use crate::booth::{Booth, Tx};
@@ -9,11 +9,11 @@ use crate::staff::end_sessions;
 use crate::time::BoothTime;
 
 impl Booth {
-    /// Gives an account another password, of which the shell has checked the one before. All its logins end: who knows the
-    /// old one is out.
+    /// Changes the password of an account. The shell has checked the old password. Ends all logins of the
+    /// account, so that the old password gives no access.
     ///
     /// # Errors
-    /// [`Refusal::NotFound`] where there is none, or it is shut out; or those of the store.
+    /// [`Refusal::NotFound`] if the account doesn't exist or is disabled; or a store error.
     pub fn set_password(
         &self,
         name: &str,
@@ -30,11 +30,11 @@ impl Booth {
         })
     }
 
-    /// Gives an account whose password is forgotten a new one, ends all its logins, and lets it in if it was shut out.
-    /// Returns `true` if it was. `by` is the admin, or the command line.
+    /// Sets a new password for an account, ends all its logins, and enables it if it was disabled. Returns
+    /// `true` if it was disabled. `by` is the admin, or the command line.
     ///
     /// # Errors
-    /// [`Refusal::NotFound`] where there is no such account; or those of the store.
+    /// [`Refusal::NotFound`] if there is no such account; or a store error.
     pub fn reset_password(
         &self,
         name: &str,
@@ -61,7 +61,7 @@ pub(crate) fn find_account(tx: &mut Tx<'_>, name: &str) -> Result<Account, Refus
     tx.get(&[&name])?.ok_or(Refusal::NotFound(Reason::NoAccount))
 }
 
-/// Sets the password, lets the account in, and ends all its logins.
+/// Sets the password, enables the account, and ends all its logins.
 fn put_password(tx: &mut Tx<'_>, account: Account, password_hash: &str) -> Result<(), Refusal> {
     let password_hash = password_hash.to_owned();
     let account = Account { password_hash, is_disabled: false, ..account };

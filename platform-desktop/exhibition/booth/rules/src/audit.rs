@@ -1,4 +1,4 @@
-//! The audit: who did what, when. Addresses are never in it.
+//! The audit log: who did what, and when. Addresses are never in it.
 
 use crate::booth::{Booth, Tx};
 use crate::limits::SWEEP_BATCH;
@@ -7,7 +7,7 @@ use crate::refusal::Refusal;
 use crate::store::StoreError;
 use crate::time::BoothTime;
 
-/// What an entry is about.
+/// The subject of an audit entry.
 #[derive(Clone, Copy, Default, Debug)]
 pub(crate) struct Subject {
     pub(crate) headset: Option<u32>,
@@ -16,18 +16,18 @@ pub(crate) struct Subject {
 }
 
 impl Booth {
-    /// The newest entries, the last one first.
+    /// Returns the newest entries, the latest first.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn list_audit(&self, limit: usize) -> Result<Vec<AuditEntry>, Refusal> {
         self.list_audit_before(BoothTime(u64::MAX), limit)
     }
 
-    /// The newest entries of before a time, the last one first.
+    /// Returns the newest entries before a time, the latest first.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn list_audit_before(
         &self,
         before: BoothTime,
@@ -38,14 +38,14 @@ impl Booth {
     }
 }
 
-/// Removes the oldest entries that are from before a time.
+/// Removes the oldest entries before a time, up to [`SWEEP_BATCH`] of them.
 pub(crate) fn drop_old_entries(tx: &mut Tx<'_>, before: BoothTime) -> Result<(), StoreError> {
     let oldest = "DELETE FROM audit WHERE (at, number) IN
         (SELECT at, number FROM audit WHERE at < ?1 ORDER BY at LIMIT ?2)";
     tx.run(oldest, &[&before, &SWEEP_BATCH]).map(drop)
 }
 
-/// Notes that something was done; by nobody where the booth did it by itself.
+/// Adds an entry to the audit log. `account` is `None` if the booth acted by itself.
 pub(crate) fn note(
     tx: &mut Tx<'_>,
     now: BoothTime,
@@ -53,7 +53,7 @@ pub(crate) fn note(
     action: &str,
     subject: Subject,
 ) -> Result<(), StoreError> {
-    // The first number of this time that is free.
+    // Find the first free number of this time.
     let mut number = 0u64;
     while tx.get::<AuditEntry>(&[&now, &number])?.is_some() {
         number += 1;

@@ -1,8 +1,9 @@
-//! Blocks of badges' numbers: leased to headsets, resting, and free again.
+//! Blocks of badge numbers: leased to headsets, resting, or free.
 //!
-//! A block without a row is free. It is *leased* to a headset in a heartbeat, and *rests* once it is used up, or the headset
-//! lost it, was retired, or was silent for too long. It is free again after [`LATE_DAYS`], when no sculpture that is kept
-//! has one of its numbers. A sculpture *claims* its badge by the serial of the block's lease, at most one a number.
+//! A block without a row is free. A heartbeat *leases* it to a headset. It *rests* once it is used up, or
+//! once the headset lost it, was retired, or was silent for too long. It is free again after [`LATE_DAYS`],
+//! if no kept sculpture has one of its numbers. A sculpture *claims* its badge by the serial of the lease;
+//! each number has at most one claim.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -19,29 +20,29 @@ use crate::refusal::Refusal;
 use crate::store::StoreError;
 use crate::time::{BoothTime, DAY};
 
-/// Colours whose numbers are leased.
+/// Number of colours whose badge numbers are leased.
 const LEASED_COLOURS: usize = 7;
 
-/// Blocks in a row that are taken, after which all taken ones are read at once.
+/// Number of taken blocks in a row after which all taken blocks are read at once.
 const ASKED_ONE_BY_ONE: usize = 64;
 
-/// Stands before the parts of a serial, so that no other secret of the site's key is a serial.
+/// Domain separation: keeps serials apart from other secrets of the site's key.
 const SERIAL_CONTEXT: &[u8] = b"paros badge block v1\0";
 
-/// The changes that a headset's report leads to.
+/// The changes that follow from a headset's report.
 #[derive(Default)]
 pub(crate) struct BadgePlan {
-    /// Rows to keep.
+    /// Rows to store.
     blocks: Vec<BadgeBlock>,
     cursor: Option<BadgeCursor>,
-    /// The blocks that the headset holds once they are kept.
+    /// The blocks that the headset holds once the rows are stored.
     pub(crate) held: Vec<HeldBlock>,
 }
 
-/// How the leasable numbers are distributed, in blocks. All three together are [`LEASED_BLOCKS`].
+/// The distribution of the leasable blocks. The three counts add up to [`LEASED_BLOCKS`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct BadgeTotals {
-    /// To be leased.
+    /// Free for a lease.
     pub free: u64,
     /// Leased to headsets.
     pub leased: u64,
@@ -50,7 +51,7 @@ pub struct BadgeTotals {
 }
 
 impl BadgeTotals {
-    /// `true` if fewer than a tenth are free: staff are warned.
+    /// `true` if fewer than a tenth of the blocks are free. Staff are warned then.
     #[must_use]
     pub const fn are_scarce(&self) -> bool {
         self.free < LEASED_BLOCKS as u64 / 10
@@ -74,10 +75,10 @@ impl BadgePlan {
 }
 
 impl Booth {
-    /// Counts blocks, for staff.
+    /// Counts the blocks, for staff.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn count_badges(&self) -> Result<BadgeTotals, Refusal> {
         self.view(|tx| {
             let known = tx.count::<BadgeBlock>("", &[])?;
@@ -87,8 +88,8 @@ impl Booth {
         })
     }
 
-    /// Finds what a headset holds after its report, and what changes by it. Nothing does where it holds two blocks and has
-    /// shown no badge since.
+    /// Plans which blocks a headset holds after its report, and which rows change. Nothing changes if the
+    /// headset holds two blocks and has shown no badge since its last report.
     pub(crate) fn plan_badges(
         &self,
         tx: &mut Tx<'_>,
@@ -109,7 +110,7 @@ impl Booth {
         Ok(plan)
     }
 
-    /// Leases blocks until the headset holds two; fewer where it, or all headsets together, had a day's number of them.
+    /// Leases blocks until the headset holds two, within the daily limits of the headset and of all headsets.
     fn lease(
         &self,
         tx: &mut Tx<'_>,
@@ -118,7 +119,7 @@ impl Booth {
         plan: &mut BadgePlan,
     ) -> Result<(), StoreError> {
         let mut cursor = get_cursor(tx)?;
-        // Tomorrow's may be there from another process. What lies further ahead is of a clock that was wrong.
+        // Another process may have reached tomorrow. A day further ahead comes from a wrong clock.
         let (today, tomorrow) = (now.day(), now.day().saturating_add(1));
         if !(today..=tomorrow).contains(&cursor.day) {
             (cursor.day, cursor.left_today) = (today, DAY_BLOCKS);
@@ -135,7 +136,7 @@ impl Booth {
         while plan.held.len() < MAX_HELD_BLOCKS && own_left > 0 && cursor.left_today > 0 {
             let planned: BTreeSet<u16> = plan.blocks.iter().map(|block| block.block).collect();
             let Some(block) = find_free(tx, planned, &mut cursor.turn)? else {
-                // Not every heartbeat looks again.
+                // Later heartbeats skip the search until the daily sweep.
                 cursor.is_used_up = true;
                 break;
             };
@@ -149,17 +150,18 @@ impl Booth {
         Ok(())
     }
 
-    /// The serial of a block's lease on a day. Nobody else can make one, so that the booth knows its own again after a restore.
+    /// Returns the serial of a block's lease on a day. Only this site can make it, so that the booth
+    /// recognises its serials after a restore.
     fn make_serial(&self, block: u16, day: u32) -> BlockSerial {
-        // Days are counted from 1970: until 2149.
+        // Days since 1970 fit 16 bits until 2149.
         let day = u16::try_from(day).unwrap_or(u16::MAX).to_be_bytes();
         let [a, b, c, d, e, f] =
             self.keys.make_secret(SERIAL_CONTEXT, &[&block.to_le_bytes(), &day]);
         BlockSerial([day[0], day[1], a, b, c, d, e, f])
     }
 
-    /// `true` if this site made a serial for a block later than the lease that it knows, as where it came back from a backup
-    /// of before that.
+    /// `true` if this site made the serial for a later lease of the block than the known one. This happens
+    /// after a restore from a backup that is older than the lease.
     fn is_later_lease(
         &self,
         known: Option<&BadgeBlock>,
@@ -170,7 +172,7 @@ impl Booth {
         is_later && self.make_serial(block, day).0.ct_eq(&serial.0).into()
     }
 
-    /// Takes a block of a report: notes how far it is used, and whether the headset keeps it.
+    /// Processes a block of a report: updates its next number, and decides if the headset keeps it.
     fn take_reported(
         &self,
         tx: &mut Tx<'_>,
@@ -201,8 +203,8 @@ impl Booth {
         Ok(())
     }
 
-    /// Returns the number of a sculpture's badge if it is its own: its serial is that of the block's lease, and no sculpture that
-    /// is kept has claimed the number.
+    /// Returns the badge number of a sculpture if its claim is valid: the serial matches the lease of the
+    /// block, and no kept sculpture has claimed the number.
     pub(crate) fn claim_badge(
         &self,
         tx: &mut Tx<'_>,
@@ -215,7 +217,7 @@ impl Booth {
         let Some((block, _)) = badge.block_and_place() else { return Ok(None) };
         let mut lease: Option<BadgeBlock> = tx.get(&[&block])?;
         if self.is_later_lease(lease.as_ref(), (block, *serial)) {
-            // It rests: nobody said that a headset holds it still. No report has the epoch 0.
+            // The adopted block rests, as no headset has reported to hold it. No report has the epoch 0.
             let mut adopted = BadgeBlock::leased((block, *serial), (headset, 0), now);
             rest(&mut adopted, now);
             tx.put(&adopted)?;
@@ -226,8 +228,8 @@ impl Booth {
         Ok((is_leased && claimed == 0).then_some(badge.get()))
     }
 
-    /// Does what is due once a day: what a restore left to be passed over, blocks of silent headsets, which rest, and blocks
-    /// that have rested, which are free.
+    /// Does the daily work: passes over blocks after a restore, rests blocks of silent headsets, and frees
+    /// rested blocks.
     pub(crate) fn sweep_badges(&self, now: BoothTime) -> Result<(), Refusal> {
         let is_due = self.update(|tx| {
             let mut cursor = get_cursor(tx)?;
@@ -257,7 +259,7 @@ impl Booth {
         Ok(())
     }
 
-    /// Puts blocks to rest whose headsets have said nothing for longer than sculptures are kept and may be late.
+    /// Rests the blocks of headsets that were silent for longer than the retention period plus [`LATE_DAYS`].
     fn rest_silent(&self, tx: &mut Tx<'_>, now: BoothTime) -> Result<(), StoreError> {
         let silence = DAY * (u32::from(self.plan.retention_days) + LATE_DAYS);
         for mut block in tx.find::<BadgeBlock>("WHERE free_on IS NULL", &[])? {
@@ -272,8 +274,8 @@ impl Booth {
     }
 }
 
-/// Blocks that are leased to a headset and not in its report. One that it never reported it may not have heard of: it gets
-/// the same again. Others it lost, or gave up.
+/// Processes blocks that are leased to a headset but not in its report. A block that it has never reported
+/// may not have reached it: it gets that block again. Any other block was lost or given up, and rests.
 fn take_unreported(
     tx: &mut Tx<'_>,
     (headset, report): (u32, &BadgeReport),
@@ -295,7 +297,7 @@ fn take_unreported(
     Ok(())
 }
 
-/// A headset is gone for good: its blocks rest.
+/// Rests the blocks of a headset that is retired.
 pub(crate) fn retire_headset(
     tx: &mut Tx<'_>,
     headset: u32,
@@ -305,15 +307,15 @@ pub(crate) fn retire_headset(
     tx.run(rest, &[&rested_on(now), &headset]).map(drop)
 }
 
-/// Begins the leasing of a booth that came back from a copy. A clock that is before the copy says nothing of what was leased
-/// since: until it is right, no block is leased.
+/// Prepares leasing after a restore from a copy. If the clock is before the copy, the number of later leases
+/// is unknown, and no block is leased until the clock is right.
 pub(crate) fn restore_badges(
     tx: &mut Tx<'_>,
     copied_at: BoothTime,
     now: BoothTime,
 ) -> Result<(), StoreError> {
     let mut cursor = get_cursor(tx)?;
-    // Their headsets may have heard of them since, and used them up.
+    // The headset of such a block may have received it since the copy, and used it up.
     let rest = "UPDATE badge_blocks SET free_on = ?1 WHERE free_on IS NULL AND next IS NULL";
     tx.run(rest, &[&rested_on(now)])?;
     cursor.restored_at = now;
@@ -325,10 +327,10 @@ pub(crate) fn restore_badges(
     tx.put(&cursor)
 }
 
-/// Passes over as many blocks as may have been leased since a copy was made, of those that were free or may have become so.
-/// Where these are all, every block rests.
+/// Skips as many blocks as may have been leased since the copy was made, among those that were free or may
+/// have become free. If that could be all of them, every leased block rests.
 ///
-/// A day's blocks may have been leased twice, as the booth may have come back from the same copy on each day before.
+/// A day's blocks may have been leased twice, if the booth was restored from this copy every day.
 fn pass_over(
     tx: &mut Tx<'_>,
     cursor: &mut BadgeCursor,
@@ -360,19 +362,19 @@ fn pass_over(
     Ok(())
 }
 
-/// When the booth last came back from a backup, in milliseconds; 0 if it never did.
+/// Returns when the booth was last restored from a backup, in milliseconds; 0 for never.
 pub(crate) fn store_epoch(tx: &mut Tx<'_>) -> Result<u64, StoreError> {
     Ok(get_cursor(tx)?.restored_at.0)
 }
 
-/// Blocks that a headset got in the last 24 hours.
+/// Counts the blocks that were leased to a headset in the last 24 hours.
 fn count_of_day(tx: &mut Tx<'_>, headset: u32, now: BoothTime) -> Result<usize, StoreError> {
     let day_ago = BoothTime(now.0.saturating_sub(DAY.as_millis() as u64));
     let of_day = "WHERE headset = ?1 AND leased_at >= ?2";
     Ok(tx.count::<BadgeBlock>(of_day, &[&headset, &day_ago])? as usize)
 }
 
-/// The next block without a row, and not planned.
+/// Finds the next block that has no row and isn't planned.
 fn find_free(
     tx: &mut Tx<'_>,
     mut taken: BTreeSet<u16>,
@@ -398,8 +400,8 @@ fn get_cursor(tx: &mut Tx<'_>) -> Result<BadgeCursor, StoreError> {
     Ok(tx.get(&[&0u8])?.unwrap_or_default())
 }
 
-/// Removes a block's row, unless a sculpture that is kept has one of its numbers: then it is looked at again after that one's
-/// last day.
+/// Removes a block's row, unless a kept sculpture has one of its numbers: then the block rests until after
+/// that sculpture's last day.
 fn free_unless_claimed(
     tx: &mut Tx<'_>,
     mut block: BadgeBlock,
@@ -412,7 +414,7 @@ fn free_unless_claimed(
     match last {
         None => tx.run("DELETE FROM badge_blocks WHERE block = ?1", &[&block.block]).map(drop),
         Some(last) => {
-            // What is past its last day is swept soon.
+            // A sculpture past its last day is swept soon.
             block.free_on = Some(last.max(now.day()).saturating_add(1));
             tx.put(&block)
         }
@@ -423,12 +425,12 @@ fn rest(block: &mut BadgeBlock, now: BoothTime) {
     block.free_on = Some(rested_on(now));
 }
 
-/// The first day on which a block is free that rests from now on.
+/// Returns the first day on which a block is free again if it rests from now on.
 const fn rested_on(now: BoothTime) -> u32 {
     now.day().saturating_add(LATE_DAYS + 1)
 }
 
-/// The blocks take turns by colour, so that visitors of a day have badges of all.
+/// Returns the block of a turn. The colours alternate, so that a day's visitors have badges of all colours.
 const fn block_of_turn(turn: u16) -> u16 {
     let (turn, of_colour) = (turn as usize % LEASED_BLOCKS, LEASED_BLOCKS / LEASED_COLOURS);
     (turn % LEASED_COLOURS * of_colour + turn / LEASED_COLOURS) as u16

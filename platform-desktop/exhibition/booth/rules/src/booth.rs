@@ -1,4 +1,4 @@
-//! The booth: its store, its parcels, its keys and its plan.
+//! The booth: its store, its parcel files, its keys and its plan.
 
 use std::sync::Arc;
 
@@ -9,40 +9,40 @@ use sha2::Sha256;
 use crate::parcel_files::ParcelFiles;
 use crate::store::{Store, StoreError, Transaction};
 
-/// What decides. Each request is a call; any number of them may be under way at once.
+/// The booth's rules. Each request is a call, and calls may run concurrently.
 #[derive(Clone)]
 pub struct Booth {
     pub(crate) store: Arc<dyn Store>,
     pub(crate) files: Arc<dyn ParcelFiles>,
     pub(crate) keys: SiteKeys,
     pub(crate) plan: BoothPlan,
-    /// Which of several on the same records it is.
+    /// The number of this process, where several work on the same records.
     pub(crate) worker: u64,
 }
 
-/// A transaction, as decisions use it.
+/// A transaction, as the rules use it.
 pub(crate) type Tx<'a> = dyn Transaction + 'a;
 
-/// What makes a site this one.
+/// The identity of a site.
 #[derive(Clone)]
 pub struct SiteKeys {
-    /// Its name.
+    /// The id of the site.
     pub site: SiteId,
-    /// SHA-256 of its certificate authority's certificate.
+    /// The SHA-256 of the certificate of the site's certificate authority.
     pub ca_hash: ContentHash,
     pub(crate) link_secret: [u8; 32],
 }
 
-/// How long things are kept, in days.
+/// Retention periods, in days.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct BoothPlan {
-    /// Sculptures, after the day on which they came.
+    /// Retention of sculptures, counted from the day of their arrival.
     pub retention_days: u16,
-    /// Traces, which are a person's motion.
+    /// Retention of traces, which record a person's motion.
     pub trace_days: u16,
-    /// What was withdrawn.
+    /// Time from the withdrawal of a sculpture to its deletion.
     pub withdrawn_days: u16,
-    /// How long a headset may keep a sculpture that was deleted here, until it asks.
+    /// Lifetime of tombstones: how long a headset may keep a sculpture that was deleted here, until it asks.
     pub horizon_days: u16,
 }
 
@@ -53,7 +53,7 @@ impl Default for BoothPlan {
 }
 
 impl Booth {
-    /// Of these parts.
+    /// Makes a booth of these parts.
     #[must_use]
     pub fn new(
         store: Arc<dyn Store>,
@@ -64,13 +64,13 @@ impl Booth {
         Booth { store, files, keys, plan, worker: 0 }
     }
 
-    /// Its keys.
+    /// Returns the keys of the site.
     #[must_use]
     pub const fn keys(&self) -> &SiteKeys {
         &self.keys
     }
 
-    /// How long things are kept.
+    /// Returns the retention periods.
     #[must_use]
     pub const fn plan(&self) -> BoothPlan {
         self.plan
@@ -92,19 +92,20 @@ impl Booth {
 }
 
 impl SiteKeys {
-    /// Of random bits: a site's name, and the secret behind visitors' links.
+    /// Makes the keys of random bits: the site's id, and the secret behind visitors' links.
     #[must_use]
     pub const fn new(site: SiteId, ca_hash: ContentHash, link_secret: [u8; 32]) -> Self {
         SiteKeys { site, ca_hash, link_secret }
     }
 
-    /// The first bytes of the HMAC of these parts, which only the site can make. Another `context` leads to others.
+    /// Returns the first bytes of the HMAC of these parts, which only the site can compute. `context`
+    /// separates the uses.
     pub(crate) fn make_secret<const BYTES: usize>(
         &self,
         context: &[u8],
         parts: &[&[u8]],
     ) -> [u8; BYTES] {
-        // HMAC pads a shorter key with zeros to a block itself.
+        // HMAC itself pads a shorter key with zeros to a block.
         let mut key = [0; 64];
         key[..32].copy_from_slice(&self.link_secret);
         let mut mac = Hmac::<Sha256>::new(&key.into());

@@ -40,7 +40,7 @@ impl Booth {
     /// Returns the jump of the clock that waits for an admin's answer, if there is one.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn find_clock_jump(&self, now: BoothTime) -> Result<Option<ClockJump>, Refusal> {
         let seen_at = self.view(|tx| seen_time(tx, now))?;
         Ok((seen_at.distance(now) > MAX_CLOCK_STEP).then_some(ClockJump { seen_at, now }))
@@ -49,7 +49,7 @@ impl Booth {
     /// Confirms that the clock is right. Sculptures age by the whole jump, except those that arrived after it.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn confirm_clock(&self, account: &str, now: BoothTime) -> Result<(), Refusal> {
         self.update(|tx| {
             let seen_at = seen_time(tx, now)?;
@@ -57,7 +57,7 @@ impl Booth {
             let arrived_since =
                 "UPDATE sculptures SET keep_day = keep_day + ?1 WHERE received_at > ?2";
             tx.run(arrived_since, &[&days.cast_unsigned(), &seen_at.min(now)])?;
-            // A clock that was ahead wrote times that are yet to come.
+            // A clock that was ahead wrote times in the future.
             tx.run("UPDATE sculptures SET received_at = ?1 WHERE received_at > ?1", &[&now])?;
             tx.run("UPDATE sculptures SET withdrawn_at = ?1 WHERE withdrawn_at > ?1", &[&now])?;
             tx.put(&SeenTime { row: 0, seen_at: now })?;
@@ -72,7 +72,7 @@ impl BoothTime {
         self.since(other).max(other.since(self))
     }
 
-    /// Returns the time so many days earlier.
+    /// Returns the time `days` days earlier.
     pub(crate) fn days_before(self, days: u16) -> BoothTime {
         BoothTime(self.0.saturating_sub((DAY * u32::from(days)).as_millis() as u64))
     }

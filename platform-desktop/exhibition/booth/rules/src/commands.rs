@@ -1,4 +1,4 @@
-//! What staff ask of headsets.
+//! Commands of staff to headsets.
 
 use paros_protocol::CommandKind;
 
@@ -12,11 +12,11 @@ use crate::refusal::Refusal;
 use crate::time::BoothTime;
 
 impl Booth {
-    /// Asks a headset to do something, in the visit that it was last heard of. The command waits for its next
-    /// heartbeat. Returns its number.
+    /// Queues a command for a headset, for the visit of its last heartbeat. The next heartbeat's answer
+    /// carries the command. Returns its number.
     ///
     /// # Errors
-    /// That there is no such headset or visit, or that too many commands wait.
+    /// There is no such headset or visit, or too many commands wait; or a store error.
     pub fn ask_command(
         &self,
         headset: u32,
@@ -39,8 +39,8 @@ impl Booth {
             }
             let newest: Option<Command> =
                 tx.find_first("WHERE headset = ?1 ORDER BY command DESC", &[&headset])?;
-            // By the clock, so that they grow on where a copy of the records doesn't know the last ones: a headset takes
-            // none that is before its last.
+            // Derived from the clock, so that the numbers also increase after a restore that lacks the last
+            // commands. A headset ignores numbers below its last one.
             let command = newest.map_or(0, |newest| newest.command.saturating_add(1)).max(now.0);
             tx.put(&Command {
                 headset,
@@ -57,10 +57,10 @@ impl Booth {
         })
     }
 
-    /// A headset's commands, the newest first, and what became of them.
+    /// Returns a headset's commands and their states, the newest first.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn list_commands(
         &self,
         headset: u32,
@@ -71,7 +71,7 @@ impl Booth {
         let mut commands: Vec<Command> = self.view(|tx| tx.find(newest, &[&headset, &limit]))?;
         for command in &mut commands {
             let is_open = matches!(command.state, CommandState::Waiting | CommandState::Sent);
-            // The headset may be silent; what it did in time it reports later.
+            // The headset may be silent. It may still report later that it carried the command out in time.
             if is_open && now.since(command.asked_at) >= COMMAND_LIFE {
                 command.state = CommandState::Expired;
             }
@@ -80,7 +80,7 @@ impl Booth {
     }
 }
 
-/// A command in a word.
+/// Returns the name of a command for the audit log.
 const fn command_name(kind: CommandKind) -> &'static str {
     match kind {
         CommandKind::Identify => "identify",

@@ -1,5 +1,5 @@
-//! The log of deletions: a line for each, which survives apart from the database, so that what is brought back from an
-//! older copy doesn't bring back what was deleted since.
+//! The deletion log: one line for each deletion, kept apart from the database. After a restore from an older
+//! copy it prevents that deleted sculptures reappear.
 
 use std::fmt::Write as _;
 
@@ -8,23 +8,23 @@ use paros_protocol::{ContentHash, SculptureId};
 use crate::records::Tombstone;
 use crate::time::BoothTime;
 
-/// What was deleted: all that a tombstone needs.
+/// A deletion: all that a tombstone needs.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Deletion {
     /// The sculpture's id.
     pub id: SculptureId,
-    /// Who made it.
+    /// The headset that made the sculpture.
     pub headset: u32,
-    /// Of the parcel that it came in.
+    /// The hash of the parcel.
     pub hash: ContentHash,
-    /// The number of its badge, if its visitor was shown one.
+    /// The number of its badge, if its visitor was shown a badge.
     pub badge: Option<u32>,
-    /// When it was deleted.
+    /// The time of the deletion.
     pub deleted_at: BoothTime,
 }
 
 impl Deletion {
-    /// Of a tombstone.
+    /// Makes the deletion of a tombstone.
     #[must_use]
     pub const fn of(tombstone: &Tombstone) -> Self {
         Deletion {
@@ -36,7 +36,7 @@ impl Deletion {
         }
     }
 
-    /// A line of the log, with its end: id, headset, hash, badge or `-`, milliseconds since 1970.
+    /// Returns the log line, with its line end: id, headset, hash, badge or `-`, milliseconds since 1970.
     #[must_use]
     pub fn to_line(&self) -> String {
         let mut line = format!("{} {} {} ", self.id, self.headset, self.hash);
@@ -48,7 +48,7 @@ impl Deletion {
         line + &format!(" {}\n", self.deleted_at.0)
     }
 
-    /// What [`Deletion::to_line`] wrote, without the line's end; `None` for anything else.
+    /// Parses a line of [`Deletion::to_line`] without its line end; `None` for any other text.
     #[must_use]
     pub fn parse_line(line: &str) -> Option<Self> {
         let mut words = line.split(' ');

@@ -1,4 +1,4 @@
-//! Who a headset is, and how one is let in or shut out.
+//! Headset identity: authentication, enrolment and exclusion.
 
 use paros_protocol::{ContentHash, DeviceHint, DeviceToken};
 use subtle::ConstantTimeEq as _;
@@ -13,10 +13,10 @@ use crate::refusal::Refusal;
 use crate::store::StoreError;
 use crate::time::BoothTime;
 
-/// Said to a headset that staff shut out.
+/// The refusal for a headset that staff excluded.
 const SHUT_OUT: Refusal = Refusal::Forbidden(Reason::ShutOut);
 
-/// A device that is to become a headset.
+/// A device that asks to become a headset.
 #[derive(Clone, Debug)]
 pub(crate) struct NewDevice {
     pub(crate) token_hash: ContentHash,
@@ -25,15 +25,15 @@ pub(crate) struct NewDevice {
 }
 
 impl Booth {
-    /// The headset that has this token.
+    /// Finds the headset that has this token.
     ///
     /// # Errors
-    /// [`Refusal::UnknownToken`] where there is none, [`Refusal::Forbidden`] where it was shut out: one that isn't known may
-    /// enrol anew, as where the booth came back from a backup of before it did. Those of the store.
+    /// [`Refusal::UnknownToken`] if no headset has it, [`Refusal::Forbidden`] if the headset was excluded; or
+    /// a store error. An unknown device may enrol again, such as after a restore from an older backup.
     pub fn authenticate(&self, token: &DeviceToken) -> Result<Device, Refusal> {
         let hash = ContentHash::of(&token.0);
         let devices = self.view(|tx| tx.find::<Device>("WHERE token_hash = ?1", &[&hash.0]))?;
-        // What the index found is compared as a whole once more, in a time that tells nothing.
+        // Compare the full hash in constant time, whatever the index found.
         let is_its = |device: &Device| bool::from(device.token_hash.ct_eq(&hash.0));
         let mut devices = devices.into_iter().filter(is_its).peekable();
         let is_known = devices.peek().is_some();
@@ -41,18 +41,18 @@ impl Booth {
         let_in.ok_or(if is_known { SHUT_OUT } else { Refusal::UnknownToken })
     }
 
-    /// All headsets, by their numbers.
+    /// Returns all headsets, in the order of their numbers.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn list_devices(&self) -> Result<Vec<Device>, Refusal> {
         self.view(|tx| tx.find("ORDER BY headset", &[]))
     }
 
-    /// Shuts a headset out that was lost, broken or sent home, and puts its blocks of badges to rest.
+    /// Excludes a headset that was lost, broken or sent home, and rests its badge blocks.
     ///
     /// # Errors
-    /// That there is none of this number, or those of the store.
+    /// There is no headset of this number; or a store error.
     pub fn revoke_device(
         &self,
         headset: u32,
@@ -71,7 +71,7 @@ impl Booth {
     }
 }
 
-/// The headset with a token of this hash, unless it was shut out.
+/// Finds the headset with a token of this hash, unless it was excluded.
 pub(crate) fn find_by_token(
     tx: &mut Tx<'_>,
     token_hash: &ContentHash,
@@ -79,8 +79,8 @@ pub(crate) fn find_by_token(
     tx.find_first("WHERE token_hash = ?1 AND revoked_at IS NULL", &[&token_hash.0])
 }
 
-/// The headset that a device with this hint may be, after its data was wiped: the only one that isn't shut out, and
-/// which has been silent for long enough.
+/// Finds the headset that a wiped device with this hint may be: the only one with the hint that isn't
+/// excluded, if it has been silent for long enough.
 pub(crate) fn find_wiped(
     tx: &mut Tx<'_>,
     hint: &DeviceHint,
@@ -94,7 +94,7 @@ pub(crate) fn find_wiped(
     Ok(if found.len() == 1 { found.pop().filter(is_silent) } else { None })
 }
 
-/// Lets a device in: as the headset `number`, whose token is void then, or as a new one.
+/// Enrols a device: as a new headset, or as the headset `number`, whose old token becomes invalid.
 pub(crate) fn enrol(
     tx: &mut Tx<'_>,
     new: &NewDevice,
@@ -116,7 +116,7 @@ pub(crate) fn enrol(
         name: new.name.clone(),
         enrolled_at: now,
         revoked_at: None,
-        // That it was wiped it says by itself: it may have kept all and lost its token alone.
+        // The heartbeat reports a wipe itself. The device may have lost only its token.
         wiped_at: known.as_ref().and_then(|device| device.wiped_at),
         seen_at: known.as_ref().and_then(|device| device.seen_at),
         status: known.map_or_else(Vec::new, |device| device.status),
@@ -124,7 +124,7 @@ pub(crate) fn enrol(
     Ok(headset)
 }
 
-/// The number after the greatest, so that none is ever another headset's.
+/// Returns the number after the greatest one, so that a number is never reused.
 fn next_number(tx: &mut Tx<'_>) -> Result<u32, Refusal> {
     let active = tx.count::<Device>("WHERE revoked_at IS NULL", &[])?;
     if active >= MAX_HEADSETS {

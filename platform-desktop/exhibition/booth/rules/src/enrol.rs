@@ -11,10 +11,10 @@ use crate::refusal::Refusal;
 use crate::time::BoothTime;
 
 impl Booth {
-    /// Makes a token known that lets `uses` devices in, until it expires. It is 256 random bits.
+    /// Adds a token of 256 random bits that enrols up to `uses` devices until it expires.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn add_enrol_token(
         &self,
         token: &EnrolmentToken,
@@ -36,18 +36,18 @@ impl Booth {
         })
     }
 
-    /// All tokens' records, used up and expired ones too.
+    /// Returns the records of all tokens, including used-up and expired ones.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn list_enrol_tokens(&self) -> Result<Vec<EnrolToken>, Refusal> {
         self.view(|tx| tx.find("ORDER BY token_hash", &[]))
     }
 
-    /// Takes a token back. Headsets that it let in stay.
+    /// Revokes a token. Headsets that enrolled with it stay enrolled.
     ///
     /// # Errors
-    /// That there is none with this hash, or those of the store.
+    /// There is no token with this hash; or a store error.
     pub fn revoke_enrol_token(
         &self,
         token_hash: &[u8; 32],
@@ -63,11 +63,11 @@ impl Booth {
         })
     }
 
-    /// Lets a device in. Asked again by the same one, as after a lost answer, it says the same. A device whose hint is
-    /// a silent headset's takes over its number, and so its lease: it is that one, wiped.
+    /// Enrols a device. Idempotent: a retry after a lost answer gets the same answer. A device with the hint
+    /// of a silent headset counts as that headset after a wipe: it takes over its number and leases.
     ///
     /// # Errors
-    /// [`Refusal::UnknownToken`] for a token that was never made, expired, is used up or revoked.
+    /// [`Refusal::UnknownToken`] if the token is unknown, expired, used up or revoked.
     pub fn enrol_fleet(
         &self,
         asked: &FleetEnrolment,

@@ -1,4 +1,4 @@
-//! How staff find a sculpture: by its badge, or by one that was misread.
+//! Search by badge, including misread badges.
 
 use paros_core::badge::{Badge, BadgeNumber};
 use paros_protocol::SculptureId;
@@ -13,36 +13,36 @@ use crate::store::StoreError;
 use crate::value::ToValue;
 use crate::words::HeardBadge;
 
-/// What a badge leads to.
+/// The result of a search by badge.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum FoundByBadge {
-    /// The badge is a right one. Nothing may have it.
+    /// The badge is valid. There may be no matches.
     Exact(BadgeMatches),
-    /// It is wrong, incomplete, or nothing has it: right ones near to it that something has, the nearest first.
+    /// The badge is invalid, incomplete or without matches. The valid badges with matches, the nearest first.
     Nearest(Vec<(Badge, BadgeMatches)>),
 }
 
-/// What has a badge.
+/// The sculptures with a badge.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct BadgeMatches {
-    /// What is kept: first what has the badge as its own, then the newest. A leased badge is one sculpture's own; a provisional one
-    /// may be of any number.
+    /// The kept sculptures: first those that own the badge, then by age, the newest first. A leased badge is
+    /// owned by one sculpture; a provisional badge may be shown on any number of sculptures.
     pub kept: Vec<Sculpture>,
-    /// What was announced and hasn't come.
+    /// The sculptures that were announced and haven't arrived.
     pub missing: Vec<Announcement>,
 }
 
-/// A sculpture that was announced and hasn't come.
+/// A sculpture that was announced and hasn't arrived.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct MissingSculpture {
-    /// What is known of it.
+    /// The announcement of the sculpture.
     pub announcement: Announcement,
-    /// Whether its headset was wiped since: it won't come.
+    /// `true` if its headset was wiped after the announcement: the sculpture won't arrive.
     pub is_lost: bool,
 }
 
 impl BadgeMatches {
-    /// Whether nothing has it.
+    /// `true` if no sculpture has the badge.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.kept.is_empty() && self.missing.is_empty()
@@ -50,10 +50,11 @@ impl BadgeMatches {
 }
 
 impl Booth {
-    /// What has a badge, or may be meant by a wrong one or by a part of one. What is withdrawn or past its last day isn't found.
+    /// Finds the sculptures with a badge, or with a similar badge if `heard` is wrong or incomplete.
+    /// Withdrawn sculptures aren't found.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn find_by_badge(&self, heard: &HeardBadge) -> Result<FoundByBadge, Refusal> {
         let whole = heard.badge().and_then(|badge| badge.number().ok());
         self.view(|tx| {
@@ -83,19 +84,19 @@ impl Booth {
         })
     }
 
-    /// The sculpture of an id, withdrawn or not.
+    /// Returns the sculpture of an id, withdrawn or not.
     ///
     /// # Errors
-    /// [`Refusal::NotFound`], or those of the store.
+    /// [`Refusal::NotFound`], or a store error.
     pub fn find_sculpture(&self, id: &SculptureId) -> Result<Sculpture, Refusal> {
         let found: Option<Sculpture> = self.view(|tx| tx.get(&[&id.0]))?;
         found.ok_or(NO_SCULPTURE)
     }
 
-    /// The sculptures that were announced and haven't come, the newest first.
+    /// Returns the sculptures that were announced and haven't arrived, the newest first.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn list_missing(&self, count: usize) -> Result<Vec<MissingSculpture>, Refusal> {
         let newest = "ORDER BY heard_at DESC, headset, sculpture LIMIT ?1";
         self.view(|tx| {
@@ -110,10 +111,10 @@ impl Booth {
         })
     }
 
-    /// Counts records: `rest` is what follows `SELECT count(*) FROM table`.
+    /// Counts records. `rest` is the SQL after `SELECT count(*) FROM table`.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn count<R: Record>(&self, rest: &str, values: &[&dyn ToValue]) -> Result<u64, Refusal> {
         self.view(|tx| tx.count::<R>(rest, values))
     }

@@ -1,7 +1,7 @@
-//! Heartbeats: what a headset says every two seconds, and the commands that ride on the answers.
+//! Heartbeats of headsets, and the commands that their answers carry.
 //!
-//! A heartbeat that says nothing new is answered without a write. What it changes is found by looking first, and
-//! looked at once more in the transaction that writes it.
+//! A heartbeat without news is answered without a write. Otherwise the changes are planned in a read-only
+//! transaction first, and planned again in the transaction that writes them.
 
 use paros_core::badge::BadgeNumber;
 use paros_protocol::{
@@ -18,25 +18,25 @@ use crate::refusal::Refusal;
 use crate::store::StoreError;
 use crate::time::BoothTime;
 
-/// What a heartbeat leads to.
+/// The changes and the answer that follow from a heartbeat.
 #[derive(Default)]
 struct HeartbeatPlan {
     device: Option<Device>,
     commands: Vec<Command>,
     announcements: Vec<Announcement>,
-    /// What is known once these are written.
+    /// The acknowledged announcements, valid once the changes are written.
     noted: Vec<paros_protocol::Announcement>,
     badges: BadgePlan,
     store_epoch: u64,
-    /// What rides on the answer.
+    /// The command of the answer.
     command: Option<BoothCommand>,
 }
 
 impl Booth {
-    /// Answers a heartbeat. All that the answer says is kept before it is given.
+    /// Answers a heartbeat. All changes that the answer reports are stored before this returns.
     ///
     /// # Errors
-    /// That it is another headset's, or those of the store.
+    /// The heartbeat names another headset; or a store error.
     pub fn take_heartbeat(
         &self,
         device: &Device,
@@ -77,7 +77,7 @@ impl Booth {
         now: BoothTime,
     ) -> Result<HeartbeatPlan, StoreError> {
         let mut plan = HeartbeatPlan { store_epoch: store_epoch(tx)?, ..HeartbeatPlan::default() };
-        // As it is now: it may have been shut out since, or enrolled anew.
+        // Read the device again: it may have been excluded or enrolled again since.
         let is_same =
             |known: &Device| known.revoked_at.is_none() && known.token_hash == device.token_hash;
         let known: Option<Device> = tx.get(&[&device.headset])?;
@@ -109,10 +109,10 @@ impl HeartbeatPlan {
     }
 }
 
-/// The heartbeat that was kept last.
+/// Returns the last heartbeat that was stored for a device.
 ///
 /// # Errors
-/// That it is none, which the booth never wrote.
+/// The stored bytes aren't a heartbeat, which the booth never writes.
 pub fn device_status(device: &Device) -> Result<Option<Heartbeat>, StoreError> {
     if device.status.is_empty() {
         return Ok(None);
@@ -121,7 +121,7 @@ pub fn device_status(device: &Device) -> Result<Option<Heartbeat>, StoreError> {
     Heartbeat::from_json(&device.status).map(Some).map_err(|_| bad)
 }
 
-/// The device as it is to be kept, if what is kept of it isn't good enough any more.
+/// Returns the device record to store, or `None` if the stored one is still good enough.
 fn plan_status(
     mut device: Device,
     beat: &Heartbeat,
@@ -129,15 +129,15 @@ fn plan_status(
 ) -> Result<Option<Device>, StoreError> {
     let status = Heartbeat {
         number: 1,
-        // The table of blocks has them.
+        // The blocks are stored in their own table.
         badges: BadgeReport { epoch: 1, blocks: Vec::new() },
         last_command: None,
         announcements: Vec::new(),
         ..beat.clone()
     };
-    // What another version of the protocol left says nothing.
+    // A status of another protocol version is ignored.
     let last = device_status(&device).unwrap_or_default();
-    // Seconds go by without news.
+    // The passing of seconds alone is no news.
     let is_same = last.as_ref().is_some_and(|last| {
         let worn_seconds = status.status.worn_seconds;
         let now = HeadsetStatus { worn_seconds, ..last.status };
@@ -157,7 +157,7 @@ fn plan_status(
     Ok(Some(device))
 }
 
-/// Notes what became of commands, and picks the one that rides on the answer: the first that lives.
+/// Updates the states of commands, and picks the first live command for the answer.
 fn plan_commands(
     tx: &mut Tx<'_>,
     beat: &Heartbeat,
@@ -184,7 +184,7 @@ fn state_after(command: &Command, beat: &Heartbeat, now: BoothTime) -> CommandSt
     let is_open =
         matches!(command.state, CommandState::Waiting | CommandState::Sent | CommandState::Expired);
     match beat.last_command {
-        // A start that never saw it can't tell of it.
+        // Only the program start that received the command can report its outcome.
         Some(report) if report.id == command.command && beat.boot_id == command.boot && is_open => {
             match report.outcome {
                 CommandOutcome::Done => CommandState::Done,
@@ -198,7 +198,7 @@ fn state_after(command: &Command, beat: &Heartbeat, now: BoothTime) -> CommandSt
     }
 }
 
-/// Whether a command's life, its start or its visit has ended.
+/// Returns `true` if the lifetime, the program start or the visit of a command is over.
 fn is_over(command: &Command, beat: &Heartbeat, now: BoothTime) -> bool {
     let is_for_visit = kind_of(command).is_none_or(CommandKind::is_for_visit);
     now < command.asked_at
@@ -222,7 +222,7 @@ fn ride(command: &Command, now: BoothTime) -> Option<BoothCommand> {
     })
 }
 
-/// Notes what is announced: what is kept, deleted or noted already is noted without a write.
+/// Acknowledges announcements. Only new or changed announcements of missing sculptures need a write.
 fn plan_announcements(
     tx: &mut Tx<'_>,
     beat: &Heartbeat,
@@ -234,11 +234,11 @@ fn plan_announcements(
         let id = announced.id.0;
         let known: Option<Announcement> = tx.get(&[&beat.headset, &id])?;
         let is_sent = announced.status == UploadStatus::Sent;
-        // What is on the list of missing sculptures hasn't come.
+        // A sculpture on the list of missing ones hasn't arrived.
         let is_looked_up = known.is_none() || is_sent;
         let is_kept = is_looked_up && tx.get::<Sculpture>(&[&id])?.is_some();
         let is_deleted = is_looked_up && !is_kept && tx.get::<Tombstone>(&[&id])?.is_some();
-        // Lost in a restore, or deleted: sent again it is kept, or answered so.
+        // Lost in a restore, or deleted. The next upload is stored, or answered "deleted".
         let status = if is_sent && !is_kept { UploadStatus::Kept } else { announced.status };
         let badge = announced.badge.map(BadgeNumber::get);
         let note = Announcement {

@@ -1,14 +1,14 @@
-//! What the booth decides: who is enrolled, what is kept, found and deleted. [`Booth`] takes requests that were read,
-//! the time and random bits, and gives answers; records are kept in a [`Store`], parcels in [`ParcelFiles`]. Doesn't
-//! know the network, clocks or disks.
+//! The booth's rules: who is enrolled, and what is kept, found and deleted. [`Booth`] takes parsed requests,
+//! the time and random bits, and returns answers. Records are kept in a [`Store`], parcels in
+//! [`ParcelFiles`]. This crate has no access to network, clocks or disks.
 //!
-//! What it promises:
-//! - A parcel that it took is kept until it is deleted by a person's wish or by age, and then it says so.
-//! - No sculpture is kept twice, whatever is lost, doubled or late.
-//! - No leased badge is two sculptures' own: one that comes with a badge that isn't its own, or isn't any more, is kept with
-//!   its badge *lapsed*.
-//! - What a headset announced is kept, or was deleted, or is listed as missing.
-//! - A headset that lies harms only itself: all that is its own is under its number.
+//! Guarantees:
+//! - An accepted parcel is kept until a person or its age deletes it. Later uploads then get "deleted".
+//! - No sculpture is kept twice, whatever messages are lost, duplicated or late.
+//! - No leased badge is owned by two sculptures. A sculpture whose badge isn't its own, or no longer is, is
+//!   kept with its badge *lapsed*.
+//! - An announced sculpture is kept, deleted or listed as missing.
+//! - A lying headset harms only itself: its records are stored under its number.
 #![forbid(unsafe_code)]
 
 mod accounts;

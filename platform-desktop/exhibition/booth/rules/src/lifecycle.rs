@@ -1,4 +1,4 @@
-//! What becomes of sculptures: withdrawn, brought back, kept for longer, deleted by hand or by age.
+//! The life cycle of sculptures: withdrawn, brought back, kept for longer, deleted by hand or by age.
 
 use std::io::ErrorKind;
 use std::time::Duration;
@@ -22,26 +22,26 @@ use crate::upload::remove_announcements;
 use crate::value::ToValue;
 use crate::work::{drop_old_leases, end_work};
 
-/// What a sweep did.
+/// The result of a sweep.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct SweepReport {
-    /// Sculptures that expired.
+    /// Number of expired sculptures that were withdrawn.
     pub withdrawn: usize,
-    /// Sculptures that had been withdrawn for long enough.
+    /// Number of withdrawn sculptures that were deleted.
     pub deleted: usize,
-    /// Traces that were too old.
+    /// Number of old traces that were deleted.
     pub traces: usize,
-    /// Tombstones past their end.
+    /// Number of tombstones that were removed after their end.
     pub tombstones: usize,
-    /// Announcements of which nobody waits for the sculpture any more.
+    /// Number of old announcements that were removed.
     pub announcements: usize,
 }
 
 impl Booth {
-    /// Hides a sculpture, for its visitor. It is deleted `withdrawn_days` later, and can be brought back until then.
+    /// Hides a sculpture from its visitor. It can be brought back for `withdrawn_days`, and is then deleted.
     ///
     /// # Errors
-    /// [`Refusal::NotFound`], or those of the store.
+    /// [`Refusal::NotFound`], or a store error.
     pub fn withdraw(&self, id: &SculptureId, account: &str, now: BoothTime) -> Result<(), Refusal> {
         self.update(|tx| {
             let sculpture = get_sculpture(tx, id)?;
@@ -50,10 +50,11 @@ impl Booth {
         })
     }
 
-    /// Brings a withdrawn sculpture back. An expired sculpture is kept for `withdrawn_days` more, and withdrawn again then.
+    /// Brings a withdrawn sculpture back. An expired sculpture is shown for `withdrawn_days` more, and then
+    /// withdrawn again.
     ///
     /// # Errors
-    /// [`Refusal::NotFound`] where there is none; or those of the store.
+    /// [`Refusal::NotFound`] if there is no such sculpture; or a store error.
     pub fn bring_back(
         &self,
         id: &SculptureId,
@@ -71,23 +72,23 @@ impl Booth {
         })
     }
 
-    /// The last day on which lists and its visitor's page show a sculpture.
+    /// Returns the last day on which lists and its visitor's page show a sculpture.
     #[must_use]
     pub fn last_shown_day(&self, sculpture: &Sculpture) -> u32 {
         sculpture.keep_day.saturating_sub(u32::from(self.plan.withdrawn_days))
     }
 
-    /// Until when a sculpture can be brought back; `None` where it isn't withdrawn.
+    /// Returns until when a sculpture can be brought back; `None` if it isn't withdrawn.
     #[must_use]
     pub fn withdrawn_until(&self, sculpture: &Sculpture) -> Option<BoothTime> {
         let days = DAY * u32::from(self.plan.withdrawn_days);
         sculpture.withdrawn_at.map(|withdrawn_at| withdrawn_at.after(days))
     }
 
-    /// Keeps a sculpture until the end of a day at least.
+    /// Keeps a sculpture at least until the end of a day.
     ///
     /// # Errors
-    /// [`Refusal::NotFound`], or those of the store.
+    /// [`Refusal::NotFound`], or a store error.
     pub fn keep_until(
         &self,
         id: &SculptureId,
@@ -103,12 +104,12 @@ impl Booth {
         })
     }
 
-    /// Deletes a sculpture and all that is known under its badge. A tombstone stays, so that a headset that comes late
-    /// with it deletes it too.
+    /// Deletes a sculpture and all records under its badge. A tombstone remains, so that a headset that
+    /// uploads it later deletes it too.
     ///
     /// # Errors
-    /// [`Refusal::NotFound`], or those of store and disk. Files that the disk doesn't give back are removed by a
-    /// later sweep.
+    /// [`Refusal::NotFound`], or an error of the store or the disk. A later sweep removes files that couldn't
+    /// be removed now.
     pub fn delete(&self, id: &SculptureId, account: &str, now: BoothTime) -> Result<(), Refusal> {
         self.delete_as(id, (Some(account), "delete"), now)
     }
@@ -128,12 +129,12 @@ impl Booth {
         self.remove_buried_files()
     }
 
-    /// Withdraws expired sculptures, and deletes what was withdrawn for `withdrawn_days` and all else that is past its time.
-    /// Call it every few minutes. If the clock jumped by more than `most` since the last sweep, time stands still until an
-    /// admin confirms the clock, or it is set right.
+    /// Withdraws expired sculptures. Deletes those that were withdrawn for `withdrawn_days`, and all other
+    /// records past their time. Call it every few minutes. If the clock jumped by more than `most` since the
+    /// last sweep, nothing ages until an admin confirms the clock, or it is corrected.
     ///
     /// # Errors
-    /// Those of store and disk. What was done before stays done.
+    /// Errors of the store or the disk. Steps before the error stay done.
     pub fn sweep(&self, now: BoothTime, most: Duration) -> Result<SweepReport, Refusal> {
         let seen_at = self.follow_clock(now, most)?;
         let mut report = SweepReport {
@@ -162,10 +163,10 @@ impl Booth {
         Ok(report)
     }
 
-    /// The sculpture that waits longest for its mesh to be checked, of those that no other process is at.
+    /// Returns the sculpture that waits longest for its mesh check, and that no other process works on.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn next_export(&self, now: BoothTime) -> Result<Option<Sculpture>, Refusal> {
         let find_queued = |tx: &mut Tx<'_>| {
             let queued = "WHERE export = ?1 ORDER BY received_at, id LIMIT ?2";
@@ -184,10 +185,10 @@ impl Booth {
         })
     }
 
-    /// Notes what came of a sculpture's mesh; nothing where it was deleted meanwhile.
+    /// Stores the result of a sculpture's mesh check. Does nothing if the sculpture was deleted meanwhile.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn note_export(&self, id: &SculptureId, state: ExportState) -> Result<(), Refusal> {
         self.update(|tx| {
             tx.run("UPDATE sculptures SET export = ?1 WHERE id = ?2", &[&state, &id.0])?;
@@ -195,19 +196,19 @@ impl Booth {
         })
     }
 
-    /// The packed first file of a sculpture, with its head before it.
+    /// Reads the head and the packed volume of a sculpture.
     ///
     /// # Errors
-    /// What the disk says.
+    /// Errors of the disk.
     pub fn read_kept(&self, sculpture: &Sculpture) -> Result<Vec<u8>, Refusal> {
         let name = kept_name(&sculpture.id, &sculpture.hash, KeptPart::Sculpture);
         Ok(self.files.read_kept(&name)?)
     }
 
-    /// Keeps a picture of a sculpture; nothing where it was deleted meanwhile.
+    /// Stores a picture of a sculpture. Does nothing if the sculpture was deleted meanwhile.
     ///
     /// # Errors
-    /// Those of store and disk.
+    /// Errors of the store or the disk.
     pub fn keep_picture(&self, sculpture: &Sculpture, png: &[u8]) -> Result<(), Refusal> {
         let name = kept_name(&sculpture.id, &sculpture.hash, KeptPart::Picture);
         self.files.keep(&name, png)?;
@@ -217,18 +218,18 @@ impl Booth {
         Ok(())
     }
 
-    /// The picture of a sculpture, if one was drawn.
+    /// Reads the picture of a sculpture; `None` if none was drawn.
     ///
     /// # Errors
-    /// What the disk says.
+    /// Errors of the disk.
     pub fn read_picture(&self, sculpture: &Sculpture) -> Result<Option<Vec<u8>>, Refusal> {
         self.read_part(sculpture, KeptPart::Picture)
     }
 
-    /// The packed trace of a sculpture, if it has one.
+    /// Reads the packed trace of a sculpture; `None` if it has none.
     ///
     /// # Errors
-    /// What the disk says.
+    /// Errors of the disk.
     pub fn read_trace(&self, sculpture: &Sculpture) -> Result<Option<Vec<u8>>, Refusal> {
         self.read_part(sculpture, KeptPart::Trace)
     }
@@ -241,7 +242,7 @@ impl Booth {
         }
     }
 
-    /// Puts a tombstone in a sculpture's place.
+    /// Replaces a sculpture's record by a tombstone.
     pub(crate) fn bury(
         &self,
         tx: &mut Tx<'_>,
@@ -252,7 +253,7 @@ impl Booth {
         tx.run("DELETE FROM sculptures WHERE id = ?1", id)?;
         tx.run("DELETE FROM mail_orders WHERE sculpture = ?1", id)?;
         tx.run("DELETE FROM print_orders WHERE sculpture = ?1", id)?;
-        // The badge is another's soon.
+        // The badge will soon belong to another sculpture.
         tx.run("UPDATE audit SET badge = NULL WHERE sculpture = ?1", id)?;
         remove_announcements(tx, &sculpture.id)?;
         tx.put(&self.make_tombstone(&Deletion {
@@ -264,7 +265,7 @@ impl Booth {
         }))
     }
 
-    /// What stays of a deleted sculpture whose files are yet to be removed.
+    /// Makes the tombstone of a deleted sculpture whose files are still to be removed.
     pub(crate) fn make_tombstone(&self, deletion: &Deletion) -> Tombstone {
         let Deletion { id, headset, hash, badge, deleted_at } = *deletion;
         Tombstone {
@@ -306,7 +307,8 @@ impl Booth {
         })
     }
 
-    /// Repeats work on [`SWEEP_BATCH`] records, a transaction each time, until fewer are left. Returns the sum.
+    /// Repeats `work` on batches of [`SWEEP_BATCH`] records, each in a transaction, until a batch isn't full.
+    /// Returns the total.
     fn in_batches(
         &self,
         mut work: impl FnMut(&mut Tx<'_>) -> Result<usize, Refusal>,
@@ -326,7 +328,7 @@ impl Booth {
         let old = "WHERE received_at < ?1 AND has_trace = 1 ORDER BY id LIMIT ?2";
         let old: Vec<Sculpture> = self.view(|tx| tx.find(old, &[&before, &SWEEP_BATCH]))?;
         for Sculpture { id, hash, .. } in &old {
-            // The file first: a record that says there is none is never wrong.
+            // Remove the file first: a record without a trace is then always right.
             self.files.remove_kept(&kept_name(id, hash, KeptPart::Trace))?;
             self.update(|tx| {
                 tx.run("UPDATE sculptures SET has_trace = 0 WHERE id = ?1", &[id])?;
@@ -336,7 +338,8 @@ impl Booth {
         Ok(old.len())
     }
 
-    /// Logs what was deleted, and removes its files. A copy of the booth that lacks a file lacks no line of the log then.
+    /// Logs the deleted sculptures, then removes their files. A copy of the booth that lacks a file therefore
+    /// has the log line.
     pub(crate) fn remove_buried_files(&self) -> Result<(), Refusal> {
         let buried: Vec<Tombstone> =
             self.view(|tx| tx.find("WHERE has_files = 1 ORDER BY id", &[]))?;
@@ -360,7 +363,7 @@ pub(crate) const fn kept_name(id: &[u8; 16], hash: &[u8; 32], part: KeptPart) ->
     KeptName { id: SculptureId(*id), hash: ContentHash(*hash), part }
 }
 
-/// Withdraws a sculpture with its mails and prints. Withdrawn again, it doesn't stay for longer.
+/// Withdraws a sculpture with its mails and prints. A repeated withdrawal doesn't delay its deletion.
 fn withdraw(
     tx: &mut Tx<'_>,
     mut sculpture: Sculpture,
@@ -386,7 +389,7 @@ pub(crate) fn subject_of(sculpture: &Sculpture) -> Subject {
     }
 }
 
-/// Of a sculpture that was deleted: its badge is another's soon.
+/// Returns the audit subject of a deleted sculpture, without its badge, which will be used again.
 pub(crate) fn subject_of_buried(sculpture: &Sculpture) -> Subject {
     Subject { badge: None, ..subject_of(sculpture) }
 }

@@ -1,116 +1,116 @@
-//! Capacities and times of the booth, each with its reason.
+//! Capacities and durations of the booth, each with its reason.
 
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-/// Headsets that are let in at once: 200, and spares that take the place of broken ones.
+/// Largest number of active headsets: 200, and spares that replace broken ones.
 pub const MAX_HEADSETS: u64 = 256;
 
-/// Days for which an upload may wait, and still has its badge: a block rests so long before its numbers are used again.
+/// Days that a block rests before its numbers are used again. Uploads within them still own their badges.
 pub const LATE_DAYS: u32 = 10;
 
-/// Blocks of badges' numbers that are leased in a day at most. 200 headsets with 50 visits a day, of which 100 lose their
-/// data daily, need 278. It bounds what can have been leased since a backup was made.
+/// Largest number of badge blocks that are leased in a day. 200 headsets with 50 visits a day, of which 100
+/// lose their data daily, need 278. It bounds how many blocks may have been leased since a backup.
 pub const DAY_BLOCKS: u16 = 512;
 
-/// The longest step of the clock between two sweeps, which are five minutes apart, that no admin has to confirm.
+/// Largest clock step between two sweeps, five minutes apart, that needs no admin's confirmation.
 pub const MAX_CLOCK_STEP: Duration = Duration::from_secs(3600);
 
-/// The longest time between two starts that no admin has to confirm: a booth that is packed up for two weeks.
+/// Longest gap between two starts that needs no admin's confirmation: a booth packed up for two weeks.
 pub const MAX_CLOCK_GAP: Duration = Duration::from_secs(14 * 86_400);
 
-/// Blocks that one headset is leased in a day at most: thirty times what visits take. A headset that lies about its losses
-/// takes no more from the others.
+/// Largest number of blocks that one headset is leased in a day: thirty times what visits take. It limits
+/// what a headset that lies about losses takes from the others.
 pub const MAX_HEADSET_DAY_BLOCKS: usize = 32;
 
-/// Days for which sculptures are kept at most: with [`LATE_DAYS`] the 28,672 blocks last for 103 days of 278.
+/// Longest retention in days: with [`LATE_DAYS`], the 28,672 blocks last for 103 days of 278 blocks.
 pub const MAX_RETENTION_DAYS: u16 = 93;
 
-/// From when on a headset that says nothing may have been wiped, and its number goes to one that enrols with its hint.
-/// It says something every two seconds, and takes half a minute for a restart.
+/// Silence after which a headset may have been wiped, so that a device that enrols with its hint gets its
+/// number. A headset sends a heartbeat every two seconds, and restarts in half a minute.
 pub const SILENCE_OF_WIPED: Duration = Duration::from_secs(15);
 
-/// How old what is kept of a headset's state may be: more often its heartbeats are written down only if it changed.
+/// Largest age of a headset's stored state. Within that time, only a changed heartbeat is written.
 pub const STATUS_LIFE: Duration = Duration::from_secs(10);
 
-/// How long a command lives: the visitor's situation isn't the same for longer.
+/// Lifetime of a command: after it, the visitor's situation may have changed.
 pub const COMMAND_LIFE: Duration =
     Duration::from_millis(paros_protocol::limits::MAX_COMMAND_MS as u64);
 
-/// Commands of a headset that wait at once.
+/// Largest number of waiting commands of a headset.
 pub const MAX_WAITING_COMMANDS: u64 = 8;
 
-/// Announcements of a headset that are remembered: thirty times what a day brings. A headset that announces more is
-/// out of order, and isn't told that they are noted.
+/// Largest number of stored announcements of a headset: thirty times those of a day. A headset that announces
+/// more is faulty, and further announcements aren't acknowledged.
 pub const MAX_ANNOUNCED: u64 = 1500;
 
-/// Sculptures that a list shows at once.
+/// Largest number of sculptures on a page of a list.
 pub const MAX_LISTED: usize = 200;
 
-/// Mails of a sculpture: a family's, and a mistake or two.
+/// Largest number of mails of a sculpture: for a family, and a mistake or two.
 pub const MAX_MAILS_OF_ONE: u64 = 8;
 
-/// How long it is from the first try of a mail to the second; then twice that, and so on.
+/// Wait between the first and the second try of a mail, doubled with each further try.
 pub const MIN_RETRY_WAIT: Duration = Duration::from_secs(60);
 
-/// The longest time between two tries of a mail.
+/// Longest wait between two tries of a mail.
 pub const MAX_RETRY_WAIT: Duration = Duration::from_secs(3600);
 
-/// Tries of a mail: some three days, as a booth may be without the Internet for a weekend.
+/// Largest number of tries of a mail: some three days, as a booth may be without the Internet for a weekend.
 pub const MAX_MAIL_TRIES: u32 = 80;
 
-/// Days for which the audit is kept: a season, and the one after it.
+/// Days for which the audit log is kept: a season, and the one after it.
 pub const AUDIT_DAYS: u16 = 400;
 
-/// Sculptures of an export of all that is known under a badge: a leased one has one, and each is some 16 MB.
+/// Largest number of sculptures in an export of a badge. A leased badge has one sculpture, of some 16 MB.
 pub const MAX_EXPORTED: usize = 32;
 
-/// How long a process has for a mesh, or for a mail, before another one begins it anew: a mesh takes a minute at most,
-/// and a mail server is waited for that long. What may take longer, as a slice, it renews.
+/// Lease of a process on a mesh or a mail, after which another process may restart it. A mesh takes a minute
+/// at most, as does the timeout of a mail server. Work that takes longer, such as slicing, renews its lease.
 pub const WORK_LIFE: Duration = Duration::from_secs(150);
 
-/// Processes that may be at the same records: so many pieces of work that others do are passed over.
+/// Largest number of processes on the same records. A search for work skips as many pieces that others hold.
 pub const MAX_WORKERS: usize = 16;
 
-/// Records that a sweep deals with in one transaction, so that requests find a gap between two.
+/// Records of a sweep in one transaction. Small batches let requests run in between.
 pub const SWEEP_BATCH: usize = 64;
 
-/// How long a login lasts that is used: a day at the booth.
+/// Longest login: a day at the booth.
 pub const SESSION_LIFE: Duration = Duration::from_secs(14 * 3600);
 
-/// How long a login lasts that isn't used: a tablet is left on a table.
+/// Idle timeout of a login, such as of a tablet that is left on a table.
 pub const SESSION_IDLE: Duration = Duration::from_secs(2 * 3600);
 
-/// Prints of a sculpture: a family's, and a mistake or two.
+/// Largest number of prints of a sculpture: for a family, and a mistake or two.
 pub const MAX_PRINTS_OF_ONE: u64 = 8;
 
-/// How high a print may be, in tenths of a millimetre: from what a nozzle can draw to the largest printers.
+/// Height of a print in tenths of a millimetre: from what a nozzle can draw to the largest printers.
 pub const PRINT_TENTHS_MM: RangeInclusive<u32> = 100..=10_000;
 
-/// How long a print may take where its size follows from that, in minutes: up to a week.
+/// Duration of a print whose size follows from the duration, in minutes: up to a week.
 pub const PRINT_MINUTES: RangeInclusive<u32> = 5..=10_080;
 
-/// Letters of a filament's colour.
+/// Longest name of a filament's colour, in characters.
 pub const MAX_FILAMENT_CHARS: usize = 40;
 
-/// Letters of a print's note: what fits on its slip.
+/// Longest note of a print, in characters: what fits on its slip.
 pub const MAX_NOTE_CHARS: usize = 300;
 
-/// Pictograms from which on the badges that may be meant are looked for: with two there are too many.
+/// Smallest number of pictograms for a search of similar badges: two match too many badges.
 pub const LEAST_HEARD: usize = 3;
 
-/// Letters of a long word that may be wrong: any two names differ in two at least, long ones in more.
+/// Largest number of wrong letters in a long word. Any two names differ in two letters, long names in more.
 pub const MAX_SLIPS: usize = 2;
 
-/// Badges that may be meant, and something has: a page of them.
+/// Largest number of similar badges with matches in a result: a page.
 pub const MAX_NEAREST: usize = 12;
 
-/// Slices by which a size is found for a time: each takes up to a minute of a processor.
+/// Largest number of slicer runs that search the size for a duration, each up to a processor minute.
 pub const MAX_SIZE_SLICES: u32 = 6;
 
-/// How long a print that was sent waits for its printer to answer: whoever sent it stands before it, and has seen that
-/// its bed is empty.
+/// Timeout of a sent print that its printer hasn't answered: the sender still stands at the printer and knows
+/// that its bed is empty.
 pub const SENDING_LIFE: Duration = Duration::from_secs(600);
 
-/// How long a printer may be at something else after it got a print: it takes a file in, and heats.
+/// Time that a printer has to start a print that it received: it reads the file and heats up.
 pub const LIFE_AT_PRINTER: Duration = Duration::from_secs(60);

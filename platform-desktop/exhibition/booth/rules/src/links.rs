@@ -1,4 +1,4 @@
-//! Visitors' links: a token that nobody guesses, and that staff can take back.
+//! Links of visitors: unguessable tokens that staff can revoke.
 
 use std::fmt;
 
@@ -13,14 +13,14 @@ use crate::records::Sculpture;
 use crate::refusal::Refusal;
 use crate::time::BoothTime;
 
-/// What a visitor's link carries beside the sculpture's id. It is never logged.
+/// The secret part of a visitor's link, beside the sculpture's id. It is never logged.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct LinkToken(pub [u8; 16]);
 
-/// What stands before what the tokens are of, so that nothing else that is made of the secret is one.
+/// Domain separation: keeps link tokens apart from other values of the secret.
 const LINK_CONTEXT: &[u8] = b"paros visitor link v1\0";
 
-/// Doesn't show it, so that no log does.
+/// Hides the token, which keeps it out of logs.
 impl fmt::Debug for LinkToken {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("LinkToken(not shown)")
@@ -28,10 +28,10 @@ impl fmt::Debug for LinkToken {
 }
 
 impl Booth {
-    /// The token of a sculpture's valid link, to print it, again too.
+    /// Returns the token of a sculpture's valid link. Repeated calls return the same token.
     ///
     /// # Errors
-    /// [`Refusal::NotFound`] where there is none, or its link was taken back; or those of the store.
+    /// [`Refusal::NotFound`] if there is no such sculpture, or its link was revoked; or a store error.
     pub fn link_token(&self, id: &SculptureId) -> Result<LinkToken, Refusal> {
         let sculpture = self.find_sculpture(id)?;
         if sculpture.is_link_revoked {
@@ -40,10 +40,10 @@ impl Booth {
         Ok(self.make_token(&sculpture))
     }
 
-    /// The sculpture of a visitor's link. The token's other half is compared in a time that tells nothing.
+    /// Finds the sculpture of a visitor's link. Compares the token in constant time.
     ///
     /// # Errors
-    /// [`Refusal::NotFound`] for all that isn't a valid link, without a difference; or those of the store.
+    /// [`Refusal::NotFound`] for any invalid link, without telling why; or a store error.
     pub fn find_by_link(&self, id: &SculptureId, token: &LinkToken) -> Result<Sculpture, Refusal> {
         let sculpture = self.find_sculpture(id)?;
         let is_right = bool::from(self.make_token(&sculpture).0.ct_eq(&token.0));
@@ -51,10 +51,10 @@ impl Booth {
         if is_right && is_open { Ok(sculpture) } else { Err(NO_SCULPTURE) }
     }
 
-    /// Deletes the sculpture of a visitor's link, as the visitor wants it.
+    /// Deletes the sculpture of a visitor's link, at the visitor's request.
     ///
     /// # Errors
-    /// As of [`Booth::find_by_link`] and [`Booth::delete`].
+    /// Errors of [`Booth::find_by_link`] and [`Booth::delete`].
     pub fn delete_by_link(
         &self,
         id: &SculptureId,
@@ -65,10 +65,10 @@ impl Booth {
         self.delete_as(id, (None, "delete by visitor"), now)
     }
 
-    /// Takes a sculpture's links back. None is valid then, until a new one is made.
+    /// Revokes all links of a sculpture. No link is valid until one is renewed.
     ///
     /// # Errors
-    /// [`Refusal::NotFound`], or those of the store.
+    /// [`Refusal::NotFound`], or a store error.
     pub fn revoke_link(
         &self,
         id: &SculptureId,
@@ -80,10 +80,10 @@ impl Booth {
         })
     }
 
-    /// Makes another link valid, and all before void.
+    /// Makes a new link, and invalidates all earlier links.
     ///
     /// # Errors
-    /// [`Refusal::NotFound`], or those of the store.
+    /// [`Refusal::NotFound`], or a store error.
     pub fn renew_link(
         &self,
         id: &SculptureId,

@@ -14,7 +14,7 @@ use crate::time::BoothTime;
 use crate::value::{ToValue, Value};
 use crate::words::{HeardBadge, picture_bits};
 
-/// Conditions that all sculptures of a list meet.
+/// A filter of a list: a sculpture must meet all conditions.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct ListFilter {
     /// `true` lists the withdrawn sculptures, in the order of their withdrawal; `false` the others, in the order of arrival.
@@ -25,45 +25,45 @@ pub struct ListFilter {
     pub headset: Option<u32>,
     /// The visit's language, two small letters of ISO 639-1.
     pub language: Option<[u8; 2]>,
-    /// The start of the session is one of these; empty for any start.
+    /// Accepted starts of the session; empty for any start.
     pub starts: Vec<SessionMode>,
     /// The badge has this colour and all of these pictures, in any order.
     pub badge: Option<HeardBadge>,
 }
 
-/// The place of a sculpture in the order of a list. The place of a sculpture that was deleted meanwhile is valid too.
+/// A position in a list, given by a sculpture. It stays valid after the sculpture was deleted.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ListPlace {
-    /// The time that orders the list: of arrival or withdrawal.
+    /// The time that orders the list: the arrival or the withdrawal.
     pub at: BoothTime,
     /// The sculpture's id.
     pub id: [u8; 16],
 }
 
-/// The page of a list that is asked for.
+/// The requested page of a list.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum PageStart {
     /// The first page.
     #[default]
     Newest,
-    /// The page behind a place.
+    /// The page after a position.
     OlderThan(ListPlace),
-    /// The page before a place; the first page if less than a page is before the place.
+    /// The page before a position; the first page if there is less than a page before it.
     NewerThan(ListPlace),
 }
 
 /// A page of a list.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct ListPage {
-    /// Its sculptures.
+    /// The sculptures of the page.
     pub sculptures: Vec<Sculpture>,
-    /// The number of sculptures on the pages before it.
+    /// The number of sculptures on the pages before this page.
     pub newer: u64,
     /// The number of sculptures on all pages.
     pub count: u64,
 }
 
-/// Conditions of SQL, and the values of their parameters.
+/// Conditions in SQL, and the values of their parameters.
 #[derive(Clone)]
 struct Conditions {
     terms: Vec<String>,
@@ -71,10 +71,11 @@ struct Conditions {
 }
 
 impl Booth {
-    /// Lists a page of at most `most` sculptures that meet a filter. A page that has become empty is replaced by the first one.
+    /// Returns a page of at most `most` sculptures that meet a filter. Returns the first page if the
+    /// requested page is empty.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn list_page(
         &self,
         filter: &ListFilter,
@@ -98,7 +99,7 @@ impl Booth {
 }
 
 impl ListPage {
-    /// Returns the start of the page behind this one; `None` on the last page.
+    /// Returns the start of the page after this page; `None` on the last page.
     #[must_use]
     pub fn older(&self) -> Option<PageStart> {
         let shown = self.newer + self.sculptures.len() as u64;
@@ -106,7 +107,7 @@ impl ListPage {
         Some(PageStart::OlderThan(ListPlace::of(last)))
     }
 
-    /// Returns the start of the page before this one; `None` on the first page.
+    /// Returns the start of the page before this page; `None` on the first page.
     #[must_use]
     pub fn newer(&self) -> Option<PageStart> {
         let first = self.sculptures.first().filter(|_| self.newer > 0)?;
@@ -122,8 +123,8 @@ impl ListPlace {
 }
 
 impl ListFilter {
-    /// Returns `true` if an announced sculpture meets the conditions. Its language and its start aren't known yet: conditions
-    /// on these are passed over.
+    /// Returns `true` if an announced sculpture meets the conditions. Conditions on the language and the
+    /// start are ignored, as an announcement lacks them.
     #[must_use]
     pub fn admits(&self, announcement: &Announcement) -> bool {
         let badge = announcement.badge.and_then(BadgeNumber::new).map(|number| number.badge());
@@ -194,7 +195,7 @@ impl ListFilter {
 }
 
 impl Conditions {
-    /// Adds a condition, in which each `{}` stands for the next value.
+    /// Adds a condition. Each `{}` in it is replaced by the parameter of the next value.
     fn add(&mut self, condition: &str, values: &[&dyn ToValue]) {
         let mut term = condition.to_owned();
         for value in values {
@@ -204,7 +205,7 @@ impl Conditions {
         self.terms.push(term);
     }
 
-    /// Adds that a sculpture comes before (`>`) or behind (`<`) a place in the list.
+    /// Adds the condition that a sculpture comes before (`>`) or after (`<`) a position in the list.
     fn beyond(mut self, filter: &ListFilter, side: &str, place: ListPlace) -> Self {
         let term = format!("({}, id) {side} ({{}}, {{}})", filter.order());
         self.add(&term, &[&place.at, &place.id]);

@@ -1,6 +1,6 @@
-//! Sculptures that visitors want by e-mail: an order each, tried until a server took it. An address is kept no longer
-//! than until then, or until the order has failed, unless the visitor agreed that it stays with the sculpture; it is in no
-//! log, no audit and no backup.
+//! Mail orders: sculptures that visitors want by e-mail. Each mail is retried until a server accepts it. The
+//! address is deleted then, or when the order has failed, unless the visitor agreed that it stays with the
+//! sculpture. No log, audit or backup contains addresses.
 
 use std::time::Duration;
 
@@ -21,39 +21,39 @@ use crate::store::StoreError;
 use crate::time::BoothTime;
 use crate::work::end_work;
 
-/// A mail whose time it is.
+/// A mail that is due.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct MailJob {
     /// The order's number.
     pub order: u64,
-    /// Where to.
+    /// The address of the recipient.
     pub address: String,
-    /// In which language.
+    /// The language of the mail.
     pub language: Language,
-    /// What to send.
+    /// The sculpture to send.
     pub sculpture: Sculpture,
-    /// Whether the address stays.
+    /// `true` if the address is kept after the mail was sent.
     pub keeps_address: bool,
 }
 
-/// What came of a try. What is said of it names no address.
+/// The outcome of a try. Its texts contain no address.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum MailOutcome {
-    /// The server took it.
+    /// The server accepted the mail.
     Accepted,
-    /// It may go another time.
+    /// A temporary failure: the mail is retried.
     Later(String),
-    /// It won't ever go.
+    /// A permanent failure.
     Refused(String),
 }
 
 impl Booth {
-    /// Notes that somebody wants a sculpture by e-mail, in the language of its visit, and whether the visitor agreed that
-    /// the address is kept as long as the sculpture. `order` is random bits.
+    /// Orders a mail of a sculpture, in the language of its visit. `keeps_address` is `true` if the visitor
+    /// agreed that the address is kept as long as the sculpture. `order` is random bits.
     ///
     /// # Errors
-    /// [`Refusal::Unfit`] where the address is none, [`Refusal::NotFound`] where the sculpture isn't shown,
-    /// [`Refusal::Conflict`] where it has as many orders as it may; or those of the store.
+    /// [`Refusal::Unfit`] for an invalid address, [`Refusal::NotFound`] if the sculpture isn't shown,
+    /// [`Refusal::Conflict`] if it has too many orders; or a store error.
     pub fn ask_mail(
         &self,
         id: &SculptureId,
@@ -91,20 +91,20 @@ impl Booth {
         })
     }
 
-    /// The mails of a sculpture, the newest first.
+    /// Returns the mails of a sculpture, the newest first.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn list_mails(&self, id: &SculptureId) -> Result<Vec<MailOrder>, Refusal> {
         let newest_first = r#"WHERE sculpture = ?1 ORDER BY asked_at DESC, "order""#;
         self.view(|tx| tx.find(newest_first, &[&id.0]))
     }
 
-    /// The mail that is due for longest, of those that no other process sends. Those whose sculpture isn't shown any
-    /// more fail.
+    /// Returns the mail that is overdue the longest and that no other process sends. Mails of sculptures that
+    /// are no longer shown fail.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn next_mail(&self, now: BoothTime) -> Result<Option<MailJob>, Refusal> {
         loop {
             if self.view(|tx| find_due(tx, now))?.is_empty() {
@@ -129,7 +129,7 @@ impl Booth {
         }
     }
 
-    /// Takes the first due mail upon this process that no other one sends.
+    /// Begins the first due mail that no other process sends.
     fn begin_mail(&self, tx: &mut Tx<'_>, now: BoothTime) -> Result<Option<MailOrder>, Refusal> {
         for order in find_due(tx, now)? {
             if self.begin_work(tx, WorkKind::Mail, &order.order.to_le_bytes(), now)? {
@@ -139,10 +139,10 @@ impl Booth {
         Ok(None)
     }
 
-    /// Notes what came of a mail; nothing where its order is gone or over meanwhile.
+    /// Stores the outcome of a try. Does nothing if the order is gone or ended meanwhile.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn note_mail(
         &self,
         order: u64,
@@ -171,23 +171,23 @@ impl Booth {
     }
 }
 
-/// Said of a mail whose sculpture isn't shown any more.
+/// The failure text of a mail whose sculpture is no longer shown.
 const WITHDRAWN: &str = "the sculpture was withdrawn";
 
-/// Ends what is still to be sent of a sculpture, as its visitor wants it hidden.
+/// Fails the queued mails of a withdrawn sculpture, and deletes all its addresses.
 pub(crate) fn withdraw_mails(tx: &mut Tx<'_>, sculpture: &[u8; 16]) -> Result<(), StoreError> {
     for mut order in tx.find::<MailOrder>("WHERE sculpture = ?1", &[sculpture])? {
         if order.state == MailState::Queued {
             end_order(&mut order, MailState::Failed, WITHDRAWN);
         }
-        // Who takes the sculpture back agrees to nothing any more.
+        // A withdrawal also ends the consent to keep addresses.
         order.address = None;
         tx.put(&order)?;
     }
     Ok(())
 }
 
-/// Ends all that is still to be sent. Returns how many mails that are.
+/// Fails all queued mails. Returns their number.
 pub(crate) fn fail_queued_mails(tx: &mut Tx<'_>, why: &str) -> Result<usize, StoreError> {
     let mut queued: Vec<MailOrder> = tx.find("WHERE state = ?1", &[&MailState::Queued])?;
     for order in &mut queued {
@@ -197,13 +197,13 @@ pub(crate) fn fail_queued_mails(tx: &mut Tx<'_>, why: &str) -> Result<usize, Sto
     Ok(queued.len())
 }
 
-/// The mails that are due, as many as other processes may be sending and one more.
+/// Returns the due mails, up to [`MAX_WORKERS`], as other processes may be sending the first ones.
 fn find_due(tx: &mut Tx<'_>, now: BoothTime) -> Result<Vec<MailOrder>, StoreError> {
     let due = r#"WHERE state = ?1 AND next_try_at <= ?2 ORDER BY next_try_at, "order" LIMIT ?3"#;
     tx.find(due, &[&MailState::Queued, &now, &MAX_WORKERS])
 }
 
-/// An order that is over has no address, but one that was taken by a visitor who agreed.
+/// Ends an order. Deletes its address, unless the mail was accepted and the visitor agreed to keep it.
 fn end_order(order: &mut MailOrder, state: MailState, why: &str) {
     order.state = state;
     let is_kept = order.keeps_address && state == MailState::Accepted;
@@ -211,13 +211,13 @@ fn end_order(order: &mut MailOrder, state: MailState, why: &str) {
     order.why = why.to_owned();
 }
 
-/// How long it is until the next try, after so many.
+/// Returns the wait until the next try after `tries` tries: exponential backoff.
 fn retry_wait(tries: u32) -> Duration {
     let doubled = MIN_RETRY_WAIT.saturating_mul(1 << (tries - 1).min(16));
     doubled.min(MAX_RETRY_WAIT)
 }
 
-/// Whether it has the form of an address: letters that need no quotes, and a domain of several labels.
+/// Returns `true` if a text has the form of an address: an unquoted local part, and several domain labels.
 fn is_address(text: &str) -> bool {
     let Some((local, domain)) = text.rsplit_once('@') else { return false };
     let is_local =

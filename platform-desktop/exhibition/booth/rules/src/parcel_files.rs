@@ -1,4 +1,4 @@
-//! Where the bytes of sculptures are kept.
+//! Storage of the files of sculptures.
 
 use std::io;
 
@@ -7,63 +7,63 @@ use paros_protocol::{ContentHash, SculptureId};
 use crate::deletions::Deletion;
 use crate::time::BoothTime;
 
-/// A file that is kept.
+/// The name of a kept file.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct KeptName {
     /// The sculpture.
     pub id: SculptureId,
-    /// Of the parcel that it came in, so that what another parcel left behind is never taken for it.
+    /// The hash of the parcel. It prevents that a leftover file of another parcel is taken for this file.
     pub hash: ContentHash,
-    /// Which of its files it is.
+    /// The part of the sculpture that the file holds.
     pub part: KeptPart,
 }
 
 /// The files of a sculpture.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum KeptPart {
-    /// The parcel's head and first file, packed as it came.
+    /// The parcel's head and volume, packed as received.
     Sculpture,
-    /// The trace, packed as it came.
+    /// The trace, packed as received.
     Trace,
-    /// A picture of it, which the booth drew.
+    /// A picture of the sculpture, drawn by the booth.
     Picture,
 }
 
 impl KeptPart {
-    /// All of them.
+    /// All parts.
     pub const ALL: [KeptPart; 3] = [KeptPart::Sculpture, KeptPart::Trace, KeptPart::Picture];
 }
 
-/// A disk with kept files. All calls may come from several threads at once.
+/// A disk with kept files. Several threads may call it concurrently.
 pub trait ParcelFiles: Send + Sync {
-    /// Keeps a file, in place of one of the same name. It outlives a power cut from when this returns.
+    /// Stores a file, and replaces one of the same name. The file survives a power cut after this returns.
     ///
     /// # Errors
-    /// What the disk says. Then the file is as it was.
+    /// Errors of the disk. The file is then unchanged.
     fn keep(&self, name: &KeptName, bytes: &[u8]) -> io::Result<()>;
 
-    /// The bytes of a kept file.
+    /// Reads a kept file.
     ///
     /// # Errors
-    /// What the disk says; `NotFound` where there is none.
+    /// Errors of the disk; `NotFound` if there is no such file.
     fn read_kept(&self, name: &KeptName) -> io::Result<Vec<u8>>;
 
     /// Removes a kept file, if there is one.
     ///
     /// # Errors
-    /// What the disk says.
+    /// Errors of the disk.
     fn remove_kept(&self, name: &KeptName) -> io::Result<()>;
 
-    /// Adds deletions to the log of them, which outlives the database. They outlive a power cut from when this returns;
-    /// some may be there twice.
+    /// Appends deletions to the deletion log, which outlives the database. They survive a power cut after
+    /// this returns. Duplicate lines are possible.
     ///
     /// # Errors
-    /// What the disk says.
+    /// Errors of the disk.
     fn log_deletions(&self, deletions: &[Deletion]) -> io::Result<()>;
 
-    /// Forgets deletions of before a time: no headset and no copy brings them back any more.
+    /// Removes deletions before a time from the log: no headset and no copy has those sculptures any more.
     ///
     /// # Errors
-    /// What the disk says. Then the log is as it was.
+    /// Errors of the disk. The log is then unchanged.
     fn forget_deletions_before(&self, time: BoothTime) -> io::Result<()>;
 }

@@ -1,34 +1,34 @@
-//! What somebody wants of a print, and its bounds.
+//! The wishes for a print, and their bounds.
 
 use crate::limits::{MAX_FILAMENT_CHARS, MAX_NOTE_CHARS, PRINT_MINUTES, PRINT_TENTHS_MM};
 use crate::reason::Expected;
 use crate::refusal::Refusal;
 
-/// What somebody wants printed.
+/// The wishes for a print.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct PrintWish {
-    /// How large.
+    /// The size of the print.
     pub size: PrintSize,
     /// The filament's colour, for people.
     pub filament: String,
-    /// What else there is to say, for people.
+    /// A note for people.
     pub note: String,
 }
 
-/// How large a print is to be.
+/// The size of a print.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PrintSize {
-    /// So high, in tenths of a millimetre.
+    /// A height in tenths of a millimetre.
     Height(u32),
-    /// As large as it can be within so many minutes.
+    /// The largest size that prints within this many minutes.
     Minutes(u32),
 }
 
 impl PrintWish {
-    /// Checks that all of it is within its bounds. `can_slice` is whether there is a slicer.
+    /// Checks the bounds of all wishes. `can_slice` is `true` if there is a slicer.
     ///
     /// # Errors
-    /// [`Refusal::Unfit`] with what was expected.
+    /// [`Refusal::Unfit`] with the expected value.
     pub(crate) fn check(&self, can_slice: bool) -> Result<(), Refusal> {
         let bad = |expected| Err(Refusal::Unfit(expected));
         match self.size {
@@ -58,10 +58,10 @@ impl PrintWish {
     }
 }
 
-/// Checks that a size can be found by time.
+/// Checks that a size can be found for a duration.
 ///
 /// # Errors
-/// [`Refusal::Unfit`] where there is no slicer.
+/// [`Refusal::Unfit`] if there is no slicer.
 pub(crate) fn check_minutes_can_be_found(can_slice: bool) -> Result<(), Refusal> {
     if can_slice { Ok(()) } else { Err(Refusal::Unfit(Expected::HeightAlone)) }
 }

@@ -1,5 +1,5 @@
-//! Prints that go to a printer on the network. A person sends each: whether the last print still lies on the bed, nobody
-//! else knows. A printer has one of the booth's prints at most, from when it is sent until it is over.
+//! Prints on networked printers. A person sends each print, as only a person can see that the bed is empty. A
+//! printer has at most one print of the booth, from when it is sent until it ends.
 
 use crate::audit::note;
 use crate::booth::Booth;
@@ -11,41 +11,41 @@ use crate::records::{EstimateState, PrintOrder, PrintState, Sculpture, WorkKind}
 use crate::refusal::Refusal;
 use crate::time::BoothTime;
 
-/// Finds the prints of a printer.
+/// Selects the prints of a printer.
 const AT_PRINTER: &str = r#"WHERE printer = ?1 ORDER BY "order""#;
 
-/// What a printer says of the booth's print.
+/// A printer's status of the booth's print.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PrinterWord {
-    /// It prints it.
+    /// The print is running.
     Prints,
-    /// It has printed it.
+    /// The print is finished.
     Finished,
-    /// It was stopped, at the printer or by the booth.
+    /// The print was stopped, at the printer or by the booth.
     Stopped,
-    /// It broke off.
+    /// The print failed at the printer.
     Broke,
-    /// It is at something else, or at nothing.
+    /// The printer is idle, or has another job.
     Other,
 }
 
-/// What is to be done about a printer.
+/// The next task for a printer.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum PrinterTask {
-    /// Send it this print.
+    /// Send the print.
     Send(PrintJob),
-    /// Ask it how this print is.
+    /// Ask for the status of the print.
     Watch(PrintOrder),
-    /// Stop this print, and say so by [`Booth::release_printer`].
+    /// Stop the print, and confirm it with [`Booth::release_printer`].
     Stop(PrintOrder),
 }
 
 impl Booth {
-    /// Sends a print to a printer, as soon as that answers.
+    /// Assigns a print to a printer. It is sent as soon as the printer answers.
     ///
     /// # Errors
-    /// [`Refusal::NotFound`]; [`Refusal::Conflict`] where it isn't sliced, or the printer has another print; or those
-    /// of the store.
+    /// [`Refusal::NotFound`]; [`Refusal::Conflict`] if the print isn't sliced, or the printer has another
+    /// print; or a store error.
     pub fn send_print(
         &self,
         order: u64,
@@ -68,11 +68,12 @@ impl Booth {
         })
     }
 
-    /// What is to be done about a printer now; `None` where it has no print of the booth's, or another process sees to
-    /// it. What waited too long for an answer of the printer's is taken back: by then something else may lie on its bed.
+    /// Returns the next task for a printer; `None` if it has no print of the booth, or another process
+    /// handles it. Takes back a print that the printer didn't answer in time, as something else may lie on
+    /// its bed by then.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn next_printer_task(
         &self,
         printer: &str,
@@ -80,7 +81,7 @@ impl Booth {
     ) -> Result<Option<PrinterTask>, Refusal> {
         self.update(|tx| {
             let orders = tx.find::<PrintOrder>(AT_PRINTER, &[&printer])?;
-            // Two that stop a print at once stop the next one too.
+            // Two processes that stop a print at once would also stop the next print.
             if !orders.is_empty()
                 && !self.begin_work(tx, WorkKind::Printer, printer.as_bytes(), now)?
             {
@@ -103,17 +104,17 @@ impl Booth {
                     _ => {}
                 }
             }
-            // The next one may be sent at any process' page.
+            // Any process may send the next print.
             self.end_own_work(tx, WorkKind::Printer, printer.as_bytes())?;
             Ok(None)
         })
     }
 
-    /// Notes that a printer is about to get a print under this name, before it does: from now on it may have it. Returns
-    /// whether it is still to be sent.
+    /// Records the job name of a print before it is sent to the printer, which may have it from now on.
+    /// Returns `true` if the print is still to be sent.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn begin_print(&self, order: u64, job: &str, now: BoothTime) -> Result<bool, Refusal> {
         self.update(|tx| {
             let found: Option<PrintOrder> = tx.get(&[&order])?;
@@ -127,10 +128,10 @@ impl Booth {
         })
     }
 
-    /// Notes what a printer says of a print that it has; nothing where that is over meanwhile.
+    /// Applies the printer's status of a print. Does nothing if the print has ended meanwhile.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn note_printer_word(
         &self,
         order: u64,
@@ -148,25 +149,25 @@ impl Booth {
             order,
             (step, why),
             |order| {
-                // It takes a moment until a file that was sent is being printed.
+                // A printer takes a moment to start a file that it received.
                 word != PrinterWord::Other || now.since(order.changed_at) > LIFE_AT_PRINTER
             },
             now,
         )
     }
 
-    /// Notes that a printer refused a print.
+    /// Fails a print that its printer refused.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn refuse_print(&self, order: u64, why: &str, now: BoothTime) -> Result<(), Refusal> {
         self.end_print(order, (PrintStep::Fail, why), |_| true, now)
     }
 
-    /// Notes that a print that was taken back was stopped at its printer, or isn't there.
+    /// Releases the printer of a cancelled print, after it was stopped or wasn't found there.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn release_printer(&self, order: u64) -> Result<(), Refusal> {
         self.update(|tx| {
             if let Some(mut order) = tx.get::<PrintOrder>(&[&order])? {
@@ -195,7 +196,7 @@ impl Booth {
     }
 }
 
-/// Whether a printer can't have another print because of this one.
+/// Returns `true` if a print blocks its printer for other prints.
 fn holds_printer(order: &PrintOrder) -> bool {
     match order.state {
         PrintState::Sliced | PrintState::Printing => true,

@@ -1,4 +1,4 @@
-//! Sculptures that visitors want printed: an order each, from when it is asked for to when the print is there.
+//! Print orders: sculptures that visitors want printed, from the order to the finished print.
 
 use paros_protocol::SculptureId;
 
@@ -18,59 +18,59 @@ use crate::work::end_work;
 
 pub(crate) const NO_ORDER: Refusal = Refusal::NotFound(Reason::NoPrint);
 
-/// Said of a print whose sculpture isn't shown any more.
+/// The failure text of a print whose sculpture is no longer shown.
 const WITHDRAWN: &str = "the sculpture was withdrawn";
 
-/// What happens to a print.
+/// A step in the life of a print.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PrintStep {
-    /// The slicer told its time and material.
+    /// The slicer estimated duration and material.
     Slice,
-    /// A printer begins.
+    /// A printer starts the print.
     Start,
-    /// It is there.
+    /// The print is finished.
     Finish,
-    /// It came to nothing.
+    /// The print failed.
     Fail,
-    /// Staff take it back.
+    /// Staff cancel the print.
     Cancel,
-    /// It is ordered again.
+    /// The print is ordered again.
     Retry,
 }
 
-/// A print that is to be sliced or printed.
+/// A print to slice or to print.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct PrintJob {
-    /// Its order.
+    /// The order of the print.
     pub order: PrintOrder,
-    /// What to print.
+    /// The sculpture to print.
     pub sculpture: Sculpture,
 }
 
-/// What the slicer tells.
+/// The result of the slicer.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum SliceOutcome {
-    /// The height in tenths of a millimetre, the time and the material.
+    /// The height, the duration and the material.
     Known {
-        /// Tenths of a millimetre.
+        /// The height in tenths of a millimetre.
         height: u32,
-        /// Minutes.
+        /// The duration in minutes.
         minutes: u32,
-        /// Tenths of a gram of filament.
+        /// The filament in tenths of a gram.
         tenths_gram: u32,
     },
-    /// Nothing, and why.
+    /// No estimate, with the reason.
     Unknown(String),
 }
 
 impl PrintState {
-    /// The state that a step leads to from this one; `None` where it can't be taken from here.
+    /// Returns the state after a step; `None` if the step isn't possible in this state.
     #[must_use]
     pub const fn after(self, step: PrintStep) -> Option<PrintState> {
         use PrintState::{Cancelled, Done, Failed, Ordered, Printing, Sliced};
         match (self, step) {
             (Ordered, PrintStep::Slice) => Some(Sliced),
-            // Without a slicer a print begins without an estimate.
+            // Without a slicer, a print starts without an estimate.
             (Ordered | Sliced, PrintStep::Start) => Some(Printing),
             (Printing, PrintStep::Finish) => Some(Done),
             (Ordered | Sliced | Printing, PrintStep::Fail) => Some(Failed),
@@ -80,7 +80,7 @@ impl PrintState {
         }
     }
 
-    /// Whether it is still to be printed, or is being.
+    /// `true` if the print is waiting to be printed, or is being printed.
     #[must_use]
     pub const fn is_open(self) -> bool {
         matches!(self, PrintState::Ordered | PrintState::Sliced | PrintState::Printing)
@@ -88,12 +88,12 @@ impl PrintState {
 }
 
 impl Booth {
-    /// Notes that somebody wants a sculpture printed. `order` is random bits; `can_slice` is whether there is a slicer,
-    /// without which no size can be found by time.
+    /// Orders a print of a sculpture. `order` is random bits. `can_slice` is `true` if there is a slicer,
+    /// without which no size can be found for a duration.
     ///
     /// # Errors
-    /// [`Refusal::Unfit`] where size or texts are out of their bounds, [`Refusal::NotFound`] where the sculpture
-    /// isn't shown, [`Refusal::Conflict`] where it has as many orders as it may; or those of the store.
+    /// [`Refusal::Unfit`] if size or texts are out of bounds, [`Refusal::NotFound`] if the sculpture isn't
+    /// shown, [`Refusal::Conflict`] if it has too many orders; or a store error.
     pub fn ask_print(
         &self,
         id: &SculptureId,
@@ -137,19 +137,19 @@ impl Booth {
         })
     }
 
-    /// The prints of a sculpture, the newest first.
+    /// Returns the prints of a sculpture, the newest first.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn list_prints(&self, id: &SculptureId) -> Result<Vec<PrintOrder>, Refusal> {
         let newest_first = r#"WHERE sculpture = ?1 ORDER BY asked_at DESC, "order""#;
         self.view(|tx| tx.find(newest_first, &[&id.0]))
     }
 
-    /// All prints with their sculptures: those that are open, the oldest first; then the others, the newest first.
+    /// Returns all prints with their sculptures: open prints, oldest first; then ended prints, newest first.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn list_print_queue(&self) -> Result<Vec<PrintJob>, Refusal> {
         self.view(|tx| {
             let open = r#"WHERE state = ?1 ORDER BY asked_at, "order" LIMIT ?2"#;
@@ -171,10 +171,10 @@ impl Booth {
         })
     }
 
-    /// A print with its sculpture.
+    /// Returns a print with its sculpture.
     ///
     /// # Errors
-    /// [`Refusal::NotFound`], or those of the store.
+    /// [`Refusal::NotFound`], or a store error.
     pub fn find_print(&self, order: u64) -> Result<PrintJob, Refusal> {
         let found = self.view(|tx| {
             let Some(order) = tx.get::<PrintOrder>(&[&order])? else { return Ok(None) };
@@ -184,11 +184,11 @@ impl Booth {
         found?.ok_or(NO_ORDER)
     }
 
-    /// Takes a print a step further, as staff say.
+    /// Applies a step of a print, at the request of staff.
     ///
     /// # Errors
-    /// [`Refusal::NotFound`], [`Refusal::Conflict`] where the step can't be taken from its state, or those of the
-    /// store.
+    /// [`Refusal::NotFound`], [`Refusal::Conflict`] if the step isn't possible in the print's state, or a
+    /// store error.
     pub fn step_print(
         &self,
         order: u64,
@@ -209,7 +209,7 @@ impl Booth {
                 order.estimate = estimate_at_first(can_slice);
                 (order.minutes, order.tenths_gram) = (None, None);
             }
-            // What is taken back is still to be stopped at its printer; of all else that sees to itself, or people do.
+            // A cancelled print keeps its printer, where it has to be stopped. Any other step frees it.
             if !(step == PrintStep::Cancel && order.job.is_some()) {
                 (order.printer, order.job) = (None, None);
             }
@@ -218,10 +218,10 @@ impl Booth {
         })
     }
 
-    /// The print that waits longest for its time and material, of those that no other process slices.
+    /// Returns the print that waits longest for the slicer, and that no other process slices.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn next_slice(&self, now: BoothTime) -> Result<Option<PrintJob>, Refusal> {
         if self.view(find_unsliced)?.is_empty() {
             return Ok(None);
@@ -238,12 +238,12 @@ impl Booth {
         })
     }
 
-    /// Notes what the slicer tells of a print; nothing where its order is gone, or has ended. One that was begun by hand
-    /// meanwhile gets its estimate all the same. Where the size was to be found by time, a print without an estimate
-    /// fails; otherwise it can be started by hand.
+    /// Stores the slicer's result of a print. Does nothing if the order is gone or has ended. A print that
+    /// was started by hand meanwhile also gets its estimate. A print without an estimate fails if its size
+    /// depends on its duration; otherwise it can be started by hand.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn note_slice(
         &self,
         order: u64,
@@ -282,7 +282,7 @@ impl Booth {
     }
 }
 
-/// Takes back what isn't being printed yet of a sculpture, as its visitor wants it hidden.
+/// Cancels the prints of a withdrawn sculpture that aren't being printed yet.
 pub(crate) fn withdraw_prints(
     tx: &mut Tx<'_>,
     sculpture: &[u8; 16],
@@ -296,7 +296,7 @@ pub(crate) fn withdraw_prints(
     Ok(())
 }
 
-/// Takes a print a step further, and keeps it.
+/// Applies a step of a print, and stores the print.
 pub(crate) fn take_step(
     tx: &mut Tx<'_>,
     order: &mut PrintOrder,
@@ -313,14 +313,14 @@ pub(crate) fn take_step(
     Ok(tx.put(order)?)
 }
 
-/// An order, and the sculpture that is kept.
+/// Returns an order and its sculpture.
 pub(crate) fn get_order(tx: &mut Tx<'_>, order: u64) -> Result<(PrintOrder, Sculpture), Refusal> {
     let order: PrintOrder = tx.get(&[&order])?.ok_or(NO_ORDER)?;
     let sculpture = get_sculpture(tx, &SculptureId(order.sculpture))?;
     Ok((order, sculpture))
 }
 
-/// Finds prints that wait for the slicer: first those that wait to be printed, then those that were begun by hand.
+/// Finds prints that wait for the slicer: first those that wait for a printer, then those started by hand.
 fn find_unsliced(tx: &mut Tx<'_>) -> Result<Vec<PrintOrder>, StoreError> {
     let (ordered, printing) = (PrintState::Ordered, PrintState::Printing);
     let waiting = r#"WHERE state IN (?1, ?2) AND estimate = ?3
@@ -332,7 +332,7 @@ const fn estimate_at_first(can_slice: bool) -> EstimateState {
     if can_slice { EstimateState::Waiting } else { EstimateState::Unknown }
 }
 
-/// As the audit has it.
+/// Returns the name of a step for the audit log.
 const fn name_of(step: PrintStep) -> &'static str {
     match step {
         PrintStep::Slice => "print sliced",

@@ -1,4 +1,4 @@
-//! All that is known of a badge, and its deletion.
+//! Data protection: export and deletion of all records of a badge.
 
 use paros_core::badge::BadgeNumber;
 use paros_protocol::SculptureId;
@@ -13,35 +13,35 @@ use crate::store::StoreError;
 use crate::time::BoothTime;
 use crate::value::ToValue;
 
-/// What is known under a badge.
+/// The records of a badge.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct BadgeRecords {
-    /// What is kept, withdrawn or not, the newest first.
+    /// The kept sculptures, withdrawn or not, the newest first.
     pub sculptures: Vec<SculptureRecords>,
-    /// What headsets told of and haven't sent.
+    /// The announced sculptures that haven't arrived.
     pub announced: Vec<Announcement>,
-    /// What is left of those that were deleted.
+    /// The tombstones of deleted sculptures.
     pub deleted: Vec<Tombstone>,
 }
 
-/// What is known of a sculpture.
+/// The records of a sculpture.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct SculptureRecords {
-    /// Itself.
+    /// The sculpture.
     pub sculpture: Sculpture,
-    /// Its mails, with addresses that their visitors agreed to, or that wait.
+    /// The mails, with addresses that are needed for sending or that visitors agreed to keep.
     pub mails: Vec<MailOrder>,
-    /// Its prints.
+    /// The prints.
     pub prints: Vec<PrintOrder>,
-    /// What was done with it.
+    /// The audit entries about the sculpture.
     pub audit: Vec<AuditEntry>,
 }
 
 impl Booth {
-    /// All that is known under a badge, up to [`MAX_LISTED`] of each kind.
+    /// Returns all records of a badge, up to [`MAX_LISTED`] of each kind.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn list_known(&self, badge: BadgeNumber) -> Result<BadgeRecords, Refusal> {
         self.view(|tx| {
             let values: [&dyn ToValue; 2] = [&badge.get(), &MAX_LISTED];
@@ -60,10 +60,10 @@ impl Booth {
         })
     }
 
-    /// Deletes all that is kept under a badge. Returns the ids of the sculptures.
+    /// Deletes all kept sculptures of a badge and its announcements. Returns the ids of the sculptures.
     ///
     /// # Errors
-    /// Those of store and disk.
+    /// Errors of the store or the disk.
     pub fn delete_known(
         &self,
         badge: BadgeNumber,

@@ -1,4 +1,4 @@
-//! The queues, for those who watch the booth.
+//! Queue lengths and ages, for monitoring.
 
 use std::time::Duration;
 
@@ -13,17 +13,17 @@ use crate::time::BoothTime;
 /// The lengths of the queues, and the ages of their oldest entries.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct QueueReport {
-    /// Sculptures whose mesh is yet to be made.
+    /// Sculptures whose mesh is still to be made.
     pub exports: u64,
     /// Sculptures that headsets announced and that haven't arrived.
     pub missing: u64,
     /// Mails that wait to be sent.
     pub mails: u64,
-    /// The time for which the oldest of these mails has waited; 0 if there is none.
+    /// The waiting time of the oldest of these mails; 0 if there is none.
     pub oldest_mail: Duration,
     /// Prints that wait for a printer.
     pub prints: u64,
-    /// The time for which the oldest of these prints has waited; 0 if there is none.
+    /// The waiting time of the oldest of these prints; 0 if there is none.
     pub oldest_print: Duration,
 }
 
@@ -31,7 +31,7 @@ impl Booth {
     /// Measures the queues.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn measure_queues(&self, now: BoothTime) -> Result<QueueReport, Refusal> {
         self.view(|tx| {
             let mails = "WHERE state = ?1 ORDER BY asked_at";
@@ -52,10 +52,10 @@ impl Booth {
         })
     }
 
-    /// Checks that the store can be written to: writes a row again as it is.
+    /// Checks that the store is writable, by rewriting a row unchanged.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn check_store(&self, now: BoothTime) -> Result<(), Refusal> {
         self.update(|tx| {
             let seen_at = seen_time(tx, now)?;

@@ -1,21 +1,20 @@
-//! Why something that a person asked for isn't done: each reason is one of these, so that pages tell all of them in
-//! their language.
+//! The reasons why a person's request is refused. They are an enum, so that pages can translate each of them.
 
 use std::fmt;
 
 macro_rules! reasons {
     ($($name:ident: $text:literal,)*) => {
-        /// Why the booth doesn't do what was asked.
+        /// The reason why a request is refused.
         #[derive(Clone, Copy, PartialEq, Eq, Debug)]
         pub enum Reason {
             $(#[doc = $text] $name,)*
         }
 
         impl Reason {
-            /// All of them.
+            /// All reasons.
             pub const ALL: &'static [Reason] = &[$(Reason::$name,)*];
 
-            /// In English, as headsets and the command line are told.
+            /// Returns the English text, which headsets and the command line show.
             #[must_use]
             pub const fn text(self) -> &'static str {
                 match self {
@@ -62,45 +61,45 @@ reasons! {
     LastAdmin: "somebody has to be an admin",
 }
 
-/// What a field of a form should have been.
+/// The expected value of a form's field.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Expected {
     /// An e-mail address.
     MailAddress,
     /// The name of an account.
     AccountName,
-    /// A password of so many characters at least.
+    /// A password with at least this many characters.
     Password(usize),
-    /// What an account may do.
+    /// The role of an account.
     Role,
-    /// A count of headsets and one of days, up to these.
+    /// A number of headsets and a number of days, each from 1 to these limits.
     FleetBounds {
-        /// Headsets.
+        /// The largest number of headsets.
         uses: u32,
-        /// Days.
+        /// The largest number of days.
         days: u16,
     },
-    /// Where headsets reach the booth.
+    /// The address at which headsets reach the booth.
     BoothAddress,
     /// A number of millimetres.
     Height,
-    /// A height within these, in millimetres.
+    /// A height within these bounds, in millimetres.
     HeightWithin(u32, u32),
-    /// A height and no time: without a slicer no size is found by it.
+    /// A height instead of a duration: without a slicer, no size can be found for a duration.
     HeightAlone,
     /// A number of whole minutes.
     Minutes,
-    /// A time within these, in minutes.
+    /// A duration within these bounds, in minutes.
     MinutesWithin(u32, u32),
-    /// A filament's colour of so many letters at most.
+    /// The name of a filament's colour, with at most this many characters.
     Filament(usize),
-    /// A note of so many letters at most.
+    /// A note with at most this many characters.
     Note(usize),
-    /// A form as the page has it.
+    /// The form of the page, unmodified.
     Form,
     /// The name of a parcel's file in an outbox.
     ParcelName,
-    /// That what can't be undone is confirmed.
+    /// The confirmation of an action that can't be undone.
     Confirmation,
 }
 

@@ -1,17 +1,17 @@
-//! Records: structs that are stored as rows of a table, whose columns have the fields' names.
+//! Records: structs that are stored as table rows. The columns are named like the fields.
 
 use crate::value::Value;
 
 /// The values of a row's columns.
 pub type Row = Vec<Value>;
 
-/// A struct that is stored as a row. [`SCHEMA`](crate::records::SCHEMA) has its table.
+/// A struct that is stored as a row of a table in [`SCHEMA`](crate::records::SCHEMA).
 pub trait Record: Sized {
-    /// The table.
+    /// The name of the table.
     const TABLE: &'static str;
-    /// The columns, in the order of the fields, as SQL has them: `"id", "order"`.
+    /// The quoted column names in the order of the fields, as in SQL: `"id", "order"`.
     const COLUMNS: &'static str;
-    /// The number of columns of the primary key, which are the first ones.
+    /// The number of primary key columns, which come first.
     const KEY_COLUMNS: usize;
 
     /// Returns the values of the fields.
@@ -20,7 +20,7 @@ pub trait Record: Sized {
     /// Reads a row.
     ///
     /// # Errors
-    /// The name of the first column whose value isn't one of the field's type.
+    /// The name of the first column whose value has the wrong type for its field.
     fn from_row(row: Row) -> Result<Self, &'static str>;
 }
 

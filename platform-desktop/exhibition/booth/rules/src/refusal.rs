@@ -1,54 +1,54 @@
-//! Why the booth doesn't do what was asked.
+//! Errors of requests to the booth.
 
 use std::io;
 
 use crate::reason::{Expected, Reason};
 use crate::store::StoreError;
 
-/// Why a request is refused. Nothing was changed.
+/// The reason why a request is refused. Nothing was changed.
 #[derive(Debug, thiserror::Error)]
 pub enum Refusal {
-    /// The message isn't one.
+    /// The request is malformed.
     #[error("{0}")]
     BadRequest(String),
-    /// What a person filled in isn't what it should be.
+    /// A person entered an invalid value.
     #[error("{0}")]
     Unfit(Expected),
     /// No headset, account or enrolment has this token.
     #[error("no such token, or not any more")]
     UnknownToken,
-    /// Who asks is known, and may not do this.
+    /// The sender is known, but may not do this.
     #[error("{}", .0.text())]
     Forbidden(Reason),
-    /// There is no such thing, or not any more.
+    /// The requested thing doesn't exist, or no longer does.
     #[error("{}", .0.text())]
     NotFound(Reason),
-    /// It contradicts what is kept.
+    /// The request contradicts the stored records.
     #[error("{}", .0.text())]
     Conflict(Reason),
-    /// It is more than is taken.
+    /// The request is too large.
     #[error("{what}: at most {most} are taken")]
     TooLarge {
-        /// What is.
+        /// The thing that is too large.
         what: &'static str,
-        /// How much of it is taken.
+        /// The largest accepted size.
         most: u64,
     },
-    /// What arrived is whole and is no sculpture.
+    /// The bytes arrived intact but aren't a sculpture.
     #[error("no sculpture: {0}")]
     Undecodable(String),
-    /// Too much at once: again after so many seconds.
+    /// There are too many requests of this kind: retry later.
     #[error("too many {what}; again in {retry_after} s")]
     Busy {
-        /// What there is too much of.
+        /// The kind of the requests.
         what: &'static str,
-        /// Seconds.
+        /// Seconds until a retry.
         retry_after: u32,
     },
-    /// All that may wait here waits: again after so many seconds.
+    /// The booth's queue is full: retry later.
     #[error("the booth is busy; again in {retry_after} s")]
     Overloaded {
-        /// Seconds.
+        /// Seconds until a retry.
         retry_after: u32,
     },
     /// The database failed.
@@ -60,7 +60,7 @@ pub enum Refusal {
 }
 
 impl Refusal {
-    /// The status of HTTP that says so.
+    /// Returns the HTTP status of the refusal.
     #[must_use]
     pub const fn status(&self) -> u16 {
         match self {
@@ -76,13 +76,13 @@ impl Refusal {
         }
     }
 
-    /// Whether store or disk failed: what they say is for the log alone.
+    /// `true` if the store or the disk failed. The text of such an error is only for the log.
     #[must_use]
     pub const fn is_failure(&self) -> bool {
         matches!(self, Refusal::Store(_) | Refusal::Files(_))
     }
 
-    /// Seconds after which it is worth to ask again, where it is.
+    /// Returns the seconds until a retry makes sense; `None` if it doesn't.
     #[must_use]
     pub const fn retry_after(&self) -> Option<u32> {
         match self {

@@ -1,4 +1,4 @@
-//! What has to be done to a store that comes back from a copy, before anybody is served: what happened since is unknown.
+//! Restore: prepares a store that comes from a copy, before it serves requests. Later changes are unknown.
 
 use std::io::ErrorKind;
 
@@ -16,28 +16,28 @@ use crate::store::StoreError;
 use crate::time::BoothTime;
 use crate::upload::remove_announcements;
 
-/// What was done to a copy.
+/// The result of a restore.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct RestoreReport {
-    /// Sculptures in it.
+    /// Number of sculptures in the copy.
     pub sculptures: u64,
-    /// Of them, those that were deleted since.
+    /// Number of those that were deleted after the copy.
     pub deleted: usize,
-    /// Deleted sculptures that it didn't know.
+    /// Number of deleted sculptures that the copy didn't contain.
     pub tombstones: usize,
-    /// Mails that waited, and have to be asked for anew: they may have been sent since.
+    /// Number of waiting mails. They must be ordered again, as they may have been sent since.
     pub mails: usize,
 }
 
-/// Said of a mail that waited when the copy was made.
+/// The failure text of a mail that waited when the copy was made.
 const MAYBE_SENT: &str = "it may have been sent before the booth was restored";
 
 impl Booth {
-    /// Makes a copy of `copied_at` fit for use: applies what was deleted since; passes over the blocks of badges' numbers
-    /// that may have been leased since; ends all logins, and takes back mails that waited.
+    /// Prepares a copy of the time `copied_at` for use: applies later deletions, passes over badge blocks
+    /// that may have been leased since, ends all logins, and fails waiting mails.
     ///
     /// # Errors
-    /// Those of store and disk; [`Refusal::Conflict`] where a file of a sculpture is missing that is kept.
+    /// Errors of the store or the disk; [`Refusal::Conflict`] if a file of a kept sculpture is missing.
     pub fn make_restored(
         &self,
         deletions: &[Deletion],
@@ -74,7 +74,7 @@ impl Booth {
             report.deleted += 1;
             return self.bury(tx, &sculpture, deletion.deleted_at);
         }
-        // In the copy it may not have come yet.
+        // The sculpture may have arrived after the copy.
         remove_announcements(tx, &id)?;
         if tx.get::<Tombstone>(&[&id])?.is_none() {
             report.tombstones += 1;
@@ -83,7 +83,8 @@ impl Booth {
         Ok(())
     }
 
-    /// Checks that the files of all sculptures are there. Traces may have been too old while the copy was made.
+    /// Checks that the files of all sculptures exist. A missing trace is accepted: it may have expired while
+    /// the copy was made.
     fn check_files(&self, tx: &mut Tx<'_>) -> Result<(), Refusal> {
         let is_there = |name| match self.files.read_kept(&name) {
             Ok(_) => Ok(true),

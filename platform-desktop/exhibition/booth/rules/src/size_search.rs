@@ -1,16 +1,16 @@
-//! The largest print within a time, by few slices: a print's time is about a power of its height, so that two slices
-//! tell where the third is worth it.
+//! Search of the largest print within a duration, with few slicer runs. The duration is roughly a power of
+//! the height, so that two slices predict where to try the third.
 
 use crate::limits::{MAX_SIZE_SLICES, PRINT_TENTHS_MM};
 
-/// By which power of the height the time grows, before two slices tell: between that of walls and that of what they
-/// enclose.
+/// The exponent of duration over height, assumed before two slices are known: between that of walls (2) and
+/// of volumes (3).
 const FIRST_POWER: f64 = 2.2;
 
-/// A print of this part of the time is as large as one may hope for.
+/// The share of the allowed duration that counts as large enough.
 const GOOD_PART: f64 = 0.95;
 
-/// A search that is asked for a height to slice, and told how long that takes.
+/// A search that proposes heights to slice, and receives their durations.
 #[derive(Clone, Debug)]
 pub struct SizeSearch {
     most_minutes: u32,
@@ -23,21 +23,21 @@ pub struct SizeSearch {
 /// A height in tenths of a millimetre, and the minutes that a print of it takes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Sliced {
-    /// Tenths of a millimetre.
+    /// The height in tenths of a millimetre.
     pub height: u32,
-    /// Minutes.
+    /// The duration in minutes.
     pub minutes: u32,
 }
 
 impl SizeSearch {
-    /// For so many minutes, beginning at a height in tenths of a millimetre.
+    /// Starts a search for a duration of `most_minutes`, at the height `first` in tenths of a millimetre.
     #[must_use]
     pub fn new(most_minutes: u32, first: u32) -> Self {
         let first = first.clamp(*PRINT_TENTHS_MM.start(), *PRINT_TENTHS_MM.end());
         SizeSearch { most_minutes, first, fits: None, takes_too_long: None, slices: 0 }
     }
 
-    /// The height that is to be sliced next; `None` once the search is over.
+    /// Returns the height to slice next; `None` once the search is over.
     #[must_use]
     pub fn next_height(&self) -> Option<u32> {
         if self.slices >= MAX_SIZE_SLICES {
@@ -48,7 +48,7 @@ impl SizeSearch {
             (None, None) => return Some(self.first),
             (Some(fits), _) if f64::from(fits.minutes) >= GOOD_PART * wanted => return None,
             (Some(fits), Some(long)) => between(fits, long, wanted),
-            // Somewhat less than the guess: from above, one that fits is worth more than one that is near.
+            // Somewhat less than the estimate: from above, a fitting height is worth more than a close one.
             (None, Some(long)) => 0.95 * beyond(long, wanted),
             (Some(fits), None) => beyond(fits, 0.98 * wanted),
         };
@@ -58,7 +58,7 @@ impl SizeSearch {
         if is_known(self.fits) || is_known(self.takes_too_long) { None } else { Some(height) }
     }
 
-    /// Takes what a slice told.
+    /// Takes the result of a slice.
     pub fn note(&mut self, slice: Sliced) {
         self.slices += 1;
         let (known, is_better) = if slice.minutes <= self.most_minutes {
@@ -75,25 +75,26 @@ impl SizeSearch {
         }
     }
 
-    /// The largest height that was sliced and fits.
+    /// Returns the largest sliced height that fits.
     #[must_use]
     pub const fn result(&self) -> Option<Sliced> {
         self.fits
     }
 }
 
-/// The height at which a print would take so long, by what one takes and the usual power.
+/// Returns the height at which a print takes `wanted` minutes, extrapolated from one slice with
+/// [`FIRST_POWER`].
 fn beyond(known: Sliced, wanted: f64) -> f64 {
     let part = wanted / f64::from(known.minutes.max(1));
     f64::from(known.height) * part.powf(1.0 / FIRST_POWER)
 }
 
-/// The height at which a print would take so long, by two others and the power that they follow; well between them.
+/// Returns the height at which a print takes `wanted` minutes, by the power law through two slices.
 fn between(fits: Sliced, long: Sliced, wanted: f64) -> f64 {
     let ln = |slice: Sliced| (f64::from(slice.height).ln(), f64::from(slice.minutes.max(1)).ln());
     let ((low, low_time), (high, high_time)) = (ln(fits), ln(long));
     let part = ((0.98 * wanted).ln() - low_time) / (high_time - low_time);
-    // Where times jump, as by a layer more, it closes in all the same.
+    // The clamp lets the search converge even if durations jump, such as by a further layer.
     (low + part.clamp(0.1, 0.9) * (high - low)).exp()
 }
 
@@ -103,7 +104,7 @@ mod tests {
     use crate::limits::{MAX_SIZE_SLICES, PRINT_TENTHS_MM};
     use proptest::prelude::*;
 
-    /// What is found where a print of a height takes so long, and how many slices it took.
+    /// Runs a search with a function from height to duration. Returns its result and the number of slices.
     fn search(minutes: u32, first: u32, time: impl Fn(u32) -> u32) -> (Option<Sliced>, u32) {
         let (mut search, mut slices) = (SizeSearch::new(minutes, first), 0);
         while let Some(height) = search.next_height() {

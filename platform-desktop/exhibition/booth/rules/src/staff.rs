@@ -1,4 +1,4 @@
-//! Who works at the booth: accounts, and the browsers in which they are logged in. Passwords are hashed by the shell.
+//! Staff accounts and logins. The shell hashes the passwords.
 
 use std::time::Duration;
 
@@ -16,47 +16,47 @@ use crate::refusal::Refusal;
 use crate::store::StoreError;
 use crate::time::BoothTime;
 
-/// How much a session's last use may be behind: more often it isn't written down.
+/// Largest delay of a login's stored last use. It limits how often the use is written.
 const USE_STEP: Duration = Duration::from_secs(60);
 
-/// The contexts of a browser's token, so that nothing else that is made of the secret is one.
+/// Domain separation: keeps browser tokens apart from other values of the secret.
 const BROWSER_CONTEXT: &[u8] = b"paros browser v1\0";
 const BROWSER_SIGNATURE_CONTEXT: &[u8] = b"paros browser signature v1\0";
 
-/// Random bits of a login: the cookie's, and what its forms bring.
+/// The random bits of a login.
 #[derive(Clone, Copy)]
 pub struct SessionBits {
-    /// The cookie. The booth keeps its SHA-256.
+    /// The cookie. The booth stores its SHA-256.
     pub cookie: [u8; 32],
-    /// In each form, so that no other page can send it.
+    /// The token in each form, so that no other page can send the form (CSRF).
     pub form_token: [u8; 16],
 }
 
-/// Somebody who is logged in.
+/// A person who is logged in.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct LoggedIn {
-    /// Who.
+    /// The name of the account.
     pub account: String,
-    /// What they may do.
+    /// The rights of the account.
     pub role: StaffRole,
-    /// What each form has to bring.
+    /// The token that each form has to contain.
     pub form_token: [u8; 16],
 }
 
 impl LoggedIn {
-    /// Checks that a form is one of this session's.
+    /// Checks that a form belongs to this login.
     ///
     /// # Errors
-    /// [`Refusal::Forbidden`] where it isn't.
+    /// [`Refusal::Forbidden`] if it doesn't.
     pub fn check_form(&self, form_token: &[u8; 16]) -> Result<(), Refusal> {
         let is_ours = bool::from(self.form_token.ct_eq(form_token));
         if is_ours { Ok(()) } else { Err(Refusal::Forbidden(Reason::ForeignForm)) }
     }
 
-    /// Checks that somebody is an admin.
+    /// Checks that the account is an admin's.
     ///
     /// # Errors
-    /// [`Refusal::Forbidden`] where they aren't.
+    /// [`Refusal::Forbidden`] if it isn't.
     pub fn check_admin(&self) -> Result<(), Refusal> {
         match self.role {
             StaffRole::Admin => Ok(()),
@@ -66,18 +66,18 @@ impl LoggedIn {
 }
 
 impl Booth {
-    /// Whether anybody has an account.
+    /// Returns `true` if there is an account.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn has_accounts(&self) -> Result<bool, Refusal> {
         Ok(self.count::<Account>("", &[])? > 0)
     }
 
-    /// Makes the first account, an admin's. The shell has checked the code that it printed.
+    /// Makes the first account, with the rights of an admin. The shell has checked the code that it printed.
     ///
     /// # Errors
-    /// [`Refusal::Conflict`] where there is one, or for a bad name.
+    /// [`Refusal::Conflict`] if there is an account, [`Refusal::Unfit`] for a bad name; or a store error.
     pub fn add_first_admin(
         &self,
         name: &str,
@@ -97,7 +97,8 @@ impl Booth {
     /// Makes an account.
     ///
     /// # Errors
-    /// [`Refusal::Conflict`] where the name is taken, or looks like one that is; or for a bad name.
+    /// [`Refusal::Conflict`] if the name is taken or looks like a taken name, [`Refusal::Unfit`] for an
+    /// invalid name; or a store error.
     pub fn add_account(
         &self,
         name: &str,
@@ -118,7 +119,7 @@ impl Booth {
         })
     }
 
-    /// Shuts an account out, or lets it in again. The last admin stays.
+    /// Disables or enables an account, and ends its logins. The last admin can't be disabled.
     ///
     /// # Errors
     /// [`Refusal::NotFound`], or [`Refusal::Conflict`] for the last admin.
@@ -143,27 +144,27 @@ impl Booth {
         })
     }
 
-    /// All accounts.
+    /// Returns all accounts.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn list_accounts(&self) -> Result<Vec<Account>, Refusal> {
         self.view(|tx| tx.find("ORDER BY name", &[]))
     }
 
-    /// The hash of an account's password; `None` where there is none, or it is shut out.
+    /// Returns the password hash of an account; `None` if there is no such account, or it is disabled.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn password_hash(&self, name: &str) -> Result<Option<String>, Refusal> {
         let account: Option<Account> = self.view(|tx| tx.get(&[&name]))?;
         Ok(account.filter(|account| !account.is_disabled).map(|account| account.password_hash))
     }
 
-    /// Logs somebody in whose password was right.
+    /// Logs an account in. The caller has checked the password.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn log_in(&self, name: &str, bits: &SessionBits, now: BoothTime) -> Result<(), Refusal> {
         self.update(|tx| {
             let sessions: Vec<StaffSession> = tx.find("WHERE account = ?1", &[&name])?;
@@ -181,10 +182,10 @@ impl Booth {
         })
     }
 
-    /// Returns the login of a cookie, and notes that it is used.
+    /// Returns the login of a cookie, and records its use.
     ///
     /// # Errors
-    /// [`Refusal::UnknownToken`] where nobody is, or not any more.
+    /// [`Refusal::UnknownToken`] if there is no such login, or it is over; or a store error.
     pub fn find_login(&self, cookie: &[u8; 32], now: BoothTime) -> Result<LoggedIn, Refusal> {
         let (login, used_at) = self.read_login(cookie, now)?;
         if now.since(used_at) >= USE_STEP {
@@ -197,15 +198,15 @@ impl Booth {
         Ok(login)
     }
 
-    /// Returns the login of a cookie without noting its use, for requests that pages make by themselves.
+    /// Returns the login of a cookie without recording its use, for requests that pages make by themselves.
     ///
     /// # Errors
-    /// [`Refusal::UnknownToken`] where nobody is, or not any more.
+    /// [`Refusal::UnknownToken`] if there is no such login, or it is over; or a store error.
     pub fn peek_login(&self, cookie: &[u8; 32], now: BoothTime) -> Result<LoggedIn, Refusal> {
         self.read_login(cookie, now).map(|(login, _)| login)
     }
 
-    /// Reads a login that isn't over, and when it was last used.
+    /// Reads a login that isn't over, and the time of its last use.
     fn read_login(
         &self,
         cookie: &[u8; 32],
@@ -235,7 +236,7 @@ impl Booth {
         self.sign_browser(account)
     }
 
-    /// Returns the number of the account whose login a browser's token proves; `None` for a forged token.
+    /// Returns the account's number in a browser token, which proves an earlier login; `None` if forged.
     #[must_use]
     pub fn check_browser_token(&self, token: &[u8; 32]) -> Option<[u8; 16]> {
         let account: [u8; 16] = *token.first_chunk()?;
@@ -253,7 +254,7 @@ impl Booth {
     /// Ends a login.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn log_out(&self, cookie: &[u8; 32]) -> Result<(), Refusal> {
         self.update(|tx| Ok(end_session(tx, &ContentHash::of(cookie).0)?))
     }
@@ -268,15 +269,15 @@ fn make_account(name: &str, password_hash: &str, role: StaffRole) -> Result<Acco
     Ok(Account { name, password_hash, role, is_disabled: false })
 }
 
-/// Returns `true` if people may take one name for the other: in capitals, or with letters of another script that look the
-/// same.
+/// Returns `true` if people may confuse two names: they differ in case only, or in letters of different
+/// scripts that look alike.
 fn look_alike(name: &str, other: &str) -> bool {
     let forms = visible_forms(name);
     visible_forms(other).iter().any(|form| forms.contains(form))
 }
 
-/// Returns the skeletons of UTS #39 of a name as it is written, in small letters and in capitals: Greek and Latin names look
-/// alike in capitals alone (`ΑΝΝΑ`).
+/// Returns the skeletons (UTS #39) of a name as written, in lower case and in upper case. Some Greek and
+/// Latin names look alike only in capitals (`ΑΝΝΑ`).
 fn visible_forms(name: &str) -> [String; 3] {
     let written = [name.to_owned(), name.to_lowercase(), name.to_uppercase()];
     written.map(|name| skeleton(&name).collect::<String>().to_lowercase())

@@ -1,29 +1,29 @@
-//! The database that records are stored in, as the rules see it: transactions of SQL statements.
+//! The interface to the database: transactions of SQL statements.
 //!
-//! The statements are in the SQL that SQLite and PostgreSQL have in common, with parameters `?1`, `?2`. A text with a NUL
-//! is stored nowhere, as PostgreSQL has none: such a parameter matches no row, and [`put`](Transaction#method.put) refuses it.
+//! The statements use the SQL that SQLite and PostgreSQL share, with parameters `?1`, `?2`. A text with a NUL
+//! can't be stored, as PostgreSQL doesn't support it: such a parameter matches no row, and
+//! [`put`](Transaction#method.put) rejects it.
 
 use crate::record::{Record, Row};
 use crate::records::SCHEMA_VERSION;
 use crate::value::{ToValue, Value};
 
-/// How often [`update`] tries work that is in conflict with another transaction's.
+/// Largest number of tries of [`update`] when transactions conflict.
 const MOST_TRIES: u32 = 16;
 
 /// A database with the tables of [`SCHEMA`](crate::records::SCHEMA).
 pub trait Store: Send + Sync {
-    /// Begins a transaction. Transactions are serializable: those that commit are as if one came after the other. A
-    /// transaction that is dropped is rolled back.
+    /// Begins a transaction. Transactions are serializable. A transaction that is dropped is rolled back.
     ///
     /// # Errors
     /// The database's error.
     fn begin(&self, access: Access) -> Result<Box<dyn Transaction + '_>, StoreError>;
 }
 
-/// What a transaction may do.
+/// The access mode of a transaction.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Access {
-    /// Read. Statements that write fail.
+    /// Only read. Statements that write fail.
     Read,
     /// Read and write.
     Write,
@@ -31,46 +31,46 @@ pub enum Access {
 
 /// A transaction of a [`Store`].
 pub trait Transaction {
-    /// Runs a statement, and returns the rows that it finds or has in its `RETURNING`.
+    /// Runs a statement, and returns its rows: of a `SELECT` or of a `RETURNING`.
     ///
     /// # Errors
-    /// The database's error, or that this transaction may only read.
+    /// The database's error, or a write in a read-only transaction.
     fn query(&mut self, sql: &str, values: &[Value]) -> Result<Vec<Row>, StoreError>;
 
-    /// Commits. The changes outlive a power cut from when this returns.
+    /// Commits. The changes survive a power cut after this returns.
     ///
     /// # Errors
-    /// The database's error. Then nothing was changed; or, where the link to it broke, all or nothing.
+    /// The database's error. Nothing was changed then; or all or nothing, if the connection broke.
     fn commit(self: Box<Self>) -> Result<(), StoreError>;
 
-    /// Returns `true` if a call failed with [`StoreError::Conflict`], after which the transaction can't be committed. Never
-    /// where no other transaction writes meanwhile.
+    /// Returns `true` if a call failed with [`StoreError::Conflict`], after which the transaction can't be
+    /// committed. Always `false` for a store without concurrent writers.
     fn is_in_conflict(&self) -> bool {
         false
     }
 }
 
-/// Why a store failed.
+/// The reason why a store failed.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
-    /// Another transaction changed what this one is about: it is tried again.
+    /// Another transaction changed the same records. The transaction is retried.
     #[error("others changed the same records too often")]
     Conflict,
-    /// A row that was stored is no record.
+    /// A stored row isn't a valid record.
     #[error("table {table}, column {column}: a value that was never stored there")]
     BadRow {
-        /// The table.
+        /// The name of the table.
         table: &'static str,
-        /// The column.
+        /// The name of the column.
         column: &'static str,
     },
-    /// The tables have another version.
+    /// The tables have an unsupported version.
     #[error(
         "the database: its tables have version {0}, and this program reads version {SCHEMA_VERSION}; \
          start it on a new folder or database, or run the program that made this one"
     )]
     OtherVersion(i64),
-    /// The database is damaged, and what was found.
+    /// The database is damaged; with the finding.
     #[error(
         "the database is damaged ({0}) and left as it is; restore a backup into another folder \
          (paros-booth restore), or, without a backup, make a booth of the sculptures' files (paros-booth rescue)"
@@ -82,7 +82,7 @@ pub enum StoreError {
 }
 
 impl dyn Transaction + '_ {
-    /// Runs a statement, and returns the rows that it finds or has in its `RETURNING`.
+    /// Runs a statement, and returns its rows: of a `SELECT` or of a `RETURNING`.
     ///
     /// # Errors
     /// The database's error.
@@ -91,10 +91,10 @@ impl dyn Transaction + '_ {
         self.query(sql, &values)
     }
 
-    /// Finds records: `rest` is what follows `SELECT ... FROM table`.
+    /// Finds records. `rest` is the SQL after `SELECT ... FROM table`.
     ///
     /// # Errors
-    /// The database's error, or that a row is no such record.
+    /// The database's error, or a row isn't a valid record.
     pub fn find<R: Record>(
         &mut self,
         rest: &str,
@@ -106,10 +106,10 @@ impl dyn Transaction + '_ {
         self.run(&sql, values)?.into_iter().map(read).collect()
     }
 
-    /// Finds the first record: `rest` is what follows `SELECT ... FROM table`, without a limit.
+    /// Finds the first record. `rest` is the SQL after `SELECT ... FROM table`, without a limit.
     ///
     /// # Errors
-    /// The database's error, or that the row is no such record.
+    /// The database's error, or the row isn't a valid record.
     pub fn find_first<R: Record>(
         &mut self,
         rest: &str,
@@ -118,7 +118,7 @@ impl dyn Transaction + '_ {
         Ok(self.find(&format!("{rest} LIMIT 1"), values)?.pop())
     }
 
-    /// Counts records: `rest` is what follows `SELECT count(*) FROM table`.
+    /// Counts records. `rest` is the SQL after `SELECT count(*) FROM table`.
     ///
     /// # Errors
     /// The database's error.
@@ -134,20 +134,20 @@ impl dyn Transaction + '_ {
         }
     }
 
-    /// Gets the record with a primary key.
+    /// Returns the record with a primary key.
     ///
     /// # Errors
-    /// The database's error, or that the row is no such record.
+    /// The database's error, or the row isn't a valid record.
     pub fn get<R: Record>(&mut self, key: &[&dyn ToValue]) -> Result<Option<R>, StoreError> {
         let columns = R::COLUMNS.split(", ").take(R::KEY_COLUMNS).zip(1..);
         let terms: Vec<String> = columns.map(|(name, k)| format!("{name} = ?{k}")).collect();
         Ok(self.find(&format!("WHERE {}", terms.join(" AND ")), key)?.pop())
     }
 
-    /// Inserts a record, or replaces the one with its primary key.
+    /// Inserts a record, or replaces the record with the same primary key.
     ///
     /// # Errors
-    /// The database's error, that a value of a unique column is another record's, or that a text has a NUL in it.
+    /// The database's error, a violated unique constraint, or a text with a NUL.
     pub fn put<R: Record>(&mut self, record: &R) -> Result<(), StoreError> {
         let row = record.to_row();
         if row.iter().any(has_nul) {
@@ -167,16 +167,16 @@ impl dyn Transaction + '_ {
     }
 }
 
-/// Returns `true` for a text that no row has.
+/// Returns `true` for a text with a NUL, which can't be stored.
 #[must_use]
 pub fn has_nul(value: &Value) -> bool {
     matches!(value, Value::Text(text) if text.contains('\0'))
 }
 
-/// Does work in a transaction, which is committed if the work succeeds, and tried again after a conflict.
+/// Runs `work` in a transaction and commits it if the work succeeds. Retries after a conflict.
 ///
 /// # Errors
-/// The work's, or the store's. Then nothing was changed.
+/// The error of the work or of the store. Nothing was changed then.
 pub fn update<T, E: From<StoreError>>(
     store: &dyn Store,
     mut work: impl FnMut(&mut (dyn Transaction + '_)) -> Result<T, E>,
@@ -190,7 +190,7 @@ pub fn update<T, E: From<StoreError>>(
                 Err(StoreError::Conflict) if tries < MOST_TRIES => {}
                 Err(error) => return Err(error.into()),
             },
-            // The work's result doesn't count after a conflict: it saw what it couldn't change.
+            // After a conflict the result of the work doesn't count, as it may rest on outdated reads.
             Err(_) if transaction.is_in_conflict() && tries < MOST_TRIES => {}
             Err(error) => return Err(error),
         }
@@ -198,10 +198,10 @@ pub fn update<T, E: From<StoreError>>(
     }
 }
 
-/// Does work in a transaction that only reads.
+/// Runs `work` in a read-only transaction.
 ///
 /// # Errors
-/// The work's, or the store's.
+/// The error of the work or of the store.
 pub fn view<T, E: From<StoreError>>(
     store: &dyn Store,
     work: impl FnOnce(&mut (dyn Transaction + '_)) -> Result<T, E>,

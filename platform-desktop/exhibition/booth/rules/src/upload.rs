@@ -1,4 +1,4 @@
-//! Parcels: checked as a whole, and kept.
+//! Uploads: parcels are validated as a whole, and stored.
 
 use paros_core::badge::BadgeNumber;
 use paros_protocol::limits::MAX_PARCEL_FILE_BYTES;
@@ -15,28 +15,28 @@ use crate::store::{StoreError, view};
 use crate::time::BoothTime;
 use crate::words::picture_bits;
 
-/// The outcome of a parcel that staff copied from a headset.
+/// The outcome of the import of a parcel that staff copied from a headset.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ImportOutcome {
-    /// It is kept now.
+    /// The parcel is now stored.
     Taken,
-    /// The booth had it.
+    /// The booth already had the parcel.
     Known,
-    /// The booth had it, and it was deleted.
+    /// The booth had the parcel, and it was deleted.
     Deleted,
 }
 
-/// Checks that a parcel's files are what its head says: the packed volume, and the packed trace. Takes no more memory
-/// than the head says.
+/// A check that the packed volume and the packed trace match the head of their parcel. Uses no more memory
+/// than the head declares.
 pub type DecodeParcel<'a> = dyn Fn(&UploadFacts, &[u8], &[u8]) -> Result<(), String> + 'a;
 
 impl Booth {
-    /// Keeps a parcel. Idempotent: the same parcel of any headset has the same outcome. `file` is the parcel with its
-    /// SHA-256 at the end.
+    /// Stores a parcel. Idempotent: the same parcel, from any headset, has the same outcome. `file` is the
+    /// parcel with its SHA-256 at the end.
     ///
     /// # Errors
-    /// `TooLarge`; `BadRequest` if the hash isn't that of the bytes; `Undecodable` if they are no sculpture; `Conflict` if
-    /// another parcel of this id was kept.
+    /// `TooLarge`; `BadRequest` if the hash doesn't match; `Undecodable` if the bytes aren't a sculpture;
+    /// `Conflict` if another parcel of this id was stored; or an error of store or disk.
     pub fn take_parcel(
         &self,
         headset: u32,
@@ -54,10 +54,11 @@ impl Booth {
         self.keep_parcel(headset, &parcel, now)
     }
 
-    /// Keeps a parcel that staff copied from a headset's disk, as if the headset had sent it. It may be shut out.
+    /// Stores a parcel that staff copied from a headset's disk, as if the headset had sent it. The headset
+    /// may be excluded.
     ///
     /// # Errors
-    /// No headset has this number; those of [`Booth::take_parcel`].
+    /// No headset has this number; and the errors of [`Booth::take_parcel`].
     pub fn import_parcel(
         &self,
         headset: u32,
@@ -82,16 +83,16 @@ impl Booth {
         Ok(ImportOutcome::Taken)
     }
 
-    /// Checks that a headset has this number, even if it is shut out.
+    /// Checks that a headset has this number. The headset may be excluded.
     ///
     /// # Errors
-    /// No headset has it; those of the store.
+    /// No headset has this number; or a store error.
     pub fn check_headset(&self, headset: u32) -> Result<(), Refusal> {
         let device: Option<Device> = self.view(|tx| tx.get(&[&headset]))?;
         device.map(drop).ok_or(Refusal::NotFound(Reason::NoHeadset))
     }
 
-    /// Files first, then the record: what the record says is there.
+    /// Stores a parcel. Writes the files before the record, so that every record has its files.
     fn keep_parcel(
         &self,
         headset: u32,
@@ -133,7 +134,7 @@ impl Booth {
             Ok::<_, Refusal>(ParcelOutcome::Kept)
         })?;
         if outcome == ParcelOutcome::Deleted {
-            // It was deleted while it was kept a second time.
+            // The sculpture was deleted while the files were stored again.
             self.files.remove_kept(&name(KeptPart::Sculpture))?;
             self.files.remove_kept(&name(KeptPart::Trace))?;
         }
@@ -141,7 +142,7 @@ impl Booth {
     }
 }
 
-/// What became of a parcel that came before.
+/// Returns the outcome of an earlier upload of the same parcel; `None` if there is none.
 fn find_outcome(
     tx: &mut Tx<'_>,
     id: SculptureId,
@@ -157,12 +158,12 @@ fn find_outcome(
     if known == hash.0 { Ok(Some(outcome)) } else { Err(Refusal::Conflict(Reason::OtherParcel)) }
 }
 
-/// Removes the announcements of a sculpture, of whichever headset: a device may have enrolled again meanwhile.
+/// Removes the announcements of a sculpture by any headset, as a device may have enrolled again meanwhile.
 pub(crate) fn remove_announcements(tx: &mut Tx<'_>, id: &[u8; 16]) -> Result<(), StoreError> {
     tx.run("DELETE FROM announcements WHERE sculpture = ?1", &[id]).map(drop)
 }
 
-/// Checks that a file is a parcel of a sculpture.
+/// Reads a file as a parcel, and checks that it is of this sculpture.
 fn read_parcel(id: SculptureId, file: &[u8]) -> Result<Parcel<&[u8]>, Refusal> {
     let parcel = Parcel::read(file).map_err(|fault| match fault {
         ParcelFault::TooLong { .. } => {

@@ -1,4 +1,4 @@
-//! Values of a database's columns, and the types of fields that are stored as them.
+//! Values of database columns, and the field types that are stored as them.
 
 use paros_core::session::SessionMode;
 
@@ -7,7 +7,7 @@ use paros_core::session::SessionMode;
 pub enum Value {
     /// NULL.
     Null,
-    /// An integer. A `u64` is stored by its bits.
+    /// An integer. A `u64` is stored as an `i64` with the same bits.
     Number(i64),
     /// Bytes.
     Bytes(Vec<u8>),
@@ -21,9 +21,9 @@ pub trait ToValue {
     fn to_value(&self) -> Value;
 }
 
-/// A type that a record may have a field of.
+/// A type of a record's field.
 pub trait Field: ToValue + Sized {
-    /// Reads a stored value; `None` if it isn't one of this type.
+    /// Reads a stored value; `None` if the value isn't of this type.
     fn from_value(value: Value) -> Option<Self>;
 }
 
@@ -74,7 +74,8 @@ number => match number {
         .map(|figure| SessionMode::Constrained { figure }),
 });
 
-/// A session that starts from a hidden figure is stored as the figure's number from here on.
+/// The stored number of figure 0. A session that starts from a hidden figure is stored as this plus the
+/// figure's number.
 const FIRST_FIGURE: i64 = 256;
 
 impl<const N: usize> ToValue for [u8; N] {
@@ -122,14 +123,14 @@ impl ToValue for &[u8] {
     }
 }
 
-/// A limit of rows.
+/// A `LIMIT` of rows.
 impl ToValue for usize {
     fn to_value(&self) -> Value {
         Value::Number(i64::try_from(*self).unwrap_or(i64::MAX))
     }
 }
 
-/// An enum of single cases that is stored as its number, which never changes.
+/// An enum without fields that is stored as its number. The numbers never change.
 macro_rules! stored_enum {
     (
         $(#[$about:meta])*

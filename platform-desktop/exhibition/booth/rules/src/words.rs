@@ -1,47 +1,47 @@
-//! Badges as people say them: "green: owl, kite, anchor, bell", or in Greek, without accents, with a slip, in another
-//! order, or without what was forgotten.
+//! Parses badges as people say them: "green: owl, kite, anchor, bell", or in Greek; also without accents,
+//! with typing errors, in another order, or incomplete.
 
 use paros_core::badge::{Badge, BadgeColour, Language, Pictogram};
 
 use crate::limits::{LEAST_HEARD, MAX_SLIPS};
 
-/// The parts of a badge that were understood: a colour, pictograms, or both.
+/// The recognised parts of a badge: a colour, pictograms, or both.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct HeardBadge {
     colour: Option<BadgeColour>,
     pictograms: Vec<Pictogram>,
-    /// Words that are neither.
+    /// The words that weren't recognised.
     pub unknown: Vec<String>,
 }
 
-/// A badge compared with what was said of it.
+/// The comparison of a badge with its description.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct BadgeComparison {
-    /// The pictograms that are in the badge, in the order in which they were said.
+    /// The pictograms of the description that the badge has, in the order of the description.
     pub right: Vec<Pictogram>,
-    /// The pictograms that aren't.
+    /// The pictograms of the description that the badge doesn't have.
     pub wrong: Vec<Pictogram>,
-    /// `true` if the right ones were said in the badge's order.
+    /// `true` if the right pictograms are in the badge's order.
     pub is_in_order: bool,
-    /// `true` if the badge has the colour that was said, or none was.
+    /// `true` if the badge has the described colour, or no colour was described.
     pub is_colour_right: bool,
 }
 
-/// Why words are no badge.
+/// The reason why a description isn't a badge.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum WordsFault {
-    /// A word that is neither a colour nor a pictogram, and none that is.
+    /// No word was recognised. Holds the first unknown word.
     #[error("\"{0}\" is no colour and no picture of a badge")]
     UnknownWord(String),
     /// More than one colour.
     #[error("{0} colours; expected one")]
     Colours(usize),
-    /// Not one to four pictograms.
+    /// The number of pictograms isn't 1 to 4.
     #[error("{0} pictures; expected one to four")]
     Pictograms(usize),
 }
 
-/// What a word is.
+/// The meaning of a word.
 #[derive(Clone, Copy)]
 enum Meaning {
     Colour(BadgeColour),
@@ -49,14 +49,14 @@ enum Meaning {
 }
 
 impl HeardBadge {
-    /// Reads words in either language, or in both: a colour anywhere, or none, and up to four pictograms in any order. A letter or
-    /// two may be wrong, missing or too many, and one of a thing may be several of it.
+    /// Parses words in either language, or in both: up to one colour and up to four pictograms, in any order.
+    /// Tolerates one or two wrong, missing or additional letters, and plurals.
     ///
     /// # Errors
-    /// Too many colours or pictograms; or none of them, then the first unknown word.
+    /// Too many colours or pictograms. If nothing was recognised, the first unknown word.
     pub fn parse(text: &str) -> Result<Self, WordsFault> {
         let (mut colours, mut pictograms, mut unknown) = (Vec::new(), Vec::new(), Vec::new());
-        // An accent may come as a letter of its own.
+        // Accents may be separate (combining) characters.
         let text: String = text.chars().filter(|letter| !ACCENTS.contains(letter)).collect();
         for word in text.split(|letter: char| !letter.is_alphabetic()) {
             let folded = fold(word);
@@ -82,39 +82,39 @@ impl HeardBadge {
         Ok(HeardBadge { colour: colours.first().copied(), pictograms, unknown })
     }
 
-    /// Makes a badge of which a colour and pictograms are known.
+    /// Makes a description of a known colour and known pictograms.
     #[must_use]
     pub const fn new(colour: Option<BadgeColour>, pictograms: Vec<Pictogram>) -> Self {
         HeardBadge { colour, pictograms, unknown: Vec::new() }
     }
 
-    /// The colour, if one was said.
+    /// Returns the colour, if there is one.
     #[must_use]
     pub const fn colour(&self) -> Option<BadgeColour> {
         self.colour
     }
 
-    /// The pictograms, in the order in which they were said.
+    /// Returns the pictograms, in the order of the description.
     #[must_use]
     pub fn pictograms(&self) -> &[Pictogram] {
         &self.pictograms
     }
 
-    /// `true` if there are pictograms enough to look for the badges that may be meant.
+    /// `true` if there are enough pictograms to search similar badges.
     #[must_use]
     pub const fn is_nearly_whole(&self) -> bool {
         self.pictograms.len() >= LEAST_HEARD
     }
 
-    /// The badge, where a colour and four pictograms were said. Whether its check fits is not looked at.
+    /// Returns the badge if there are a colour and four pictograms. Doesn't verify its check pictogram.
     #[must_use]
     pub fn badge(&self) -> Option<Badge> {
         let pictograms = self.pictograms.as_slice().try_into().ok()?;
         Some(Badge { colour: self.colour?, pictograms })
     }
 
-    /// Right badges that have three of the pictograms at least, in any order: first those at the fewest mistakes. Some
-    /// hundreds, as without a colour any of the eight may be meant.
+    /// Returns the valid badges with at least three of the pictograms, in any order, sorted by the number of
+    /// mistakes. These are some hundreds, as any of the eight colours is tried.
     #[must_use]
     pub(crate) fn candidates(&self) -> Vec<Badge> {
         let heard = &self.pictograms;
@@ -141,7 +141,7 @@ impl HeardBadge {
         candidates
     }
 
-    /// Compares what was said with a badge.
+    /// Compares the description with a badge.
     #[must_use]
     pub fn compare(&self, badge: &Badge) -> BadgeComparison {
         let mut left = badge.pictograms.to_vec();
@@ -159,13 +159,13 @@ impl HeardBadge {
         BadgeComparison { right, wrong, is_in_order, is_colour_right }
     }
 
-    /// Returns `true` if a badge has the colour and all pictograms.
+    /// Returns `true` if a badge has the described colour and all described pictograms.
     pub(crate) fn is_part_of(&self, badge: &Badge) -> bool {
         let BadgeComparison { wrong, is_colour_right, .. } = self.compare(badge);
         wrong.is_empty() && is_colour_right
     }
 
-    /// Counts what is otherwise in a badge: its colour, each pictogram that wasn't said, and the order.
+    /// Counts the differences to a badge: the colour, each missing pictogram, and the order.
     fn mistakes(&self, badge: &Badge) -> usize {
         let BadgeComparison { right, is_in_order, is_colour_right, .. } = self.compare(badge);
         4 - right.len() + usize::from(!is_in_order) + usize::from(!is_colour_right)
@@ -178,12 +178,12 @@ impl From<Badge> for HeardBadge {
     }
 }
 
-/// Returns a bit for each pictogram's number.
+/// Returns the set of pictograms as bits: bit N for pictogram number N.
 pub(crate) fn picture_bits(pictograms: &[Pictogram]) -> u64 {
     pictograms.iter().fold(0, |bits, pictogram| bits | 1 << pictogram.number())
 }
 
-/// The right badge that differs from one at a place at most.
+/// Finds the valid badge that equals `badge` except at one place.
 fn complete(badge: Badge, place: usize) -> Option<Badge> {
     let with = |pictogram| {
         let mut badge = badge;
@@ -193,16 +193,16 @@ fn complete(badge: Badge, place: usize) -> Option<Badge> {
     Pictogram::all().map(with).find(Badge::is_valid)
 }
 
-/// Words between those of a badge.
+/// Words to ignore in a description.
 const FILLERS: [&str; 22] = [
     "an", "the", "and", "with", "on", "it", "is", "was", "και", "ενα", "ενασ", "εναν", "μια", "με",
     "το", "τον", "την", "τη", "τα", "οι", "σε", "ηταν",
 ];
 
-/// Accents of Greek letters that are written as letters of their own.
+/// Greek accents as separate characters.
 const ACCENTS: [char; 3] = ['\u{301}', '\u{308}', '\u{384}'];
 
-/// The meaning of a word: the only one that is nearest to it.
+/// Returns the meaning whose name is nearest to a word; `None` for a tie, or if no name is near enough.
 fn find_meaning(folded: &str) -> Option<Meaning> {
     let colours = BadgeColour::ALL.into_iter().map(Meaning::Colour);
     let all = colours.chain(Pictogram::all().map(Meaning::Pictogram));
@@ -220,7 +220,8 @@ fn find_meaning(folded: &str) -> Option<Meaning> {
     }
 }
 
-/// How far a word is from a name; `None` where it is too far to mean it. Short words are near to others' slips.
+/// Returns the distance of a word from a name; `None` if it is too far. Short words tolerate fewer errors, as
+/// names of few letters are close to each other.
 fn distance(word: &str, name: &str) -> Option<usize> {
     if word == name {
         return Some(0);
@@ -237,7 +238,7 @@ fn distance(word: &str, name: &str) -> Option<usize> {
     (slips <= most).then_some(slips + 1)
 }
 
-/// Whether an English word is several of what another one is.
+/// Returns `true` if `many` is an English plural of `one`.
 fn is_form_of(many: &str, one: &str) -> bool {
     const ENDINGS: [(&str, &str); 6] =
         [("s", ""), ("es", ""), ("ies", "y"), ("ves", "f"), ("men", "man"), ("i", "us")];
@@ -247,7 +248,7 @@ fn is_form_of(many: &str, one: &str) -> bool {
     })
 }
 
-/// A Greek word without what case, gender and number change.
+/// Returns a Greek word without its ending of case, gender and number.
 fn stem(word: &str) -> &str {
     const ENDINGS: [&str; 22] = [
         "ατων", "ατοσ", "ατα", "ιουσ", "ιων", "ιεσ", "ουσ", "ων", "ια", "εσ", "οι", "οσ", "ησ",
@@ -266,7 +267,7 @@ impl Meaning {
     }
 }
 
-/// Small letters without Greek accents, and one sigma.
+/// Returns the word in lower case, without Greek accents and with a single form of sigma.
 fn fold(word: &str) -> String {
     let without_accent = |letter: char| match letter {
         'ά' => 'α',

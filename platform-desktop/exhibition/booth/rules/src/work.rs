@@ -1,5 +1,5 @@
-//! Work that is done once though several booths are at the same records: each takes a lease of what it does, and of
-//! one that dies the others take it over.
+//! Work leases, for several booth processes on the same records. A process leases each piece of work, so that
+//! it is done once. If a process dies, its leases expire and others take over.
 
 use crate::booth::{Booth, Tx};
 use crate::limits::WORK_LIFE;
@@ -9,17 +9,17 @@ use crate::store::StoreError;
 use crate::time::BoothTime;
 
 impl Booth {
-    /// The same booth as one of several on the same records. `worker` is random bits.
+    /// Makes the booth one of several processes on the same records, identified by random `worker` bits.
     #[must_use]
     pub fn as_worker(mut self, worker: u64) -> Self {
         self.worker = worker;
         self
     }
 
-    /// Forgets all leases, at the start of one that is alone: who had them is dead.
+    /// Deletes all leases, at the start of a booth that runs alone: the previous holders are dead.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn drop_leases(&self) -> Result<(), Refusal> {
         self.update(|tx| {
             tx.run("DELETE FROM work_leases", &[])?;
@@ -27,10 +27,11 @@ impl Booth {
         })
     }
 
-    /// Goes on with work that takes longer than [`WORK_LIFE`]. Returns whether it is this process' still.
+    /// Renews the lease of work that takes longer than [`WORK_LIFE`]. Returns `true` if this process still
+    /// holds the lease.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn renew_work(
         &self,
         kind: WorkKind,
@@ -43,15 +44,15 @@ impl Booth {
         })
     }
 
-    /// Leaves work that this process has taken to others, as it can't do it now.
+    /// Gives up the lease of work that this process can't do now.
     ///
     /// # Errors
-    /// Those of the store.
+    /// Store errors.
     pub fn leave_work(&self, kind: WorkKind, subject: &[u8]) -> Result<(), Refusal> {
         self.update(|tx| Ok(self.end_own_work(tx, kind, subject)?))
     }
 
-    /// Ends some work if this process has it.
+    /// Ends the lease of some work if this process holds it.
     pub(crate) fn end_own_work(
         &self,
         tx: &mut Tx<'_>,
@@ -71,7 +72,7 @@ impl Booth {
         Ok(lease.is_some_and(|lease| lease.worker == self.worker))
     }
 
-    /// Takes some work upon this process for [`WORK_LIFE`], unless another one has it.
+    /// Leases some work to this process for [`WORK_LIFE`]; `false` if another process holds the lease.
     pub(crate) fn begin_work(
         &self,
         tx: &mut Tx<'_>,
@@ -81,7 +82,8 @@ impl Booth {
     ) -> Result<bool, StoreError> {
         let until = now.after(WORK_LIFE);
         let lease: Option<WorkLease> = tx.get(&[&kind, &subject])?;
-        // Clocks of machines differ a little; one that ends far later was taken by a clock that went wrong.
+        // Clocks of machines differ a little. A lease that ends much later was written with a wrong clock,
+        // and is ignored.
         let latest = until.after(WORK_LIFE);
         let is_anothers = |lease: &WorkLease| {
             lease.worker != self.worker && now < lease.until && lease.until <= latest
@@ -94,12 +96,12 @@ impl Booth {
     }
 }
 
-/// Forgets leases that are over: of what is deleted nobody asks any more.
+/// Deletes expired leases, such as those of deleted records.
 pub(crate) fn drop_old_leases(tx: &mut Tx<'_>, now: BoothTime) -> Result<(), StoreError> {
     tx.run("DELETE FROM work_leases WHERE until < ?1", &[&now]).map(drop)
 }
 
-/// Ends some work, whoever did it.
+/// Ends the lease of some work, whoever holds it.
 pub(crate) fn end_work(tx: &mut Tx<'_>, kind: WorkKind, subject: &[u8]) -> Result<(), StoreError> {
     tx.run("DELETE FROM work_leases WHERE kind = ?1 AND subject = ?2", &[&kind, &subject]).map(drop)
 }

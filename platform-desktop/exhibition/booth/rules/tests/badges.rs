@@ -1,4 +1,4 @@
-//! Blocks of badges' numbers: leased, resting, free again; and which sculpture a badge is the own of.
+//! Badge blocks: leased, resting, and free again; and which sculpture owns a badge.
 
 use super::common::*;
 use super::restore::restored;
@@ -8,7 +8,7 @@ use paros_booth_rules::{BadgeTotals, BoothTime, FoundByBadge, Transaction, updat
 use paros_booth_sqlite::SqliteStore;
 use paros_core::badge::{BadgeNumber, LEASED_BLOCKS};
 
-/// The retention of a rig's plan, in days.
+/// The retention of the test rig's plan, in days.
 const RETENTION: u64 = 30;
 
 fn of_epoch(epoch: u64, blocks: &[HeldBlock]) -> BadgeReport {
@@ -29,7 +29,7 @@ fn totals(rig: &Rig) -> (u64, u64) {
     (leased, resting)
 }
 
-/// Sends a parcel. Returns the number that it has as its own.
+/// Sends a parcel. Returns the badge number that it owns.
 fn claim(rig: &Rig, device: &Device, parcel: &Parcel, now: BoothTime) -> Option<u32> {
     rig.upload(device, parcel, now).expect("it is kept all the same");
     rig.booth.find_sculpture(&parcel.id).expect("it is kept").claimed_badge
@@ -46,7 +46,7 @@ fn a_headset_holds_two_blocks_and_gets_the_same_until_it_has_heard_of_them() {
     assert_eq!(rig.lease(&device, 5, seconds(2)), held);
     let others = rig.lease(&other, 5, START);
     assert!(others.iter().all(|block| held.iter().all(|mine| mine.block != block.block)));
-    // The greater place counts, whoever says it: the headset may be behind.
+    // The greater index counts, of booth or headset: the headset may be behind.
     let used = [at_place(held[0], 9), held[1]];
     assert_eq!(rig.report(&device, &of_epoch(5, &used), seconds(4)), used);
     assert_eq!(rig.report(&device, &of_epoch(5, &held), seconds(6)), used);
@@ -62,7 +62,7 @@ fn a_used_up_block_rests_and_another_comes_in_the_same_exchange() {
     let next = rig.report(&device, &of_epoch(5, &used), seconds(2));
     assert_eq!((next.len(), next[0]), (2, used[1]));
     assert_eq!(totals(&rig), (2, 1));
-    // The answer was lost: the same again.
+    // The answer was lost: the retry gets the same answer.
     assert_eq!(rig.report(&device, &of_epoch(5, &used), seconds(4)), next);
     assert_eq!(rig.report(&device, &of_epoch(5, &next), seconds(6)), next);
     assert_eq!(totals(&rig), (2, 1));
@@ -76,7 +76,7 @@ fn blocks_of_an_epoch_before_rest_and_late_reports_of_it_take_none_away() {
     let after = rig.lease(&device, 6, seconds(100));
     assert!(after.iter().all(|held| before.iter().all(|old| old.block != held.block)));
     assert_eq!(totals(&rig), (2, 2));
-    // A report of before, which comes late, costs blocks; what was shown of them is the headset's all the same.
+    // A late report of the former epoch costs blocks. The headset still owns what it showed of them.
     rig.report(&device, &of_epoch(5, &before), seconds(101));
     let again = rig.report(&device, &of_epoch(6, &after), seconds(102));
     assert_eq!(again.len(), 2);
@@ -90,11 +90,11 @@ fn what_a_headset_gave_up_or_copied_is_not_its_own() {
     let (device, other) = (rig.enrol(1), rig.enrol(2));
     let held = rig.lease(&device, 5, START);
     rig.report(&device, &of_epoch(5, &held), seconds(1));
-    // It has reported both, and now one of them.
+    // The headset has reported both blocks, and now only one of them.
     let next = rig.report(&device, &of_epoch(5, &held[..1]), seconds(2));
     assert_eq!((next.len(), next[0]), (2, held[0]));
     assert_ne!(next[1].block, held[1].block);
-    // Another headset, or another serial.
+    // The block is reported by another headset, or with another serial.
     let copied = rig.report(&other, &of_epoch(5, &held[..1]), seconds(3));
     assert!(copied.iter().all(|block| block.block != held[0].block));
     let forged = HeldBlock { serial: BlockSerial([1; 8]), ..held[0] };
@@ -140,7 +140,7 @@ fn a_silent_headsets_blocks_rest_and_it_leases_others_when_it_returns() {
     let next = rig.report(&device, &of_epoch(5, &used), days(silence + 2));
     assert_eq!(next.len(), 2);
     assert!(next.iter().all(|new| held.iter().all(|old| old.block != new.block)));
-    // What it showed meanwhile is its own: nobody else was leased the block.
+    // The headset owns the badges that it showed meanwhile, as the block wasn't leased again.
     let parcel = Parcel::of_block(1, &held[0], 29);
     assert!(claim(&rig, &device, &parcel, days(silence + 2)).is_some());
 }
@@ -153,7 +153,7 @@ fn a_badge_is_the_own_of_one_sculpture_that_shows_its_serial() {
     let theirs = rig.lease(&liar, 6, START);
     let right = Parcel::of_block(2, &held[0], 3);
     let number = right.facts.badge.expect("a number");
-    // Before the right one, by a headset that was never leased it.
+    // Stolen badges arrive before the right one, from a headset that never leased the block.
     for (id, serial) in [(1, BlockSerial([9; 8])), (3, theirs[0].serial)] {
         let stolen = Parcel::with_serial(id, Some(number), serial);
         assert_eq!(claim(&rig, &liar, &stolen, START), None);
@@ -166,12 +166,12 @@ fn a_badge_is_the_own_of_one_sculpture_that_shows_its_serial() {
         ..Parcel::of_block(5, &held[0], 4).facts
     });
     assert_eq!(claim(&rig, &device, &without, seconds(2)), None);
-    // Who says the badge finds the visitor's own first, then the newest.
+    // A search by badge finds the owner first, then the newest.
     let found = rig.booth.find_by_badge(&number.badge().into()).unwrap();
     let FoundByBadge::Exact(found) = found else { panic!("a right badge") };
     let ids: Vec<u8> = found.kept.iter().map(|kept| kept.id[0]).collect();
     assert_eq!(ids, [2, 4, 1, 3]);
-    // Once it is deleted, the number is nobody's, and the serial still the device's.
+    // After the deletion the number is free, and the serial still proves the lease.
     rig.booth.delete(&right.id, "ana", seconds(4)).unwrap();
     let after = Parcel::of_block(6, &held[0], 3);
     assert_eq!(claim(&rig, &device, &after, seconds(5)), Some(number.get()));
@@ -192,7 +192,7 @@ fn a_headset_gets_so_many_blocks_a_day_and_all_together_so_many() {
     }
     let (leased, resting) = totals(&rig);
     assert_eq!((leased + resting) as usize, MAX_HEADSET_DAY_BLOCKS);
-    // What it makes up of free blocks takes none.
+    // A made-up number of a free block gives no claim.
     let made_up = Parcel::new(1, BadgeNumber::of_block(20_000, 0));
     assert_eq!(claim(&rig, &liar, &made_up, seconds(200)), None);
     assert_eq!(row(&rig, 20_000), None);
@@ -208,14 +208,14 @@ fn a_headset_gets_so_many_blocks_a_day_and_all_together_so_many() {
     assert_eq!(rig.lease(&liar, 200, days(2)).len(), 2);
 }
 
-/// A booth that comes back from a backup of `copied_at`.
+/// Makes a booth that is restored from a backup of the time `copied_at`.
 fn restore(rig: &Rig, copy: SqliteStore, copied_at: BoothTime, now: BoothTime) -> Rig {
     let again = restored(copy, rig.files.clone());
     again.booth.make_restored(&[], copied_at, now).unwrap();
     again
 }
 
-/// Once it was refused for ever: its numbers were the ledger's of before.
+/// Regression test: the booth once refused such a headset for ever, for the numbers of former records.
 #[test]
 fn a_headset_goes_on_with_its_blocks_after_a_restore() {
     let rig = Rig::new();
@@ -224,22 +224,22 @@ fn a_headset_goes_on_with_its_blocks_after_a_restore() {
     rig.report(&early, &of_epoch(5, &held), seconds(1));
     let unheard = rig.lease(&late, 5, START);
     let copy = copy_of(rig.store.as_ref());
-    // Since the backup: the first used a block up, the second heard of its blocks and used them up.
+    // Since the backup, the first headset used a block up. The second received its blocks and used them up.
     let used = [at_place(held[0], 64), at_place(held[1], 20)];
     let after = rig.report(&early, &of_epoch(5, &used), seconds(100));
     let used_up = unheard.iter().map(|block| at_place(*block, 64)).collect::<Vec<_>>();
     let fresh = rig.report(&late, &of_epoch(5, &used_up), seconds(100));
     let again = restore(&rig, copy, seconds(50), days(1));
-    // Their blocks are known by their serials. What they gave up they don't get again.
+    // Their blocks are recognised by the serials. Blocks that they gave up aren't leased to them again.
     assert_eq!(again.report(&early, &of_epoch(5, &after), days(1)), after);
     assert_eq!(again.report(&late, &of_epoch(5, &fresh), days(1)), fresh);
-    // Nobody else gets what was leased since.
+    // Blocks that were leased since aren't leased to others.
     let next = again.enrol(3);
     let others = again.lease(&next, 1, days(1));
     assert_eq!(others.len(), 2);
     let known = [&held, &unheard, &after, &fresh].map(Vec::as_slice).concat();
     assert!(others.iter().all(|new| known.iter().all(|old| old.block != new.block)));
-    // Sculptures that were lost with the booth come again, with their badges: of blocks that are held, or were.
+    // Sculptures that the booth lost are sent again and own their badges, of current and former blocks.
     for (id, device, block, place) in
         [(1, &early, held[0], 63), (2, &early, after[1], 0), (3, &late, unheard[1], 7)]
     {
@@ -258,7 +258,7 @@ fn all_numbers_rest_where_every_block_may_have_been_leased_since_a_copy() {
     assert_eq!(again.report(&device, &of_epoch(5, &held), now), []);
     let after = days(61 + u64::from(LATE_DAYS));
     assert_eq!(again.report(&device, &of_epoch(5, &held), after).len(), 2);
-    // What it showed of them is its own.
+    // The headset owns the badge that it showed.
     assert!(claim(&again, &device, &Parcel::of_block(1, &held[0], 0), after).is_some());
 }
 
@@ -278,7 +278,7 @@ fn nothing_is_leased_after_a_restore_until_the_clock_is_right() {
         held,
         "it holds them still"
     );
-    // The clock is set. What may have been leased since is passed over.
+    // The clock is corrected. Blocks that may have been leased since are passed over.
     again.sweep(days(12));
     let other = again.enrol(3);
     let leased = again.lease(&other, 1, days(12));
@@ -286,14 +286,14 @@ fn nothing_is_leased_after_a_restore_until_the_clock_is_right() {
     assert!(leased.iter().all(|new| since.iter().all(|old| old.block != new.block)));
 }
 
-/// Blocks that are taken are stepped over by who leases, and count for nothing in a restore.
+/// Leasing skips taken blocks, and a restore doesn't count them.
 #[test]
 fn a_restore_passes_over_what_may_have_been_leased_beyond_taken_blocks() {
     let rig = Rig::new();
     let devices = [1, 2].map(|byte| rig.enrol(byte));
     let held = rig.lease(&devices[0], 5, START);
     let taken = row(&rig, held[0].block).expect("it is leased");
-    // The next blocks rest for long.
+    // The next blocks rest for a long time.
     let block_of_turn = |turn: u16| turn % 7 * (LEASED_BLOCKS as u16 / 7) + turn / 7;
     let rows = (2..300).map(|turn| BadgeBlock {
         block: block_of_turn(turn),
@@ -312,7 +312,7 @@ fn a_restore_passes_over_what_may_have_been_leased_beyond_taken_blocks() {
     assert_eq!(leased[0].block, block_of_turn(300 + DAY_BLOCKS));
 }
 
-/// A visitor's badge shows its block: a headset that lies may make up a serial of it.
+/// A visitor's badge reveals its block. A lying headset may make up a serial for it.
 #[test]
 fn a_liar_takes_no_block_that_a_restored_booth_forgot() {
     let rig = Rig::new();
@@ -358,18 +358,19 @@ fn a_headset_that_was_shut_out_a_moment_ago_is_leased_nothing() {
     assert_eq!(rig.lease(&device, 1, START), []);
 }
 
-/// Once a badge was shown twice: an upload was stuck for longer than sculptures are kept, and its number free meanwhile.
+/// Regression test: a badge was once shown twice, as an upload was stuck beyond the retention and its number
+/// was free meanwhile.
 #[test]
 fn an_upload_that_was_stuck_for_too_long_has_its_badge_lapsed() {
     let rig = Rig::new();
     let (stuck, other) = (rig.enrol(1), rig.enrol(2));
     let held = rig.lease(&stuck, 5, START);
     let parcel = Parcel::of_block(1, &held[0], 0);
-    // Wiped but for its parcel: the blocks rest, and are free.
+    // The headset was wiped, except for its parcel: its blocks rest, and become free.
     rig.lease(&stuck, 6, seconds(60));
     rig.sweep(days(u64::from(LATE_DAYS) + 1));
     assert!(row(&rig, held[0].block).is_none());
-    // It has its turn again.
+    // Set the turn back to this block.
     let turn_back = |tx: &mut (dyn Transaction + '_)| {
         let cursor: BadgeCursor = tx.get(&[&0u8])?.expect("blocks were leased");
         tx.put(&BadgeCursor { turn: 0, ..cursor })

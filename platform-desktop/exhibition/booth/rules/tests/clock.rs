@@ -1,4 +1,4 @@
-//! A clock that jumps.
+//! Clock jumps.
 
 use std::time::Duration;
 
@@ -8,7 +8,7 @@ use paros_booth_rules::{BoothTime, SweepReport};
 
 const YEARS: u64 = 3 * 365;
 
-/// A booth of 30 days with a sculpture of `START`, which has seen the clock run until then.
+/// Makes a booth with a retention of 30 days and a sculpture of `START`, up to which it has seen the clock.
 fn booth_with_sculpture() -> (Rig, Parcel) {
     let rig = Rig::new();
     let device = rig.enrol(1);
@@ -22,7 +22,7 @@ fn shown(rig: &Rig) -> usize {
     rig.list(false).len()
 }
 
-/// Sweeps every day from one day to another, as a booth that runs.
+/// Sweeps on every day of a range, like a running booth.
 fn run(rig: &Rig, all: std::ops::RangeInclusive<u64>) -> SweepReport {
     let mut sum = SweepReport::default();
     for day in all {
@@ -66,7 +66,7 @@ fn a_confirmed_jump_withdraws_first_and_deletes_a_week_later() {
     let (rig, parcel) = booth_with_sculpture();
     let later = Parcel::new(2, None);
     let device = rig.booth.authenticate(&DeviceToken([1; 32])).unwrap();
-    // The booth was switched off for 100 days. This one comes before an admin answers.
+    // The booth was switched off for 100 days. This sculpture arrives before an admin answers.
     rig.booth.sweep(days(100), MAX_CLOCK_GAP).unwrap();
     rig.upload(&device, &later, days(100)).unwrap();
     rig.booth.confirm_clock("ana", days(100)).unwrap();
@@ -79,7 +79,7 @@ fn a_confirmed_jump_withdraws_first_and_deletes_a_week_later() {
     assert_eq!((report.withdrawn, report.deleted), (0, 0));
     assert_eq!(run(&rig, 107..=107).deleted, 1);
     assert_eq!(shown(&rig), 1);
-    // It has all of its 30 days, the last seven of them withdrawn.
+    // The sculpture is kept for all of its 30 days, withdrawn in the last seven.
     let report = run(&rig, 108..=123);
     assert_eq!((report.withdrawn, report.deleted), (0, 0));
     assert_eq!(run(&rig, 124..=124).withdrawn, 1);
@@ -91,7 +91,7 @@ fn a_confirmed_jump_withdraws_first_and_deletes_a_week_later() {
 fn a_clock_that_was_behind_makes_nothing_older() {
     let (rig, _) = booth_with_sculpture();
     let device = rig.booth.authenticate(&DeviceToken([1; 32])).unwrap();
-    // Without a battery a machine starts in 1970.
+    // A machine without a clock battery starts in 1970.
     let behind = BoothTime(60_000);
     rig.booth.sweep(behind, MAX_CLOCK_GAP).unwrap();
     assert!(rig.booth.find_clock_jump(behind).unwrap().is_some());
@@ -108,7 +108,7 @@ fn a_wrong_answer_is_mended_by_another() {
     rig.booth.confirm_clock("ana", days(YEARS)).unwrap();
     rig.upload(&device, &Parcel::new(2, None), days(YEARS)).unwrap();
     assert_eq!(rig.sweep(days(YEARS)).withdrawn, 1);
-    // The clock is set right.
+    // The clock is corrected.
     assert!(rig.booth.find_clock_jump(days(1)).unwrap().is_some());
     rig.booth.confirm_clock("ana", days(1)).unwrap();
     rig.booth.bring_back(&parcel.id, "ana", days(1)).expect("it isn't deleted");

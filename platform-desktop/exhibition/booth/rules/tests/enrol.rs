@@ -1,4 +1,4 @@
-//! Who is let in.
+//! Enrolment and exclusion.
 
 use super::common::*;
 use paros_booth_rules::limits::SILENCE_OF_WIPED;
@@ -12,7 +12,7 @@ fn a_fleets_token_lets_so_many_in_until_it_expires_or_is_revoked() {
     let ask = |byte| FleetEnrolment { enrolment_token: token, ..fleet_enrolment(byte) };
     let first = booth.enrol_fleet(&ask(1), START).expect("the first of two");
     assert_eq!((first.headset, first.site), (1, SITE));
-    // The answer was lost: the same again, and not counted.
+    // The answer was lost: the retry gets the same answer, and isn't counted.
     assert_eq!(booth.enrol_fleet(&ask(1), START).expect("known"), first);
     assert_eq!(booth.enrol_fleet(&ask(2), START).expect("the second of two").headset, 2);
     assert_eq!(status(booth.enrol_fleet(&ask(3), START)), 401, "used up");
@@ -35,9 +35,9 @@ fn a_token_is_known_by_its_hash_until_it_is_taken_away() {
     assert_eq!(status(rig.booth.authenticate(&DeviceToken([4; 32]))), 401);
     assert_eq!(status(rig.booth.authenticate(&DeviceToken(device.token_hash))), 401);
     rig.booth.revoke_device(device.headset, "ana", START).unwrap();
-    // One that isn't known enrols anew by itself; one that was shut out doesn't.
+    // An unknown device enrols again by itself; an excluded one doesn't.
     assert_eq!(status(rig.booth.authenticate(&DeviceToken([3; 32]))), 403);
-    // Its number is never another headset's.
+    // The number isn't assigned to another headset.
     assert_eq!(rig.enrol(4).headset, device.headset + 1);
 }
 
@@ -59,6 +59,6 @@ fn a_wiped_headset_keeps_its_number_and_one_that_talks_keeps_its_token() {
     assert_eq!(wiped.headset, device.headset);
     assert_eq!(status(rig.booth.authenticate(&DeviceToken([3; 32]))), 401, "the old token");
     let device = rig.booth.authenticate(&DeviceToken([4; 32])).expect("the new token");
-    // It may have lost its token alone: that it was wiped its heartbeats say.
+    // The device may have lost only its token. Its heartbeats report a wipe.
     assert_eq!(device.wiped_at, None);
 }

@@ -1,4 +1,4 @@
-//! How a sculpture is found, by staff and by its visitor.
+//! Searches for sculptures, by staff and by visitors.
 
 use super::common::*;
 use paros_booth_rules::{BadgeComparison, FoundByBadge, HeardBadge, LinkToken, WordsFault};
@@ -34,7 +34,7 @@ fn a_badge_finds_its_sculpture_and_a_provisional_one_all() {
     assert_eq!(found(&rig, &number.badge()), [id(1)]);
     assert_eq!(found(&rig, &provisional.badge()), [id(4), id(3)], "the newest first");
     assert_eq!(found(&rig, &leased(11).unwrap().badge()), []);
-    // One whose badge lapsed stands behind, though it is newer.
+    // A sculpture with a lapsed badge comes last, though it is newer.
     rig.upload(&other, &Parcel::new(50, Some(number)), seconds(50)).unwrap();
     assert_eq!(found(&rig, &number.badge()), [id(1), id(50)]);
     let newest = rig.list(false);
@@ -142,7 +142,7 @@ fn a_part_of_a_badge_is_understood() {
     }
 }
 
-/// Several of each, and other forms that people say: each is what it is one of.
+/// Plurals and other spoken forms mean the same picture.
 #[test]
 fn several_of_a_thing_are_the_thing() {
     const ENGLISH: &str = "owls cats fishes snails butterflies ducks rabbits snakes turtles spiders whales elephants \
@@ -167,7 +167,7 @@ fn several_of_a_thing_are_the_thing() {
     }
 }
 
-/// Three of the four, in any order, with the colour or without it, in both languages.
+/// Three of the four pictures are given, in any order, with or without the colour, in both languages.
 #[test]
 fn who_remembers_three_pictures_finds_the_sculpture() {
     let rig = Rig::new();

@@ -1,4 +1,4 @@
-//! What headset and booth tell each other every two seconds.
+//! Heartbeats and their answers.
 
 use super::common::*;
 use paros_booth_rules::limits::{COMMAND_LIFE, MAX_ANNOUNCED, MAX_WAITING_COMMANDS, STATUS_LIFE};
@@ -16,7 +16,7 @@ fn states(rig: &Rig, headset: u32, now: BoothTime) -> Vec<CommandState> {
     commands.into_iter().rev().map(|command| command.state).collect()
 }
 
-/// A heartbeat that tells what became of a command.
+/// Makes a heartbeat that reports the outcome of a command.
 fn reporting(headset: u32, id: u64, outcome: CommandOutcome) -> Heartbeat {
     Heartbeat { last_command: Some(CommandReport { id, outcome }), ..heartbeat(headset) }
 }
@@ -53,7 +53,7 @@ fn state_is_kept_when_it_changes_and_now_and_then() {
     let later = seconds(4).after(STATUS_LIFE);
     rig.beat(&device, &low, later);
     assert_eq!(seen_at(), Some(later));
-    // The clock was set back: what was seen lies ahead.
+    // The clock was set back: the last heartbeat lies in the future.
     rig.beat(&device, &low, START);
     assert_eq!(seen_at(), Some(START));
 }
@@ -98,7 +98,7 @@ fn what_is_announced_is_missing_until_it_comes() {
     }
     rig.upload(&device, &parcel, seconds(10)).unwrap();
     assert_eq!(rig.booth.list_missing(9).unwrap(), []);
-    // A late heartbeat, and one after it was deleted: noted, and not missing.
+    // A late heartbeat, and one after the deletion: acknowledged, but not missing.
     for _ in 0..2 {
         let answer = rig.beat(&device, &announcing(&beat, &[kept]), seconds(11));
         assert_eq!(answer.noted.len(), 1);
@@ -107,7 +107,7 @@ fn what_is_announced_is_missing_until_it_comes() {
     }
 }
 
-/// As a booth does that came back from a backup of before it signed, or where the sculpture was deleted since.
+/// The booth was restored from a backup older than its confirmation, or the sculpture was deleted since.
 #[test]
 fn what_was_signed_for_and_is_not_there_is_asked_for() {
     let rig = Rig::new();
@@ -128,7 +128,7 @@ fn what_was_signed_for_and_is_not_there_is_asked_for() {
     let of_other = announcing(&heartbeat(other.headset), &[asked]);
     assert_eq!(rig.beat(&other, &of_other, seconds(5)).noted.as_slice(), [asked]);
     rig.booth.delete(&parcel.id, "ana", seconds(6)).unwrap();
-    // Its device sends it again, as whichever headset, and hears that it is to delete it too; nobody misses it.
+    // The device sends it again, even as another headset, and deletes it. It isn't listed as missing.
     for sender in [&device, &other] {
         let beat = announcing(&heartbeat(sender.headset), &[asked]);
         assert_eq!(rig.beat(sender, &beat, seconds(7)).noted.as_slice(), [missed]);
@@ -162,7 +162,7 @@ fn a_wipe_is_noted_and_what_it_took_is_lost() {
     let rig = Rig::new();
     let device = rig.enrol(1);
     let beat = heartbeat(device.headset);
-    // The first start of a new headset finds nothing either.
+    // The first start of a new headset also finds an empty outbox.
     let first = Heartbeat { was_wiped: true, ..beat.clone() };
     rig.beat(&device, &first, START);
     assert_eq!(device_of(&rig, device.headset).wiped_at, None);
@@ -191,19 +191,19 @@ fn a_command_rides_until_it_is_reported_or_dead() {
     assert_eq!((command.id, command.kind), (id, CommandKind::Extend));
     assert_eq!((command.boot_id, command.session_id, command.lives_ms), (11, 21, 8000));
     assert_eq!(states(&rig, 1, seconds(2)), [CommandState::Sent]);
-    // The answer was lost: it rides again, with what is left of its life.
+    // The answer was lost: the next one carries the command again, with the rest of its lifetime.
     assert_eq!(rig.beat(&device, &beat, seconds(4)).command.expect("again").lives_ms, 6000);
     let done = reporting(1, id, CommandOutcome::Done);
     assert_eq!(rig.beat(&device, &done, seconds(6)).command, None);
     assert_eq!(states(&rig, 1, seconds(6)), [CommandState::Done]);
-    // The report comes with each heartbeat, and nothing rides any more.
+    // The report is repeated in each heartbeat, and no answer carries the command.
     assert_eq!(rig.beat(&device, &done, seconds(8)).command, None);
 
     let late = rig.booth.ask_command(1, CommandKind::Identify, "ana", seconds(20)).unwrap();
     let dead = seconds(20).after(COMMAND_LIFE);
     assert_eq!(states(&rig, 1, dead), [CommandState::Done, CommandState::Expired]);
     assert_eq!(rig.beat(&device, &done, dead).command, None);
-    // It came in time, and the booth hears of it late.
+    // The headset carried it out in time, but the booth gets the report late.
     rig.beat(&device, &reporting(1, late, CommandOutcome::Done), seconds(40));
     assert_eq!(states(&rig, 1, seconds(40)), [CommandState::Done, CommandState::Done]);
 }
@@ -251,7 +251,7 @@ fn commands_go_one_by_one_and_so_many_wait() {
         assert_eq!(rig.beat(&device, &beat, START).command.map(|command| command.id), Some(id));
         beat = reporting(1, id, CommandOutcome::Done);
     }
-    // Who asked is in the audit.
+    // The audit log names who asked.
     let count = rig.booth.count::<AuditEntry>("WHERE action = 'identify'", &[]).unwrap();
     assert_eq!(count, MAX_WAITING_COMMANDS);
 }

@@ -1,4 +1,4 @@
-//! What becomes of sculptures.
+//! The life cycle of sculptures.
 
 use super::common::*;
 use paros_booth_rules::records::{ExportState, MailOrder, MailState, Tombstone};
@@ -17,7 +17,7 @@ fn withdrawn_is_hidden_and_undone_for_seven_days() {
     rig.booth.withdraw(&parcel.id, "ana", START).unwrap();
     assert_eq!(rig.list(false), []);
     assert_eq!(rig.list(true).len(), 1);
-    // Withdrawn once more, it stays no longer.
+    // A second withdrawal doesn't extend the time.
     rig.booth.withdraw(&parcel.id, "ana", days(3)).unwrap();
     rig.sweep(days(6));
     rig.booth.bring_back(&parcel.id, "ana", days(6)).expect("in time");
@@ -118,7 +118,7 @@ fn a_picture_goes_with_its_sculpture() {
     assert_eq!(rig.booth.read_picture(&sculpture).unwrap().as_deref(), Some(&b"png"[..]));
     rig.booth.delete(&parcel.id, "ana", START).unwrap();
     assert_eq!(kept_parts(&rig), []);
-    // It was drawn while the sculpture was deleted.
+    // The picture was drawn while the sculpture was deleted.
     rig.booth.keep_picture(&sculpture, b"png").unwrap();
     assert_eq!(kept_parts(&rig), []);
 }

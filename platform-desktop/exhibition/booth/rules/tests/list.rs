@@ -1,4 +1,4 @@
-//! Lists of sculptures: their filters and pages, beside a model that looks at all rows.
+//! Lists of sculptures: filters and pages, compared with a naive model that scans all rows.
 
 use super::common::*;
 use paros_booth_rules::records::{ExportState, Sculpture};
@@ -16,7 +16,7 @@ fn put(rig: &Rig, sculpture: &Sculpture) {
     update(rig.store.as_ref(), |tx| tx.put(sculpture)).expect("memory");
 }
 
-/// A sculpture that came at a second and is kept for long.
+/// Makes a sculpture that arrived at a second and is kept for long.
 fn sculpture(id: u8, second: u64, badge: Option<BadgeNumber>) -> Sculpture {
     Sculpture {
         id: [id; 16],
@@ -54,7 +54,7 @@ fn any_language() -> impl Strategy<Value = [u8; 2]> {
     select(vec![*b"el", *b"en", *b"de"])
 }
 
-/// Many come in the same second, and many badges have pictures in common.
+/// Generates sculptures, many of the same second, and many with badges that share pictures.
 fn any_sculpture() -> impl Strategy<Value = Sculpture> {
     let when = (any::<u8>(), 0..6u64, select(vec![None, Some(0), Some(1), Some(2)]));
     let badge = proptest::option::weighted(0.9, 0..BadgeNumber::COUNT);
@@ -69,7 +69,7 @@ fn any_sculpture() -> impl Strategy<Value = Sculpture> {
     )
 }
 
-/// A filter, and the badge of one of the sculptures of which it may ask for the colour and some pictures.
+/// Generates a filter, and the choice of a sculpture whose badge's colour and pictures it may ask for.
 fn any_filter() -> impl Strategy<Value = (ListFilter, Option<(Index, bool, usize)>)> {
     let received = proptest::option::of((0..6u64, 0..4u64));
     let rest = (
@@ -88,7 +88,7 @@ fn any_filter() -> impl Strategy<Value = (ListFilter, Option<(Index, bool, usize
     )
 }
 
-/// The list that a filter makes of all rows.
+/// Returns the filtered list by scanning all rows.
 fn list_naively(all: &[Sculpture], filter: &ListFilter) -> Vec<Sculpture> {
     let meets = |kept: &&Sculpture| {
         let badge = kept.badge.and_then(BadgeNumber::new).map(|number| number.badge());
@@ -112,7 +112,7 @@ fn list_naively(all: &[Sculpture], filter: &ListFilter) -> Vec<Sculpture> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(crate::PLAYS))]
 
-    /// All pages, from the newest to the oldest and back again.
+    /// Compares all pages, from the newest to the oldest and back.
     #[test]
     fn pages_of_a_filter_are_those_of_a_look_at_all_rows(
         mut all in proptest::collection::vec(any_sculpture(), 1..60),
@@ -168,7 +168,7 @@ fn pages_stay_as_they_are_while_sculptures_come_and_go() {
     (8..=9).for_each(|id| put(&rig, &sculpture(id, id.into(), None)));
     let second = list(first.older().expect("more"));
     assert_eq!((ids(&second), second.newer, second.count), (vec![4, 3, 2], 5, 9));
-    // Before it are three and then two, which are shown as a whole page.
+    // There are three sculptures on the page before, and two before that. They are shown as whole pages.
     let before = list(second.newer().expect("more"));
     assert_eq!((ids(&before), before.newer), (vec![7, 6, 5], 2));
     assert_eq!(ids(&list(before.newer().expect("more"))), [9, 8, 7]);
@@ -176,7 +176,7 @@ fn pages_stay_as_they_are_while_sculptures_come_and_go() {
     rig.booth.delete(&SculptureId([2; 16]), "ana", now()).unwrap();
     let last = list(second.older().expect("more"));
     assert_eq!((ids(&last), last.older()), (vec![1], None));
-    // A page that has become empty.
+    // The requested page has become empty.
     rig.booth.delete(&SculptureId([1; 16]), "ana", now()).unwrap();
     let empty = list(second.older().expect("it was asked before"));
     assert_eq!((ids(&empty), empty.newer), (vec![9, 8, 7], 0));

@@ -1,4 +1,4 @@
-//! Sculptures that visitors want by e-mail.
+//! Mail orders of visitors.
 
 use super::common::*;
 use paros_booth_rules::limits::{MAX_MAIL_TRIES, MAX_MAILS_OF_ONE, MAX_RETRY_WAIT, MIN_RETRY_WAIT};
@@ -8,7 +8,7 @@ use paros_core::badge::Language;
 
 const ANA: &str = "ana.p+paros@example.org";
 
-/// A booth with a Greek's sculpture.
+/// Makes a booth with a sculpture of a Greek visitor.
 fn with_sculpture() -> (Rig, SculptureId) {
     let rig = Rig::new();
     let device = rig.enrol(1);
@@ -49,7 +49,7 @@ fn a_mail_is_tried_until_a_server_takes_it_and_then_its_address_is_gone() {
     let order = rig.mail(&id);
     assert_eq!((order.state, order.address, order.why.as_str()), (MailState::Accepted, None, ""));
     assert_eq!(booth.next_mail(days(2)).unwrap(), None);
-    // Told late, or twice, it stays as it is.
+    // A late or repeated outcome changes nothing.
     booth.note_mail(7, &MailOutcome::Refused("no such address".into()), now).unwrap();
     booth.note_mail(8, &MailOutcome::Accepted, now).unwrap();
     assert_eq!(rig.mail(&id).state, MailState::Accepted);
@@ -140,7 +140,7 @@ fn an_address_is_one_address_and_nothing_else() {
         assert_eq!(status(ask(address)), 400, "{address}");
     }
     assert_eq!(rig.booth.list_mails(&id).unwrap(), []);
-    // It is a name like others, and harmless.
+    // This is a valid local part, and harmless.
     ask("o'brien'--@example.org").unwrap();
     assert_eq!(rig.mail(&id).address.as_deref(), Some("o'brien'--@example.org"));
 }
@@ -152,7 +152,7 @@ fn an_address_stays_where_the_visitor_agreed_until_the_sculpture_goes() {
     assert!(rig.booth.next_mail(START).unwrap().expect("it is due").keeps_address);
     rig.booth.note_mail(1, &MailOutcome::Accepted, START).unwrap();
     assert_eq!(rig.mail(&id).address.as_deref(), Some(ANA));
-    // What was refused is an address of nobody.
+    // A refused mail's address isn't kept.
     rig.booth.ask_mail(&id, (ANA, true), 2, "bob", seconds(1)).unwrap();
     rig.booth.note_mail(2, &MailOutcome::Refused("550".into()), START).unwrap();
     assert_eq!(rig.mail(&id).address, None);

@@ -1,4 +1,5 @@
-//! The booth's decisions over a database in memory. `platform-desktop/exhibition/booth/tests/databases` runs these modules over databases.
+//! The booth's rules on a database in memory. `platform-desktop/exhibition/booth/tests/databases` runs these
+//! modules on databases.
 
 mod badges;
 mod clock;
@@ -24,7 +25,7 @@ use std::sync::Arc;
 use paros_booth_rules::Store;
 use paros_booth_sqlite::SqliteStore;
 
-/// Courses of events that a test tries.
+/// Number of random event sequences in a property test.
 pub(crate) const PLAYS: u32 = 400;
 
 /// A store without rows.

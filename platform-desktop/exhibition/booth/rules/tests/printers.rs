@@ -1,4 +1,4 @@
-//! Prints that go to a printer on the network.
+//! Prints on networked printers.
 
 use super::common::*;
 use paros_booth_rules::limits::{LIFE_AT_PRINTER, SENDING_LIFE};
@@ -7,7 +7,7 @@ use paros_booth_rules::{PrintSize, PrintStep, PrintWish, PrinterTask, PrinterWor
 
 const LEFT: &str = "Left";
 
-/// A booth with two prints that are sliced: 7 and 8.
+/// Makes a booth with two sliced prints: 7 and 8.
 fn with_prints() -> (Rig, SculptureId) {
     let rig = Rig::new();
     let device = rig.enrol(1);
@@ -36,7 +36,7 @@ impl Rig {
         self.booth.step_print(order, (step, true), "bob", seconds(50)).unwrap();
     }
 
-    /// Sends a print, up to when the printer has it.
+    /// Sends a print, until the printer has it.
     fn send(&self, order: u64) {
         self.booth.send_print(order, LEFT, "bob", START).unwrap();
         assert!(self.booth.begin_print(order, "a.gcode", START).unwrap());
@@ -66,7 +66,7 @@ fn a_print_is_sent_watched_and_done() {
     assert_eq!(rig.order(7).state, PrintState::Done);
 }
 
-/// The bed may still be full: each print is sent by a person, when the one before is over.
+/// The bed may still be full: a person sends each print, after the previous one has ended.
 #[test]
 fn a_printer_has_one_print() {
     let (rig, _) = with_prints();

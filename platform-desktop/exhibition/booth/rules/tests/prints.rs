@@ -1,4 +1,4 @@
-//! Sculptures that visitors want printed.
+//! Print orders of visitors.
 
 use super::common::*;
 use paros_booth_rules::limits::MAX_PRINTS_OF_ONE;
@@ -49,7 +49,7 @@ impl Rig {
     }
 }
 
-/// No print is stuck: from each state there is a step, and by some of them every other state is reached.
+/// Checks that no print gets stuck: every state can reach every other state.
 #[test]
 fn every_state_can_be_left_and_every_state_is_reached() {
     for from in STATES {
@@ -66,7 +66,7 @@ fn every_state_can_be_left_and_every_state_is_reached() {
         }
         assert_eq!(reached.len(), STATES.len(), "from {from:?}");
     }
-    // What is over is only ordered again; what isn't is never ordered twice.
+    // An ended print can only be ordered again; an open print can't.
     for state in STATES {
         let can = |step| state.after(step).is_some();
         assert_eq!(can(PrintStep::Retry), !state.is_open(), "{state:?}");
@@ -90,7 +90,7 @@ fn a_print_is_ordered_sliced_printed_and_done() {
     assert_eq!((order.state, order.estimate), (PrintState::Sliced, EstimateState::Known));
     assert_eq!((order.minutes, order.tenths_gram), (Some(95), Some(123)));
     assert_eq!(booth.next_slice(START).unwrap(), None);
-    // Told twice, as after a power cut, it stays as it is.
+    // A repeated outcome, such as after a power cut, changes nothing.
     booth.note_slice(7, &SliceOutcome::Unknown("?".into()), seconds(2)).unwrap();
     assert_eq!(rig.print(&id), order);
     rig.step(PrintStep::Start);
@@ -186,7 +186,7 @@ fn what_is_withdrawn_is_not_printed_and_what_is_deleted_has_no_orders() {
     booth.step_print(8, (PrintStep::Start, true), "bob", START).unwrap();
     booth.withdraw(&id, "bob", seconds(1)).unwrap();
     let state = |order| booth.find_print(order).unwrap().order.state;
-    // What a printer is at, people see to.
+    // People deal with a print that is running.
     assert_eq!((state(7), state(8)), (PrintState::Cancelled, PrintState::Printing));
     assert_eq!(status(booth.ask_print(&id, &wish(TALL), (9, true), "bob", START)), 404);
     assert_eq!(status(booth.step_print(7, (PrintStep::Retry, true), "bob", START)), 404);

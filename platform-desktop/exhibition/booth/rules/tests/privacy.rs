@@ -1,4 +1,4 @@
-//! What is known of a visitor, and how it goes.
+//! The records of a visitor, and their deletion.
 
 use super::common::*;
 use paros_booth_rules::limits::AUDIT_DAYS;
@@ -45,7 +45,7 @@ fn all_that_is_known_of_a_badge_is_listed_and_deleted() {
     let audit = rig.booth.list_audit(99).unwrap();
     assert!(audit.iter().all(|entry| entry.badge.is_none_or(|badge| badge == 10)), "{audit:?}");
     assert_eq!(rig.booth.list_known(leased(10).unwrap()).unwrap().sculptures.len(), 1);
-    // Once no headset can have it, nothing is known of it any more.
+    // Once no headset can have the sculpture, its tombstone is removed too.
     rig.sweep(days(181));
     assert_eq!(rig.booth.list_known(number).unwrap(), BadgeRecords::default());
     assert!(rig.files.deletions().iter().all(|deletion| deletion.id == other.id), "in the log");

@@ -1,4 +1,4 @@
-//! What the booth promises, whatever is lost, doubled, late or deleted, by several headsets at once.
+//! The booth's guarantees, whatever is lost, duplicated, late or deleted, with several headsets.
 
 use std::collections::BTreeMap;
 
@@ -7,23 +7,23 @@ use paros_booth_rules::records::{Device, Sculpture, Tombstone};
 use paros_booth_rules::{BoothTime, KeptPart, view};
 use proptest::prelude::*;
 
-/// What happens next, to one of the sculptures.
+/// The next event of one of the sculptures.
 #[derive(Clone, Copy, Debug)]
 enum Step {
-    /// Its headset announces it.
+    /// The headset announces it.
     Announce(u8),
-    /// Its headset sends it.
+    /// The headset sends it.
     Send(u8),
-    /// The booth dies while it keeps it: its files are kept, its record isn't.
+    /// The booth dies while it stores it: the files are stored, but not the record.
     DieWhileKeeping(u8),
-    /// The device sends it after it enrolled again, as another headset.
+    /// The device sends it as another headset, after it enrolled again.
     SendAsOther(u8),
     /// Another headset sends another parcel under its id.
     Steal(u8),
     Withdraw(u8),
     BringBack(u8),
     Delete(u8),
-    /// So many days pass, and a sweep.
+    /// This many days pass, followed by a sweep.
     Sweep(u8),
 }
 
@@ -44,13 +44,13 @@ fn any_step() -> impl Strategy<Value = Step> {
 
 const SCULPTURES: u8 = 6;
 
-/// Two headsets, three sculptures each; two of them have the same leased badge.
+/// A play with two headsets and three sculptures each. Two sculptures have the same leased badge.
 struct Play {
     rig: Rig,
     devices: [Device; 2],
     parcels: Vec<Parcel>,
     announced: Vec<u8>,
-    /// What a headset heard last.
+    /// The last outcome that the headset received for each sculpture.
     taken: BTreeMap<u8, ParcelOutcome>,
     now: BoothTime,
 }
@@ -59,7 +59,7 @@ impl Play {
     fn new() -> Self {
         let rig = Rig::new();
         let devices = [rig.enrol(1), rig.enrol(2)];
-        // The second one claims what the first one was leased.
+        // The second headset claims what was leased to the first.
         let held = rig.lease(&devices[0], 1, START)[0];
         let parcel = |k| Parcel::of_block(k + 1, &held, k / 3 * 7);
         let parcels = (0..SCULPTURES).map(parcel).collect();
@@ -94,7 +94,7 @@ impl Play {
                 }
             }
             Step::Steal(k) => {
-                // It doesn't know an id that nobody sent yet.
+                // The thief doesn't know an id that wasn't sent yet.
                 if self.taken.contains_key(&k) {
                     let thief = &self.devices[usize::from(1 - k % 2)];
                     let facts = self.parcels[usize::from(k)].facts;
@@ -116,7 +116,7 @@ impl Play {
         }
     }
 
-    /// What was kept once is kept, or was deleted.
+    /// Sends a sculpture. Checks that a deleted sculpture stays deleted.
     fn send(&mut self, k: u8, device: usize) {
         let (parcel, device) = (&self.parcels[usize::from(k)], &self.devices[device]);
         let outcome = self.rig.upload(device, parcel, self.now).expect("a sculpture");

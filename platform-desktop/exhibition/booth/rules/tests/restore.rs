@@ -1,4 +1,4 @@
-//! A store that comes back from a copy.
+//! Restores from a copy.
 
 use std::io;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use paros_booth_rules::{
 };
 use paros_booth_sqlite::SqliteStore;
 
-/// A booth of the same site on a copy, whose sculptures' files are the same.
+/// Makes a booth of the same site from a copy, with the same files.
 pub(crate) fn restored(store: SqliteStore, files: Arc<MemoryFiles>) -> Rig {
     let keys = SiteKeys::new(SITE, ContentHash([6; 32]), [8; 32]);
     let plan = BoothPlan { retention_days: 30, ..BoothPlan::default() };
@@ -18,7 +18,7 @@ pub(crate) fn restored(store: SqliteStore, files: Arc<MemoryFiles>) -> Rig {
     Rig { booth: Booth::new(store.clone(), files.clone(), keys, plan), store, files }
 }
 
-/// What was logged, as it is read again.
+/// Returns the deletion log, written and parsed again.
 fn log_of(rig: &Rig) -> Vec<Deletion> {
     let lines: String = rig.files.deletions().iter().map(Deletion::to_line).collect();
     lines.lines().map(|line| Deletion::parse_line(line).expect("a line of the log")).collect()
@@ -70,7 +70,7 @@ fn a_copy_that_lacks_a_file_is_refused_unless_it_was_deleted() {
     assert_eq!(status(again.booth.make_restored(&[], START, START)), 409);
     let report = again.booth.make_restored(&log_of(&rig), START, START).unwrap();
     assert_eq!(report.deleted, 1);
-    // A trace may be gone, by its age.
+    // A missing trace is accepted, as it may have expired.
     let other = Rig::new();
     let device = other.enrol(1);
     other.upload(&device, &parcel, START).unwrap();
@@ -81,7 +81,7 @@ fn a_copy_that_lacks_a_file_is_refused_unless_it_was_deleted() {
     assert!(!again.booth.find_sculpture(&parcel.id).unwrap().has_trace);
 }
 
-/// Files of which nothing can be logged.
+/// Files whose deletion log can't be written.
 struct NoLog(Arc<MemoryFiles>);
 
 impl ParcelFiles for NoLog {
@@ -106,7 +106,7 @@ impl ParcelFiles for NoLog {
     }
 }
 
-/// A backup that lacks a file has the deletion in its log: files go once that is there.
+/// Files are removed after their deletion is logged, so that a backup without a file has the log line.
 #[test]
 fn no_file_goes_before_its_deletion_is_logged() {
     let rig = Rig::new();
@@ -118,7 +118,7 @@ fn no_file_goes_before_its_deletion_is_logged() {
     let booth = Booth::new(rig.store.clone(), no_log, keys, BoothPlan::default());
     assert_eq!(status(booth.delete(&parcel.id, "ana", START)), 503);
     assert_eq!(rig.files.kept_names().len(), 2);
-    // It is deleted all the same, and a sweep ends it once the disk has room.
+    // The sculpture is deleted nevertheless, and a sweep removes its files once the disk has room.
     assert_eq!(status(booth.find_sculpture(&parcel.id)), 404);
     rig.sweep(START);
     assert_eq!((rig.files.kept_names().len(), rig.files.deletions().len()), (0, 1));

@@ -1,4 +1,4 @@
-//! Who may do what at the booth.
+//! The rights of staff.
 
 use std::time::Duration;
 
@@ -55,11 +55,11 @@ fn a_login_lasts_while_it_is_used_and_no_longer_than_a_day() {
     assert_eq!(status(booth.find_login(&[9; 32], START)), 401);
     let idle = START.after(SESSION_IDLE);
     assert_eq!(status(find(idle)), 401);
-    // What a page does by itself keeps no login.
+    // Requests that a page makes by itself don't extend a login.
     booth.log_in("ana", &bits(4), START).unwrap();
     booth.peek_login(&bits(4).cookie, START.after(SESSION_IDLE / 2)).expect("it isn't over");
     assert_eq!(status(booth.peek_login(&bits(4).cookie, idle)), 401);
-    // Used in between, it goes on; to the end of its life.
+    // With uses in between, a login lasts until the end of its life.
     let mut now = START;
     while now < START.after(SESSION_LIFE) {
         find(now).expect("it is used");

@@ -1,4 +1,4 @@
-//! Stores: what may differ between databases; and conflicts, after which work is tried again.
+//! Stores: possible differences between databases; and conflicts, after which work is retried.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -129,7 +129,7 @@ fn a_transaction_that_is_not_committed_leaves_no_trace() {
         tx.put(&sculpture(2, Some(2)))?;
         tx.put(&Sculpture { badge: None, ..sculpture(1, None) })?;
         tx.run("DELETE FROM sculptures WHERE id = ?1", &[&[1u8; 16]])?;
-        // It sees its own changes.
+        // A transaction sees its own changes.
         assert_eq!(tx.find::<Sculpture>("", &[])?, [sculpture(2, Some(2))]);
         Err(StoreError::Failed("work that fails".into()))
     });
@@ -152,7 +152,7 @@ fn values_of_another_kind_are_refused() {
     assert_eq!(all_sculptures(store.as_ref()), [sculpture(1, None)]);
 }
 
-/// No two sculptures have claimed the same badge; any number has claimed none.
+/// No two sculptures can claim the same badge; any number can have no claim.
 #[test]
 fn a_claimed_badge_is_taken() {
     let store = crate::new_store();
@@ -169,7 +169,7 @@ fn a_claimed_badge_is_taken() {
     }
 }
 
-/// Threads that each read a number and write one more: none is lost.
+/// Threads increment a number concurrently: no increment is lost.
 #[test]
 fn threads_count_in_turn() {
     const THREADS: u16 = 4;
@@ -190,7 +190,7 @@ fn threads_count_in_turn() {
     assert_eq!(cursor.expect("it was put").turn, THREADS * COUNTS, "a change was lost");
 }
 
-/// A store in which so many transactions are in conflict with others, at the first row that they put.
+/// A store whose first `conflicts` transactions fail with a conflict, at their first `put`.
 struct BusyStore {
     inner: Arc<dyn Store>,
     conflicts: AtomicU32,
@@ -229,7 +229,7 @@ impl Transaction for BusyTransaction<'_> {
     }
 }
 
-/// Puts a row, and returns how often that was tried, the result and the number of rows.
+/// Puts a row. Returns the number of tries, the result, and the number of rows.
 fn put_once(conflicts: u32, passes_over: bool) -> (u32, Result<(), Refusal>, u64) {
     let store = BusyStore { inner: crate::new_store(), conflicts: AtomicU32::new(conflicts) };
     let (kind, subject, until) = (WorkKind::Export, vec![1], BoothTime(0));
@@ -239,7 +239,7 @@ fn put_once(conflicts: u32, passes_over: bool) -> (u32, Result<(), Refusal>, u64
         tries += 1;
         match tx.put(&row) {
             Err(_) if passes_over => Ok(()),
-            // Rules make something else of what a store says.
+            // Rules map store errors to other errors.
             Err(_) => Err(Refusal::Conflict(Reason::NoSculpture)),
             Ok(()) => Ok(()),
         }

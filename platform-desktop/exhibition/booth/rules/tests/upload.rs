@@ -1,4 +1,4 @@
-//! What is taken and kept.
+//! Uploads of parcels.
 
 use super::common::*;
 use paros_booth_rules::ImportOutcome;
@@ -16,7 +16,7 @@ fn a_parcel_is_kept_once_however_often_it_comes() {
     assert_eq!((kept.facts.as_slice(), kept.hash), (&parcel.facts.to_json()[..], parcel.hash.0));
     assert_eq!(kept.export, ExportState::Queued, "the answer doesn't wait for the mesh");
     assert_eq!(rig.booth.read_kept(&kept).expect("its file"), parcel.bytes);
-    // The answer was lost; or the device enrolled again and has another number.
+    // The answer was lost, or the device enrolled again and has another number.
     for sender in [&device, &other] {
         assert_eq!(rig.upload(sender, &parcel, seconds(9)).unwrap(), ParcelOutcome::Kept);
     }
@@ -68,7 +68,7 @@ fn no_sculpture_is_refused_and_nothing_of_it_stays() {
     rig.upload(&device, &Parcel::new(40, None), START).expect("the id isn't spent");
 }
 
-/// Bytes that turned into others on their way are asked for again, not refused.
+/// Corrupted bytes are a bad request, so that the parcel is sent again; they aren't refused for good.
 #[test]
 fn a_parcel_with_another_hash_is_no_request() {
     let rig = Rig::new();

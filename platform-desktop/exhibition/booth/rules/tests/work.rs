@@ -1,4 +1,4 @@
-//! What several booths on the same records do once.
+//! Work leases of several booth processes on the same records.
 
 use std::collections::BTreeSet;
 use std::sync::Mutex;
@@ -10,7 +10,7 @@ use paros_booth_rules::{
     Booth, BoothTime, MailOutcome, PrintSize, PrintStep, PrintWish, PrinterTask, SliceOutcome,
 };
 
-/// A booth with so many sculptures, and two of its processes.
+/// Makes a booth with this many sculptures, and two of its processes.
 fn with_sculptures(count: u8) -> (Rig, [Booth; 2]) {
     let rig = Rig::new();
     let device = rig.enrol(1);
@@ -45,7 +45,7 @@ fn a_mesh_is_one_process_work_until_it_is_done_or_its_time_is_over() {
     assert_eq!(count_leases(&rig), 0);
 }
 
-/// Machines' clocks differ, and a transaction takes its time: a lease may end after one that is taken now.
+/// Clocks differ, and transactions take time: an existing lease may end later than a new one.
 #[test]
 fn a_clock_that_is_behind_takes_no_lease_away() {
     let (_, [one, two]) = with_sculptures(1);
@@ -81,7 +81,7 @@ fn a_mail_is_sent_by_one_process() {
 
 const KNOWN: SliceOutcome = SliceOutcome::Known { height: 800, minutes: 95, tenths_gram: 123 };
 
-/// A booth with so many prints that wait for the slicer, from 1 on, and two of its processes.
+/// Makes a booth with this many prints that wait for the slicer, from 1 on, and two of its processes.
 fn with_prints(count: u64) -> (Rig, [Booth; 2]) {
     let (rig, workers) = with_sculptures(1);
     let wish =
@@ -100,7 +100,7 @@ fn next_slice(booth: &Booth, now: BoothTime) -> Option<u64> {
 #[test]
 fn a_print_is_sliced_by_one_process_and_one_that_dies_is_followed() {
     let (rig, [one, two]) = with_prints(3);
-    // Begun by hand before its turn came.
+    // The print was started by hand before its turn.
     one.step_print(1, (PrintStep::Start, true), "bob", seconds(4)).unwrap();
     let now = seconds(5);
     assert_eq!(next_slice(&one, now), Some(2));
@@ -115,7 +115,7 @@ fn a_print_is_sliced_by_one_process_and_one_that_dies_is_followed() {
     assert_eq!(count_leases(&rig), 0);
 }
 
-/// A size that follows from a time takes several slices of minutes each.
+/// The search of a size for a duration takes several slices of minutes each.
 #[test]
 fn what_takes_long_is_renewed_and_what_cannot_be_done_is_left() {
     let (rig, [one, two]) = with_prints(1);
@@ -137,7 +137,7 @@ fn what_takes_long_is_renewed_and_what_cannot_be_done_is_left() {
     assert_eq!(count_leases(&rig), 1);
 }
 
-/// Two that stop a print at once stop the next one too, which was sent between.
+/// Two processes that stop a print at once would also stop the next print, which was sent in between.
 #[test]
 fn a_printer_is_one_process_matter() {
     let (rig, [one, two]) = with_prints(2);
@@ -174,13 +174,13 @@ fn leases_of_the_dead_are_forgotten() {
     assert_eq!(count_leases(&rig), 1);
     rig.sweep(START.after(2 * WORK_LIFE));
     assert_eq!(count_leases(&rig), 0);
-    // One that starts and is alone doesn't wait for those who were before.
+    // A booth that runs alone deletes the leases of earlier processes when it starts.
     next_export(&one, START);
     two.drop_leases().unwrap();
     assert_eq!(next_export(&two, START), Some(2));
 }
 
-/// Threads that compare meshes at once: each is compared, and by one of them.
+/// Threads check meshes concurrently: each mesh is checked exactly once.
 #[test]
 fn each_mesh_is_compared_once() {
     const COUNT: u8 = 24;

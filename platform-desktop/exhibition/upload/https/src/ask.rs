@@ -1,4 +1,4 @@
-//! One request and its answer.
+//! An HTTPS request and its answer.
 
 use std::io;
 
@@ -10,7 +10,7 @@ use ureq::{Agent, Body, Error};
 
 use crate::make_agent;
 
-/// A booth, as one thread asks it.
+/// A client of a booth, for one thread.
 #[derive(Debug)]
 pub struct HttpsCaller {
     agent: Agent,
@@ -18,7 +18,7 @@ pub struct HttpsCaller {
 }
 
 impl HttpsCaller {
-    /// A caller of the booth at `https://HOST:PORT`, whose certificate is of the authority `ca` (DER).
+    /// Makes a client of the booth at `https://HOST:PORT`, with a certificate from the authority `ca` (DER).
     #[must_use]
     pub fn new(url: &str, ca: &[u8]) -> Self {
         HttpsCaller { agent: make_agent(ca), url: url.to_owned() }
@@ -53,7 +53,7 @@ fn read_answer(mut response: Response<Body>) -> Result<HttpAnswer, Error> {
     Ok(HttpAnswer { status, retry_after, body })
 }
 
-/// What an error means for the outbox: nothing was heard, nothing in time, or by somebody else.
+/// Classifies an error for the outbox: unreachable, timed out, or an untrusted peer.
 fn fault_of(error: &Error) -> LinkFault {
     match error {
         Error::Timeout(_) => LinkFault::TimedOut,

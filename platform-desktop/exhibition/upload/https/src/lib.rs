@@ -1,7 +1,7 @@
-//! The desktop's link from an outbox to its booth: HTTPS by `ureq` and rustls, which trusts the site's certificate
-//! authority alone, follows no redirect and asks no proxy.
+//! The desktop's link from an outbox to its booth: HTTPS with `ureq` and rustls. It trusts only the site's
+//! certificate authority, follows no redirects and uses no proxy.
 //!
-//! Whether the network is said to reach the Internet is nobody's business: a booth's needn't.
+//! It doesn't check for Internet access, as a booth's network may have none.
 #![forbid(unsafe_code)]
 
 mod ask;
@@ -16,7 +16,7 @@ use ureq::tls::{Certificate, RootCerts, TlsConfig, TlsProvider};
 
 pub use ask::HttpsCaller;
 
-/// A link to a booth that isn't connected yet.
+/// Opens a link to a booth. It connects with the first request.
 #[must_use]
 pub fn open_link(address: &BoothAddress, times: LinkTimes) -> ThreadedLink {
     let [of_puts, of_heartbeats] = [(); 2].map(|()| HttpsCaller::new(&address.url, &address.ca));

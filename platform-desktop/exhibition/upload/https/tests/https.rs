@@ -1,4 +1,4 @@
-//! The desktop's link.
+//! The tests of the desktop's link.
 
 mod link_suite;
 

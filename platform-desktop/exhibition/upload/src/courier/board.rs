@@ -1,4 +1,4 @@
-//! What a courier tells, and is told without an order.
+//! The board: state that a courier and its owner share.
 
 use std::collections::VecDeque;
 
@@ -10,23 +10,23 @@ use crate::events::{BoothContact, RemoteCommand};
 use crate::folder::DiskFolder;
 use crate::sender::Sender;
 
-/// Badges that wait to be looked at: of the last sculpture, and some that nobody asked for again.
+/// Largest number of badges on the board: of the last sculpture, and some that weren't requested again.
 const MAX_BADGES: usize = 8;
 
-/// Sent sculptures whose status may be looked at after they left the spool.
+/// Largest number of sent sculptures whose status stays visible after they left the spool.
 const MAX_SENT: usize = 8;
 
-/// Lines that wait to be told.
+/// Largest number of waiting messages.
 const MAX_NOTES: usize = 64;
 
-/// What is to be told of an outbox.
+/// The state of an outbox.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct CourierSummary {
     /// Sculptures that the booth doesn't have.
     pub owed: u32,
-    /// `true` if it is nearly full with them.
+    /// `true` if the outbox is nearly full with these sculptures.
     pub is_nearly_full: bool,
-    /// How the booth answers.
+    /// The booth's response to this device.
     pub contact: BoothContact,
 }
 
@@ -35,30 +35,30 @@ pub struct CourierSummary {
 pub struct BoothState {
     /// The sculpture's id; `None` before there is one.
     pub id: Option<SculptureId>,
-    /// The badge that it is to have, once that may be shown.
+    /// The badge of the sculpture, once it may be shown.
     pub badge: Option<BadgeNumber>,
     /// The status of its upload; `None` before there is one.
     pub status: Option<UploadStatus>,
-    /// The whole outbox.
+    /// The state of the whole outbox.
     pub outbox: CourierSummary,
 }
 
-/// The board.
+/// The state that a courier and its owner share.
 #[derive(Debug)]
 pub(super) struct Board {
     pub(super) summary: CourierSummary,
     pub(super) status: HeadsetStatus,
-    /// The sculpture that was finished last.
+    /// The last finished sculpture.
     pub(super) last: Option<SculptureId>,
-    /// Commands with the ends of their lives, in milliseconds.
+    /// Commands with the ends of their lives in milliseconds.
     pub(super) commands: VecDeque<(RemoteCommand, u64)>,
     pub(super) notes: VecDeque<String>,
-    /// The spool's sculptures.
+    /// The sculptures of the spool.
     spooled: Vec<(SculptureId, UploadStatus)>,
-    /// Sculptures whose parcels are being made, or couldn't be kept.
+    /// The sculptures whose parcels are being made, or couldn't be stored.
     under_way: Vec<(SculptureId, UploadStatus)>,
     badges: VecDeque<(SculptureId, BadgeNumber)>,
-    /// Sculptures that the booth has, which may have left the spool.
+    /// The sculptures that the booth has, which may have left the spool.
     sent: VecDeque<SculptureId>,
 }
 
@@ -82,7 +82,7 @@ impl Board {
         self.note_under_way(id, Some(UploadStatus::Making));
     }
 
-    /// Notes where a sculpture stands that the outbox doesn't have whole; `None` once it has.
+    /// Sets the status of a sculpture that isn't stored in the outbox yet; `None` once it is stored.
     pub(super) fn note_under_way(&mut self, id: SculptureId, status: Option<UploadStatus>) {
         self.under_way.retain(|(other, _)| *other != id);
         self.under_way.extend(status.map(|status| (id, status)));
@@ -99,7 +99,7 @@ impl Board {
         }
     }
 
-    /// Notes that the booth has a sculpture, which may leave the spool at once.
+    /// Records that the booth has a sculpture, which may leave the spool at once.
     pub(super) fn note_sent(&mut self, id: SculptureId) {
         self.sent.retain(|other| *other != id);
         self.sent.push_back(id);
@@ -114,7 +114,7 @@ impl Board {
         }
     }
 
-    /// Takes how the booth answers. Notes a refusal once until it answers again.
+    /// Records how the booth responds. Adds one message when the booth starts to refuse this device.
     fn note_contact(&mut self, contact: BoothContact) {
         let before = std::mem::replace(&mut self.summary.contact, contact);
         let note = match contact {
@@ -129,10 +129,10 @@ impl Board {
         }
     }
 
-    /// Takes the outbox as it is.
+    /// Publishes the state of the outbox.
     pub(super) fn show(&mut self, sender: &Sender<DiskFolder, CourierLink>) {
         let spool = sender.spool();
-        // What has no room in the spool isn't at the booth either.
+        // A parcel without room in the spool isn't at the booth either.
         let is_outside = |(id, _): &&(SculptureId, UploadStatus)| spool.find(*id).is_none();
         let owed = spool.depth() + self.under_way.iter().filter(is_outside).count();
         self.summary.owed = u32::try_from(owed).unwrap_or(u32::MAX);
@@ -142,7 +142,7 @@ impl Board {
         self.spooled.extend(spool.entries().iter().map(|entry| (entry.id, entry.status)));
     }
 
-    /// Where a sculpture stands; `None` where nothing is known of it.
+    /// Returns the status of a sculpture; `None` if it is unknown.
     pub(super) fn status_of(&self, id: SculptureId) -> Option<UploadStatus> {
         let known = self.under_way.iter().chain(&self.spooled);
         let status = known.clone().find(|(other, _)| *other == id).map(|(_, status)| *status);

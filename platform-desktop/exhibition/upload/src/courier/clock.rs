@@ -1,19 +1,19 @@
-//! The clock of a courier on Linux: the time since boot, sleep included.
+//! The clock of a courier on Linux: the time since boot, including sleep.
 
 use std::fs;
 use std::sync::LazyLock;
 use std::time::Instant;
 
-/// Milliseconds since boot, by the kernel's file of the uptime, in hundredths of a second; where there is none, since the
-/// first call.
+/// Returns milliseconds since boot, from the kernel's uptime file, at a resolution of 10 ms. Without that
+/// file, returns milliseconds since the first call.
 #[must_use]
 pub fn read_clock_ms() -> u64 {
     static FIRST_CALL: LazyLock<Instant> = LazyLock::new(Instant::now);
-    // One clock for the whole run, as the two have nothing to do with each other.
+    // One clock for the whole run, as the two clocks have different origins.
     static HAS_UPTIME: LazyLock<bool> = LazyLock::new(|| read_uptime_ms().is_some());
     let first_call = *FIRST_CALL;
     match *HAS_UPTIME {
-        // A read that fails stands still: no time passes.
+        // If a read fails, time stands still.
         true => read_uptime_ms().unwrap_or(0),
         false => u64::try_from(first_call.elapsed().as_millis()).unwrap_or(u64::MAX),
     }

@@ -1,4 +1,4 @@
-//! The sculpture that was finished last: by this file a start knows which id the one in a saved session has.
+//! The mark of the last finished sculpture, by which a restart finds the id of a saved session's sculpture.
 
 use std::path::{Path, PathBuf};
 
@@ -20,7 +20,7 @@ pub(super) fn path_in(folder: &Path) -> PathBuf {
     folder.join(FILE)
 }
 
-/// Writes it. Where that fails, a start takes the sculpture for another: it may be sent under two ids.
+/// Writes the mark. If that fails, a restart gives the saved sculpture a new id, and it may be sent twice.
 pub(super) fn write(path: &Path, finished: &FinishedSculpture) -> Result<(), durable::WriteError> {
     let bytes: [u8; BYTES] = FORMAT.seal(|to| {
         to.bytes(&finished.id.0);
@@ -30,7 +30,7 @@ pub(super) fn write(path: &Path, finished: &FinishedSculpture) -> Result<(), dur
     durable::write_file(path, &bytes)
 }
 
-/// Reads it; `None` where there is none, or it is damaged.
+/// Reads the mark; `None` if it is missing or damaged.
 pub(super) fn read(path: &Path) -> Option<FinishedSculpture> {
     let bytes = durable::read_regular_file_up_to(path, BYTES as u64).ok()?;
     let opened = FORMAT.open(&bytes, |from| {

@@ -1,45 +1,45 @@
-//! What a courier is told to do.
+//! The orders of a courier.
 
 use paros_core::badge::BadgeNumber;
 use paros_protocol::{CommandOutcome, ContentHash, Parcel, SculptureId, UploadFacts};
 
-/// A sculpture that was finished: its id, and by what it is found again in a saved session.
+/// A finished sculpture: its id, and the hash that identifies it in a saved session.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct FinishedSculpture {
-    /// Its id.
+    /// The id of the sculpture.
     pub id: SculptureId,
-    /// SHA-256 of its volume's `.rmap`.
+    /// The SHA-256 of its volume's `.rmap`.
     pub volume_hash: ContentHash,
-    /// Whether its parcel was kept.
+    /// `true` if its parcel is stored in the outbox.
     pub is_kept: bool,
 }
 
-/// What a parcel is packed of.
+/// The content of a parcel to pack.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ParcelDraft {
-    /// Its facts, but for the lengths.
+    /// The facts, whose lengths are set when the parcel is packed.
     pub facts: UploadFacts,
     /// The volume, an `.rmap`.
     pub volume: Vec<u8>,
-    /// The trace, where one is sent.
+    /// The trace, if one is sent.
     pub trace: Option<Vec<u8>>,
 }
 
-/// An order.
+/// An order to the courier.
 #[derive(Debug)]
 pub(super) enum CourierOrder {
-    /// A sculpture is finished.
+    /// Announce a finished sculpture.
     Announce { id: SculptureId, volume: Vec<u8> },
-    /// It is to have a badge.
+    /// Assign a badge to a sculpture.
     TakeBadge { id: SculptureId },
-    /// It has this one.
+    /// Record the badge that a sculpture's visitor is shown.
     NoteBadge { id: SculptureId, badge: BadgeNumber },
-    /// Its parcel is to be kept.
+    /// Pack a parcel and store it.
     Keep(Box<ParcelDraft>),
-    /// It is made, and another courier found no room for it.
+    /// Store a parcel for which another courier found no room.
     KeepParcel(Box<Parcel>),
-    /// It won't be made.
+    /// Give up a sculpture whose parcel won't be made.
     Abandon { id: SculptureId },
-    /// What came of a command.
+    /// Report the outcome of a command.
     CommandDone { id: u64, outcome: CommandOutcome },
 }

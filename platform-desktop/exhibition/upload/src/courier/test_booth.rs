@@ -1,4 +1,4 @@
-//! A booth in a courier's link, for tests.
+//! A fake booth behind a courier's link, for tests.
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -23,7 +23,7 @@ pub(crate) fn clock() -> u64 {
     START.elapsed().as_millis() as u64
 }
 
-/// A booth that keeps whatever comes, unless it is down, or answers with another status.
+/// A booth that accepts every request, unless it is down or has another status.
 struct Booth {
     headset: u32,
     status: Arc<AtomicU16>,
@@ -78,11 +78,11 @@ impl BoothLink for Booth {
     }
 }
 
-/// A courier's folder, and whether its booth is down.
+/// A courier's folder, and the state of its booth.
 pub(crate) struct Rig {
     pub(crate) folder: PathBuf,
     pub(crate) is_down: Arc<AtomicBool>,
-    /// What the booth answers, 200 where all is well.
+    /// The HTTP status of the booth's answers, 200 for success.
     pub(crate) status: Arc<AtomicU16>,
     pub(crate) grace_seconds: u32,
 }
@@ -100,7 +100,7 @@ impl Rig {
         self.start_as(OWNER.headset, command)
     }
 
-    /// As the headset of this number.
+    /// Starts a courier of the headset `headset`.
     pub(crate) fn start_as(&self, headset: u32, command: Option<BoothCommand>) -> Courier {
         let device = NewDevice::draw(None, DeviceName::new("t").expect("a name"));
         let enrolment = Enrolment {
@@ -114,7 +114,7 @@ impl Rig {
         Courier::spawn(&plan, self.link(headset, command)).expect("a folder")
     }
 
-    /// The files of parcels, whether or not the booth has them.
+    /// Returns the paths of all parcel files, sent or not.
     pub(crate) fn parcel_files(&self) -> Vec<PathBuf> {
         let entries = std::fs::read_dir(&self.folder).expect("a folder");
         let paths = entries.map(|entry| entry.expect("a file").path());
@@ -125,7 +125,7 @@ impl Rig {
         paths.filter(is_parcel).collect()
     }
 
-    /// A link to the booth.
+    /// Makes a link to the booth.
     pub(crate) fn link(&self, headset: u32, command: Option<BoothCommand>) -> CourierLink {
         Box::new(Booth {
             headset,
@@ -143,7 +143,7 @@ impl Drop for Rig {
     }
 }
 
-/// Waits until something is found.
+/// Polls until something is found.
 pub(crate) fn wait<T>(what: &str, mut poll: impl FnMut() -> Option<T>) -> T {
     let begun = Instant::now();
     loop {

@@ -1,4 +1,4 @@
-//! A courier over a real folder, and a booth in its link.
+//! A courier on a real folder, with a fake booth behind its link.
 
 use std::sync::atomic::Ordering;
 use std::thread;
@@ -45,8 +45,8 @@ fn a_sculpture_is_kept_here_and_then_at_the_booth_under_a_leased_badge() {
     assert!(!wait("a badge", || courier.badge_of(next)).is_provisional());
 }
 
-/// The booth was restored from a backup of before the device enrolled: that is noted once, and the parcels that are here
-/// are sent once the device has enrolled again.
+/// The booth was restored from a backup older than the enrolment. The courier reports that once, and sends
+/// its parcels once the device has enrolled again.
 #[test]
 fn one_that_is_forgotten_says_so_once_and_brings_all_as_the_headset_that_it_becomes() {
     let rig = Rig::new("forgotten");
@@ -56,7 +56,7 @@ fn one_that_is_forgotten_says_so_once_and_brings_all_as_the_headset_that_it_beco
     courier.keep(draft(id, None));
     wait("a refusal", || courier.is_forgotten().then_some(()));
     let mut notes = courier.take_notes();
-    // Some heartbeats later.
+    // Wait for some heartbeats.
     thread::sleep(Duration::from_millis(5000));
     notes.extend(courier.take_notes());
     let told = |note: &&String| note.contains("must be enrolled anew");
@@ -81,7 +81,7 @@ fn a_start_finds_what_was_finished_last_and_whether_it_was_kept() {
     let courier = rig.start(None);
     assert_eq!(courier.last_finished(), None);
     courier.announce(id, b"a volume".to_vec());
-    // What it was told is done before it ends.
+    // The courier carries out its orders before it ends.
     drop(courier);
     let courier = rig.start(None);
     let found = *courier.last_finished().expect("it was finished");
@@ -95,7 +95,7 @@ fn a_start_finds_what_was_finished_last_and_whether_it_was_kept() {
     assert_eq!(courier.found(), [(id, UploadStatus::Kept)]);
 }
 
-/// The badge says *kept at the booth* for as long as it is shown, though the grace is over.
+/// The badge says *kept at the booth* for as long as it is shown, even after the grace period.
 #[test]
 fn what_has_left_the_outbox_is_kept_at_the_booth_still() {
     let mut rig = Rig::new("left");
@@ -116,7 +116,7 @@ fn a_parcel_without_room_waits_and_is_kept_once_there_is() {
     let rig = Rig::new("full");
     let courier = rig.start(None);
     let id = SculptureId([5; 16]);
-    // A folder in the parcel's place: the disk takes no file there.
+    // A folder in place of the parcel's file makes the write fail.
     let place = rig.folder.join(format!("{id}.parcel"));
     std::fs::create_dir(&place).expect("a folder");
     courier.keep(draft(id, None));
@@ -126,7 +126,7 @@ fn a_parcel_without_room_waits_and_is_kept_once_there_is() {
     wait("kept", || (courier.upload_status(id) == Some(UploadStatus::Sent)).then_some(()));
 }
 
-/// As where a headset enrols anew while its outbox is full: the parcel is nowhere but in memory.
+/// A headset enrols again while its outbox is full: the parcel exists only in memory.
 #[test]
 fn a_parcel_without_room_goes_on_to_the_next_courier() {
     let rig = Rig::new("handed-on");
@@ -175,7 +175,7 @@ fn another_process_has_no_outbox_beside_it() {
     assert!(opened.is_err());
 }
 
-/// A device that enrolled at another site keeps what it owes the first one, and says where.
+/// A device that enrolled at another site keeps the first site's unsent sculptures, and reports their folder.
 #[test]
 fn each_site_has_its_own_outbox_and_an_old_one_is_refused() {
     let rig = Rig::new("sites");

@@ -1,4 +1,4 @@
-//! The thread's work.
+//! The work of the courier's thread.
 
 use std::mem;
 use std::path::PathBuf;
@@ -17,27 +17,28 @@ use crate::folder::DiskFolder;
 use crate::sender::Sender;
 use crate::spool::SpoolError;
 
-/// How often the outbox is stepped.
+/// Interval between two steps of the outbox.
 const STEP: Duration = Duration::from_millis(100);
 
-/// How long a parcel that couldn't be kept waits: a disk that is full stays so for a while.
+/// Retry interval of parcels that couldn't be stored: a full disk stays full for a while.
 const KEEP_RETRY: Duration = Duration::from_secs(5);
 
-/// Parcels that wait for room at most; the oldest is given up beyond. A parcel's mesh takes some megabytes of memory.
+/// Largest number of parcels that wait for room. Beyond it, the oldest is given up. A parcel takes some
+/// megabytes of memory.
 const MAX_WAITING: usize = 8;
 
-/// The outbox with all that its thread has.
+/// The outbox and the state of its thread.
 pub(super) struct Work {
     sender: Sender<DiskFolder, CourierLink>,
     host: CourierHost,
     mark_path: PathBuf,
     last_finished: Option<FinishedSculpture>,
-    /// Parcels that couldn't be kept.
+    /// Parcels that couldn't be stored yet.
     waiting: Vec<Parcel>,
     tried: Instant,
 }
 
-/// What the driver asks and tells.
+/// The outbox's interface to the courier: clock, random bits, status and events.
 struct CourierHost {
     board: Arc<Mutex<Board>>,
     clock: fn() -> u64,
@@ -55,7 +56,7 @@ impl OutboxHost for CourierHost {
     }
 
     fn random(&mut self) -> u32 {
-        // Without random bits nothing is spread.
+        // Without random bits, retries have no jitter.
         getrandom::u32().unwrap_or_default()
     }
 
@@ -109,8 +110,8 @@ impl Work {
         self.last_finished
     }
 
-    /// Steps the outbox and carries orders out, until nobody is left to give any.
-    /// Returns parcels that wait for room.
+    /// Steps the outbox and carries out orders, until the courier's handle is dropped. Returns the parcels
+    /// that found no room.
     pub(super) fn run(mut self, orders: &Receiver<CourierOrder>) -> Vec<Parcel> {
         let mut next_step = Instant::now();
         loop {
@@ -141,15 +142,15 @@ impl Work {
                 self.host.board().add_badge(id, badge);
             }
             CourierOrder::NoteBadge { id, badge } => {
-                // Its parcel says so too.
+                // An error is ignored, as the parcel carries the badge too.
                 let _ = self.sender.note_badge(id, badge);
             }
             CourierOrder::Keep(draft) => self.pack_and_keep(*draft),
             CourierOrder::KeepParcel(parcel) => self.keep(*parcel),
-            // It was made.
+            // The parcel was made, and waits for room.
             CourierOrder::Abandon { id } if self.is_waiting(id) => {}
             CourierOrder::Abandon { id } => {
-                // Where it is kept, or isn't known, there is nothing to give up.
+                // A sculpture that is stored or unknown needs no abandoning, so errors are ignored.
                 let _ = self.sender.abandon(id);
                 self.host.board().note_under_way(id, None);
             }
@@ -159,7 +160,7 @@ impl Work {
 
     fn announce(&mut self, id: SculptureId, volume: &[u8]) {
         match self.sender.announce(id, None) {
-            // Its parcel was kept by the start before.
+            // The previous start already stored its parcel.
             Ok(()) | Err(SpoolError::KnownId) => {}
             Err(error) => self.host.board().add_note(format!("not announced: {error}")),
         }

@@ -1,14 +1,15 @@
-//! Enrolment by a fleet's file: one question, as site and authority are known beforehand.
+//! Enrolment with a fleet file: a single request, as the site and its authority are known beforehand.
 
 use paros_protocol::{EnrolAnswer, FLEET_ENROLMENT_PATH, FleetEnrolment};
 
 use super::{EnrolError, Enrolment, FleetFile, NewDevice, ask};
 use crate::{BoothCaller, OutboxOwner};
 
-/// Enrols a device. `link` trusts the file's authority alone.
+/// Enrols a device. `link` must trust only the fleet file's authority.
 ///
 /// # Errors
-/// What the booth or the way there refuses; [`EnrolError::AnotherSite`] where the booth isn't the file's.
+/// Returns an error if the booth refuses or can't be reached; [`EnrolError::AnotherSite`] if the booth isn't
+/// of the file's site.
 pub fn enrol_by_fleet(
     link: &mut impl BoothCaller,
     fleet: &FleetFile,

@@ -1,4 +1,4 @@
-//! A fleet's file: what `paros-booth fleet-file` prints, by which many devices enrol.
+//! The fleet file: the output of `paros-booth fleet-file`, with which many devices enrol.
 
 use std::path::Path;
 
@@ -10,27 +10,27 @@ use rustls_pki_types::pem::PemObject as _;
 
 use super::{EnrolError, Fields};
 
-/// The name of a fleet's file, in a headset's folder of sessions and in its package.
+/// The name of a fleet file, in a headset's folder of sessions and in its package.
 pub const FLEET_FILE_NAME: &str = FLEET_ASSET;
 
-/// A fleet's file. Whoever has it can enrol a device.
+/// The content of a fleet file. Anyone who has the file can enrol a device.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct FleetFile {
-    /// `https://HOST:PORT`, without a slash at its end.
+    /// The URL of the booth, `https://HOST:PORT`, without a trailing slash.
     pub address: String,
     /// The booth's site.
     pub site: SiteId,
-    /// What lets a device in.
+    /// The token that enrols a device.
     pub enrolment_token: EnrolmentToken,
-    /// The certificate of the site's authority, DER.
+    /// The certificate of the site's certificate authority, DER.
     pub ca: Vec<u8>,
 }
 
 impl FleetFile {
-    /// Reads one.
+    /// Reads a fleet file.
     ///
     /// # Errors
-    /// Which file, where and what was expected.
+    /// Returns an error with the name of the file, the place, and what was expected.
     pub fn read(path: &Path) -> Result<Self, EnrolError> {
         let fields = Fields::read(path)?.ok_or_else(|| {
             let why = "expected a fleet's file, as `paros-booth fleet-file` prints it";
@@ -39,19 +39,19 @@ impl FleetFile {
         FleetFile::from_fields(&fields)
     }
 
-    /// Takes the bytes of one that `source` has.
+    /// Parses the bytes of a fleet file. `source` names the file in errors.
     ///
     /// # Errors
-    /// Where in it and what was expected.
+    /// Returns an error with the place, and what was expected.
     pub fn parse(source: &str, bytes: &[u8]) -> Result<Self, EnrolError> {
         FleetFile::from_fields(&Fields::parse(source, bytes)?)
     }
 
-    /// Takes one from a text that may have lost its lines, as a console's form may take them: the file, or the file in
-    /// base64, with spaces and lines anywhere.
+    /// Parses a fleet file from a text that may have lost its line breaks, such as in a console's form: the
+    /// file, or the file in base64 with white space anywhere.
     ///
     /// # Errors
-    /// Where in it and what was expected.
+    /// Returns an error with the place, and what was expected.
     pub fn parse_text(source: &str, text: &str) -> Result<Self, EnrolError> {
         let letters: String = text.split_whitespace().collect();
         match Base64::decode_vec(&letters) {

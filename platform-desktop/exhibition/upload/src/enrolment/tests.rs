@@ -1,4 +1,4 @@
-//! Enrolments as files, and with booths that answer as they are told.
+//! Enrolment files, and enrolment at booths with scripted answers.
 
 use std::collections::VecDeque;
 use std::fs;

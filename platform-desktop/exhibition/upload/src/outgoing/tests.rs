@@ -1,4 +1,4 @@
-//! Finished sculptures on their way to a booth, over starts that come at the worst time.
+//! The way of finished sculptures to a booth, with restarts at the worst times.
 
 #[path = "../../../../shell/src/studio/cut_off_export/tests/program.rs"]
 mod program;
@@ -30,7 +30,7 @@ fn run_to_the_end(studio: &mut Studio<'_, 128>) {
     });
 }
 
-/// The parcels in an outbox.
+/// Returns the parcels in an outbox.
 fn parcels(rig: &Rig) -> Vec<Parcel> {
     let files = rig.parcel_files().into_iter().map(|path| fs::read(path).unwrap());
     files.map(|file| Parcel::read(file).expect("whole")).collect()
@@ -73,7 +73,7 @@ impl Drop for Place {
     }
 }
 
-/// The visitor's badge is shown as soon as it is there, and stands in the parcel and in the files.
+/// Shows the visitor's badge as soon as it is available.
 fn show_badge(studio: &mut Studio<'_, 128>, courier: &Courier) -> BadgeNumber {
     assert!(studio.is_badge_awaited());
     let badge = wait("a badge", || courier.booth_state().badge);
@@ -103,7 +103,7 @@ fn a_visits_sculpture_is_announced_kept_and_sent() {
     });
 }
 
-/// A recording goes on from one visitor to the next, and counts them also while the studio has no receiver.
+/// A recording continues from one visitor to the next, and also while the studio has no receiver.
 #[test]
 fn no_parcel_has_the_trace_of_another_visitor() {
     let place = Place::new("visitors");
@@ -135,14 +135,14 @@ fn what_a_program_s_end_cut_off_is_sent_once_under_its_own_id() {
     let place = Place::new("cut-off");
     place.rig.is_down.store(true, Ordering::Relaxed);
     let mut announced = None;
-    // The first ends before its print is made.
+    // The first start ends before its print is made.
     place.run(|studio, courier| {
         sculpt_in_a_visit(studio);
         announced = courier.booth_state().id;
         studio.save_session_and_wait();
     });
     assert!(parcels(&place.rig).is_empty() && announced.is_some());
-    // The second makes it, and the parcel isn't kept before it ends: a folder is in its place.
+    // The second start makes the print, but can't store the parcel before it ends: a folder is in its place.
     let id = announced.expect("it was announced");
     let name = place.rig.folder.join(format!("{id}.parcel"));
     fs::create_dir(&name).expect("a folder");
@@ -153,9 +153,9 @@ fn what_a_program_s_end_cut_off_is_sent_once_under_its_own_id() {
     });
     fs::remove_dir(&name).expect("it is empty");
     assert_eq!((parcels(&place.rig).len(), prints(&place.folder).len()), (0, 1));
-    // The third has the print, and makes the parcel alone.
+    // The third start has the print, and makes only the parcel.
     place.run(|studio, _| run_to_the_end(studio));
-    // The fourth finds nothing left to do.
+    // The fourth start finds nothing left to do.
     place.run(|studio, _| run_to_the_end(studio));
     let [parcel] = &parcels(&place.rig)[..] else { panic!("one parcel") };
     assert_eq!((parcel.facts().id, parcel.facts().cause), (id, FinishCause::CutOff));

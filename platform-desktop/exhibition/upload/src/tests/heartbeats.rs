@@ -8,7 +8,7 @@ use paros_protocol::{BoothCommand, CommandKind, CommandOutcome};
 use super::*;
 use crate::CONFIRM_MS;
 
-/// An answer that notes all that a heartbeat announces.
+/// Returns an answer that acknowledges all announcements of a heartbeat.
 fn answer_to(beat: &Heartbeat) -> HeartbeatAnswer {
     HeartbeatAnswer {
         site: OWNER.site,
@@ -23,7 +23,7 @@ fn answer_to(beat: &Heartbeat) -> HeartbeatAnswer {
     }
 }
 
-/// Steps a second on, as often as it takes until a heartbeat is sent.
+/// Steps by a second until a heartbeat is sent.
 fn next_beat(sender: &mut Sender<DiskFolder, Link>, host: &mut Host) -> Heartbeat {
     for _ in 0..40 {
         host.now_ms += 1000;
@@ -46,9 +46,9 @@ fn give(sender: &mut Sender<DiskFolder, Link>, host: &mut Host, answer: &Heartbe
     sender.step(host);
 }
 
-/// Has the booth say that it has all that it is asked for.
+/// Lets the booth confirm all sculptures that it is asked about.
 pub(super) fn confirm(sender: &mut Sender<DiskFolder, Link>, host: &mut Host) {
-    // Nobody answers those before.
+    // Earlier heartbeats stay unanswered.
     sender.link().sent.clear();
     let beat = next_beat(sender, host);
     give(sender, host, &answer_to(&beat));
@@ -96,10 +96,10 @@ fn sculptures_are_announced_until_the_booth_has_them() {
     let beat = next_beat(&mut sender, &mut host);
     assert_eq!(announced(&beat), [(1, Lost), (3, Kept), (2, Making)], "first what is news");
     assert_eq!((beat.was_wiped, beat.outbox_depth), (false, 3));
-    // A loss that the booth noted is over.
+    // A lost sculpture is forgotten once the booth has acknowledged the loss.
     give(&mut sender, &mut host, &answer_to(&beat));
     assert_eq!(status(&sender, 1), None);
-    // An answer of another booth, or to another heartbeat, says nothing.
+    // An answer of another booth, or to another heartbeat, is ignored.
     sender.abandon(id_of(2)).expect("it was announced");
     let beat = next_beat(&mut sender, &mut host);
     let fine = answer_to(&beat);
@@ -132,7 +132,7 @@ fn more_than_a_heartbeat_holds_take_turns() {
     assert_eq!(seen.len(), usize::from(count));
 }
 
-/// The booth came back from a backup, or deleted the sculpture: the upload's answer says which.
+/// The booth was restored from a backup, or deleted the sculpture: the answer to the upload says which.
 #[test]
 fn a_sent_parcel_that_the_booth_lacks_is_sent_again() {
     let folder = Folder::new("lacking");
@@ -142,7 +142,7 @@ fn a_sent_parcel_that_the_booth_lacks_is_sent_again() {
     drop(sender);
     let mut sender = folder.open_with(settings);
     let beat = next_beat(&mut sender, &mut host);
-    // In each start it is asked once, and then every minute.
+    // Each start asks once, and then every minute.
     assert_eq!(announced(&beat), [(1, UploadStatus::Sent), (2, UploadStatus::Sent)]);
     give(&mut sender, &mut host, &answer_to(&beat));
     let beat = next_beat(&mut sender, &mut host);
@@ -157,9 +157,9 @@ fn a_sent_parcel_that_the_booth_lacks_is_sent_again() {
     let noted = beat.announcements.iter().map(lacking).collect();
     give(&mut sender, &mut host, &HeartbeatAnswer { noted, ..answer_to(&beat) });
     assert_eq!(status(&sender, 1), Some(UploadStatus::Sent));
-    // It is on its way by then.
+    // It is being sent by then.
     assert_eq!(folder.names(), [name_of(1, "sent"), name_of(2, "parcel")]);
-    // Another store is a booth that was restored: all is asked at once.
+    // A new store epoch means that the booth was restored: all sculptures are asked about at once.
     let beat = next_beat(&mut sender, &mut host);
     assert_eq!(announced(&beat), [(2, UploadStatus::Kept)]);
     give(&mut sender, &mut host, &HeartbeatAnswer { store_epoch: 2, ..answer_to(&beat) });
@@ -195,7 +195,7 @@ fn a_command_is_carried_out_once_in_its_start_visit_and_life() {
     let beat = next_beat(&mut sender, &mut host);
     let report = beat.last_command.expect("it is reported");
     assert_eq!((report.id, report.outcome), (6, CommandOutcome::Done));
-    // Its answer took longer than the command lives.
+    // The answer took longer than the command's lifetime.
     host.now_ms += 9_000;
     let late = BoothCommand { lives_ms: 500, ..command(7, CommandKind::End) };
     give(&mut sender, &mut host, &HeartbeatAnswer { command: Some(late), ..answer_to(&beat) });

@@ -1,4 +1,4 @@
-//! Starts, and what the one before left.
+//! Starts with the leftovers of the previous start.
 
 use std::fs;
 use std::path::Path;
@@ -17,9 +17,9 @@ fn damaged_parcels_are_set_aside_and_reported_lost() {
     [name_of(1, "sent"), name_of(2, "parcel")].iter().for_each(|name| folder.spoil(name));
     fs::write(folder.0.join(".paros-12-3.part"), b"half").expect("room on the disk");
     let mut sender = folder.open();
-    // What the booth has isn't missed.
+    // A parcel that the booth has isn't missed.
     assert_eq!([1, 2].map(|number| status(&sender, number)), [None, Some(UploadStatus::Lost)]);
-    // While the program runs, too.
+    // Also while the program runs.
     folder.spoil(&name_of(4, "parcel"));
     fs::remove_file(folder.0.join(name_of(3, "parcel"))).expect("it was kept");
     host.events.clear();
@@ -30,13 +30,13 @@ fn damaged_parcels_are_set_aside_and_reported_lost() {
     let lost = [2, 4, 3].map(|number| OutboxEvent::Lost(id_of(number)));
     assert_eq!(host.events, lost);
     assert_eq!(folder.names(), [2, 4].map(|number| name_of(number, "damaged")));
-    // The booth is told at each start, until staff have looked.
+    // The loss is reported to the booth at each start, until staff have looked.
     drop(sender);
     let sender = folder.open();
     assert_eq!([2, 4].map(|number| status(&sender, number)), [Some(UploadStatus::Lost); 2]);
 }
 
-/// Power went while a file was renamed on a storage that then has both names.
+/// A power cut during a rename left both names, on a storage where that can happen.
 #[test]
 fn a_parcel_under_two_names_is_sent_again() {
     let folder = Folder::new("names");
@@ -49,7 +49,7 @@ fn a_parcel_under_two_names_is_sent_again() {
     assert_eq!(folder.names(), [name_of(1, "sent")]);
 }
 
-/// A file that can't be read isn't a parcel that is kept, and is taken in once it can.
+/// A file that can't be read doesn't count as kept, and is loaded once it can be read.
 #[test]
 fn a_parcel_that_cant_be_read_is_taken_in_later() {
     let folder = Folder::new("unreadable");
@@ -68,7 +68,7 @@ fn a_parcel_that_cant_be_read_is_taken_in_later() {
     assert_eq!(status(&sender, 1), Some(UploadStatus::Kept));
 }
 
-/// A parcel of another version is no damaged one: it stays as it is.
+/// A parcel of another version isn't damaged: it stays unchanged.
 #[test]
 fn a_parcel_of_another_version_stays_for_that() {
     let folder = Folder::new("versions");

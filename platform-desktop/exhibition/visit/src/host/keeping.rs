@@ -1,4 +1,4 @@
-//! The export: the sculpture's badge, and that it is kept.
+//! The export phase of a visit: the badge of the sculpture, and its storage.
 
 use paros_core::badge::BadgeNumber;
 use paros_core::session::TICK_RATE;
@@ -7,16 +7,16 @@ use paros_core::visit::{PlanSetting, Visit, VisitCommand};
 use super::VisitHost;
 use crate::export_state::ExportState;
 
-/// Ticks for which a leased badge is waited for: a disk that syncs takes less.
+/// Ticks to wait for a leased badge: more than a disk sync takes.
 pub(super) const BADGE_TICKS: u32 = 3 * TICK_RATE;
 
-/// 32 bits from the operating system. Where it has none, badges repeat, as provisional ones may.
+/// Returns 32 random bits of the system. Without them badges repeat, as provisional badges may.
 pub(super) fn random_bits_of_system() -> u32 {
     getrandom::u32().unwrap_or_default()
 }
 
 impl VisitHost {
-    /// Tells the visit its badge, and that the sculpture is kept once it is.
+    /// Sends the visit its badge, and reports once the sculpture is stored.
     pub(super) fn follow_export(&mut self, visit: &Visit, export: &ExportState) {
         let gives_badges = visit.plan().value(PlanSetting::Badges) != 0;
         let has_badge = !gives_badges || visit.badge().is_some() || self.has_sent_badge;
@@ -24,7 +24,7 @@ impl VisitHost {
             self.has_sent_badge = true;
             self.queue.push(VisitCommand::Badge { number: number.get() });
         }
-        // Where nothing is left to print, nothing is kept and nothing waits.
+        // If there was nothing to print, nothing is kept or pending.
         let is_over = !export.is_busy && (export.is_kept || export.pending == 0);
         if is_over && has_badge && !self.has_sent_export {
             self.has_sent_export = true;
@@ -32,7 +32,8 @@ impl VisitHost {
         }
     }
 
-    /// The leased badge, once it is there. Without a booth, or where it takes too long, one that may repeat.
+    /// Returns the leased badge, once it is there. Without a booth, or after a timeout, returns a provisional
+    /// badge, which may repeat.
     fn choose_badge(&self, visit: &Visit, export: &ExportState) -> Option<BadgeNumber> {
         let leased = export.booth.map(|booth| booth.badge);
         let provisional = || BadgeNumber::provisional((self.random_bits)());

@@ -1,4 +1,4 @@
-//! What pressed buttons do.
+//! The actions of pressed buttons.
 
 use paros_core::visit::{PanelAction, StaffCommand, VisitCommand};
 use paros_shaders::panel::Message;

@@ -1,4 +1,4 @@
-//! What the booth's staff sees and asks of a headset from its page.
+//! The remote control by the booth's staff: commands to a headset, and its reported status.
 
 use paros_core::session::TICK_RATE;
 use paros_core::visit::{PlanSetting, Presence, StaffCommand, Visit, VisitCommand, VisitPhase};
@@ -10,24 +10,24 @@ use super::VisitHost;
 use crate::options::Controls;
 use crate::screen::{ButtonAction, is_at_work};
 
-/// Ticks for which a device shows which one it is.
+/// Ticks for which a device identifies itself by glowing.
 pub(super) const GLOW_TICKS: u32 = 5 * TICK_RATE;
 
-/// What a shell knows of its device.
+/// A shell's readings of its device.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct DeviceStatus {
-    /// The battery's charge in percent, where it is known.
+    /// The charge of the battery in percent; `None` if unknown.
     pub battery_percent: Option<u8>,
-    /// Whether it is being charged.
+    /// `true` if the battery is being charged.
     pub is_charging: bool,
-    /// How hot it is.
+    /// The thermal state.
     pub heat: HeatLevel,
-    /// Whether it shows pictures; else nobody wears it, and it can't do what is asked.
+    /// `true` if the device shows pictures. Otherwise it isn't worn and refuses commands.
     pub is_awake: bool,
 }
 
 impl Default for DeviceStatus {
-    /// One of which nothing is known.
+    /// Returns the status of a device without readings.
     fn default() -> Self {
         DeviceStatus {
             battery_percent: None,
@@ -38,7 +38,7 @@ impl Default for DeviceStatus {
     }
 }
 
-/// What is remembered for the booth.
+/// The state of a headset that is reported to the booth.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct RemoteWatch {
     /// Random bits of the visit under way; 0 for none.
@@ -50,7 +50,7 @@ pub(super) struct RemoteWatch {
 }
 
 impl RemoteWatch {
-    /// Of a visit that is found in this phase.
+    /// Makes the state for a visit that is found in this phase.
     pub(super) fn of_visit(phase: VisitPhase) -> Self {
         let mut watch = RemoteWatch {
             session_id: 0,
@@ -66,7 +66,7 @@ impl RemoteWatch {
     }
 
     pub(super) fn begin_visit(&mut self) {
-        // Without random bits one visit's commands would be another's.
+        // Without random bits the id is 0, and commands for a visit are refused or expire.
         self.session_id = getrandom::u64().map_or(0, |bits| bits.max(1));
         self.worn_ticks = 0;
     }
@@ -91,7 +91,7 @@ impl RemoteWatch {
         self.glow_ticks > 0
     }
 
-    /// Of the visit under way, for tests.
+    /// Returns the id of the visit under way, for tests.
     #[cfg(test)]
     pub(super) const fn session_id(&self) -> u64 {
         self.session_id
@@ -99,8 +99,8 @@ impl RemoteWatch {
 }
 
 impl VisitHost {
-    /// Carries out what the booth asks through a courier, and tells it how the device is. To be called after each tick, and
-    /// from time to time while there are none.
+    /// Carries out the commands that a courier received, and passes it the device's status. Call this after
+    /// each tick, and from time to time while there are no ticks.
     pub fn follow_courier(&mut self, courier: &Courier, visit: &Visit, device: DeviceStatus) {
         while let Some(command) = courier.take_command() {
             let outcome = match device.is_awake {
@@ -120,19 +120,19 @@ impl VisitHost {
         });
     }
 
-    /// Whether the device is to ring, so that it is found; told once.
+    /// Returns `true` once if the device is to ring, so that it is found.
     pub const fn take_ring(&mut self) -> bool {
         core::mem::replace(&mut self.remote.rings, false)
     }
 
-    /// Whether the device shows that it is the one that the staff looks for.
+    /// Returns `true` while the device glows, so that staff find it.
     #[must_use]
     pub const fn is_glowing(&self) -> bool {
         self.remote.is_glowing()
     }
 
     pub(super) fn carry_out(&mut self, command: &RemoteCommand, visit: &Visit) -> CommandOutcome {
-        // The visit may have ended since the command came.
+        // The visit may have ended since the command arrived.
         if command.kind.is_for_visit() && command.session_id != self.remote.session_id {
             return CommandOutcome::Expired;
         }
@@ -166,7 +166,7 @@ impl VisitHost {
     }
 }
 
-/// Where no visits are held: refuses what the booth asks, and tells it how the device is.
+/// Refuses all commands and reports the device's status, for a shell without visits.
 pub fn answer_without_visits(courier: &Courier, device: DeviceStatus) {
     while let Some(command) = courier.take_command() {
         courier.note_command_done(command.id, CommandOutcome::Refused);
@@ -184,7 +184,7 @@ fn status_of(device: DeviceStatus) -> HeadsetStatus {
     }
 }
 
-/// The program's version: all crates have one.
+/// Returns the program's version, which all crates share.
 fn app_version() -> [u16; 3] {
     let mut parts = env!("CARGO_PKG_VERSION").split('.').map(|part| part.parse().unwrap_or(0));
     core::array::from_fn(|_| parts.next().unwrap_or(0))

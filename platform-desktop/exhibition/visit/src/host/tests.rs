@@ -1,4 +1,4 @@
-//! Visits from attract to the next visitor, through a world of the shipped size.
+//! Visits from the attract phase to the next visitor, in a world of the shipped size.
 
 mod aiming;
 mod booth;
@@ -77,7 +77,7 @@ impl HostRig<'_, '_> {
         (0..ticks).for_each(|_| self.tick(None));
     }
 
-    /// Points at the button of an action, pulls the trigger, and lets go. False where there is none.
+    /// Points at the button of an action, pulls the trigger, and releases it; `false` if it isn't there.
     fn press(&mut self, action: ButtonAction) -> bool {
         self.host.place_panels(|spot, size| room_pose(spot, size, 1.6));
         let found = self.host.buttons().find(|(name, _)| *name == format!("{action:?}"));
@@ -106,7 +106,7 @@ fn with_rig<T>(test: impl FnOnce(&mut HostRig<'_, '_>) -> T) -> T {
     })
 }
 
-/// From the headset put on to sculpting, through the panels.
+/// Goes through the panels, from putting the headset on to sculpting.
 fn begin_sculpting(rig: &mut HostRig<'_, '_>) {
     rig.presence = Presence::Worn;
     rig.wait(2);
@@ -122,7 +122,7 @@ fn begin_sculpting(rig: &mut HostRig<'_, '_>) {
     assert_eq!(rig.phase(), VisitPhase::Sculpting);
 }
 
-/// The input of a hand that cuts into the stone's upper front edge.
+/// Cuts into the stone's upper front edge with a hand.
 fn cut(rig: &mut HostRig<'_, '_>) {
     for item in [BenchItem::Tool(Tool::Rotary), BenchItem::Bit(ToolBit::RoughingBall)] {
         let pointer = PointerCommand::Take { hand: 1, item: item.number() as u8 };
@@ -141,7 +141,7 @@ fn cut(rig: &mut HostRig<'_, '_>) {
     assert!(rig.world().visit().is_sculpted(), "nothing was cut");
 }
 
-/// To the badge of a visitor who has cut, and whose print is kept.
+/// Goes to the badge of a visitor who has cut, and whose print is stored.
 fn go_to_badge(rig: &mut HostRig<'_, '_>) {
     begin_sculpting(rig);
     cut(rig);
@@ -213,7 +213,7 @@ fn a_badge_can_be_left_as_soon_as_its_least_time_is_over_and_no_sooner() {
     });
 }
 
-/// Who learns it by heart is not to look for it again.
+/// The badge must not move while a visitor memorises it.
 #[test]
 fn a_badge_stays_where_it_is_as_its_button_appears() {
     with_rig(|rig| {
@@ -318,7 +318,7 @@ fn a_staffs_panel_that_is_left_open_shuts_by_itself() {
     });
 }
 
-/// A run without visits finds the save of one with them: nobody is told to be there, and nothing is handed over.
+/// A run without visits loads the save of a run with visits: the sculpture isn't handed over.
 #[test]
 fn a_visit_that_nobody_holds_any_more_takes_no_sculpture_away() {
     with_rig(|rig| {
@@ -336,7 +336,7 @@ fn a_visit_that_nobody_holds_any_more_takes_no_sculpture_away() {
     });
 }
 
-/// The stone is carved, tick by tick, by a hand that the core holds to what it holds all hands to; then another is.
+/// A hand carves the stone under the core's limits for all hands; then the next stone is carved.
 #[test]
 fn while_nobody_is_there_a_vase_is_turned_and_then_another() {
     with_rig(|rig| {
@@ -344,7 +344,7 @@ fn while_nobody_is_there_a_vase_is_turned_and_then_another() {
         rig.wait(LatheHand::default().work_ticks());
         let vase = rig.world().volume().count_voxels();
         assert!(vase * 100 < stone * 45, "{vase} of {stone} are left");
-        // Round: as wide along x as along z at its belly.
+        // The vase is round: as wide along x as along z at its belly.
         let spans = [0, 1].map(|axis| belly_span(rig.world(), axis));
         assert!(spans[0].abs_diff(spans[1]) <= 4, "{spans:?}");
         rig.wait(9 * TICK_RATE);
@@ -353,7 +353,7 @@ fn while_nobody_is_there_a_vase_is_turned_and_then_another() {
     });
 }
 
-/// Voxels from the first to the last in the layer of the vase's belly, along x or z.
+/// Returns the voxels from the first to the last in the layer of the vase's belly, along x or z.
 fn belly_span(world: &World<N, INTERVALS>, axis: usize) -> usize {
     let y = N * 40 / 100;
     let rows = world.volume().rows();

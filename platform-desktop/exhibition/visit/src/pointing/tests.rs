@@ -1,4 +1,4 @@
-//! Rays, triggers and fingers on a panel.
+//! Presses of rays, triggers and fingers on a panel.
 
 use core::f32::consts::FRAC_PI_2;
 
@@ -22,7 +22,7 @@ fn shown() -> (Vec<Panel>, Vec<ShownButton>) {
     (vec![panel], buttons.to_vec())
 }
 
-/// A point of the room before a button's middle.
+/// Returns a point in the room in front of a button's centre.
 fn before(panel: &Panel, button: &ShownButton, metres: f32) -> Vec3 {
     let middle = point_in_room(panel, button.button.rect.middle());
     middle + panel.pose.rotation * Vec3::Z * metres
@@ -174,7 +174,7 @@ fn what_is_held_down_presses_nothing_of_the_next_screen() {
     assert_eq!(pointing.follow(&pointers, &panels, &buttons, false), None);
 }
 
-/// A press that comes as the buttons do was meant for what was there before, by a trigger, a finger or a mouse.
+/// A press when buttons appear was meant for what was there before: by trigger, finger or mouse.
 #[test]
 fn what_has_just_appeared_is_pressed_only_by_who_can_have_seen_it() {
     let (panels, buttons) = shown();
@@ -191,12 +191,12 @@ fn what_has_just_appeared_is_pressed_only_by_who_can_have_seen_it() {
         };
         pointing.forget_buttons();
         for tick in 0..UNAIMED_TICKS {
-            // Up and down again and again.
+            // Press and release repeatedly.
             assert_eq!(follow(&mut pointing, tick % 3 == 1), None, "tick {tick}");
         }
         follow(&mut pointing, false);
         assert_eq!(follow(&mut pointing, true), Some(12));
-        // What began too soon doesn't count later.
+        // A press that began too soon doesn't count later.
         pointing.forget_buttons();
         follow(&mut pointing, false);
         let held = (0..2 * UNAIMED_TICKS).find_map(|_| follow(&mut pointing, true));

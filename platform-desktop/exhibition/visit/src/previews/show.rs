@@ -1,4 +1,4 @@
-//! All previews of a choice, a world a tick.
+//! The show: all previews of a choice, of which one world is stepped in each tick.
 
 use paros_core::session::SessionMode;
 use paros_shaders::Image;
@@ -6,28 +6,28 @@ use paros_shaders::limits::PANEL_CELLS;
 
 use super::stage::{PreviewStage, PreviewSubject, draw_still};
 
-/// Starts that are worked on; of the others there is a still picture each.
+/// Largest number of live previews. Further starts have a still picture.
 pub(crate) const LIVE: usize = 3;
 
-/// Ticks from one picture to the next: with three starts each has three in a second.
+/// Ticks between two pictures: with three starts, each has three pictures a second.
 const PICTURE_TICKS: u32 = 8;
 
-/// Pictures from one of what stands still to the next, once there is one of each: a renderer that was made anew, as after
-/// the loss of its device, has none.
+/// Interval of the still pictures, in pictures, once each was drawn. They are repeated because a recreated
+/// renderer, such as after a lost device, has none.
 const STILL_PICTURES: u32 = 16;
 
-/// The previews of the starts on offer, a cell each by their place.
+/// The previews of the starts on offer, with one cell for each place.
 #[derive(Debug)]
 pub(crate) struct PreviewShow {
     live: Vec<(u8, PreviewSubject, Option<PreviewStage>)>,
     still: Vec<(u8, PreviewSubject)>,
     tick: u32,
-    /// Pictures so far, of what lives and what stands still.
+    /// Number of pictures so far: live ones, and still ones.
     drawn: [u32; 2],
 }
 
 impl PreviewShow {
-    /// Of these starts; worlds are made when their turn comes.
+    /// Makes the show of these starts. Each world is made in its first turn.
     pub(crate) fn new(starts: &[SessionMode]) -> Self {
         let subject = |(cell, start): (u8, &SessionMode)| {
             PreviewSubject::of_start(*start).map(|subject| (cell, subject))
@@ -38,14 +38,14 @@ impl PreviewShow {
         PreviewShow { live, still, tick: 0, drawn: [0; 2] }
     }
 
-    /// Steps one of the worlds. The cell and the picture of one that is due.
+    /// Steps one of the worlds. Returns a picture with its cell if one is due.
     pub(crate) fn run_tick(&mut self) -> Option<(u8, Image)> {
         let count = self.live.len() as u32;
         let turn = self.tick.checked_rem(count)?;
         let (_, subject, stage) = &mut self.live[turn as usize];
         stage.get_or_insert_with(|| PreviewStage::new(*subject)).run_tick();
         self.tick += 1;
-        // Each is seen as soon as it is made.
+        // Each preview is shown as soon as its world is made.
         let is_due = self.tick <= count || self.tick.is_multiple_of(PICTURE_TICKS);
         is_due.then(|| self.draw_next()).flatten()
     }

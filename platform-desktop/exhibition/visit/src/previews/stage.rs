@@ -1,4 +1,4 @@
-//! A world of a preview: a start of 64 voxels a side, and a hand that works on it.
+//! The world of a preview: a start with 64 voxels a side, and a hand that works on it.
 
 use paros_core::limits::INTERVALS;
 use paros_core::session::SessionMode;
@@ -17,17 +17,17 @@ pub(crate) const SIDE: usize = 64;
 
 type Maps = RangeMaps<SIDE, INTERVALS>;
 
-/// How high the eye is above the stool's top, in radians.
+/// Elevation of the eye above the stool's top, in radians.
 const ELEVATION: f32 = 0.2;
 
-/// How far away it is, in sides of the box: the hand is seen, too.
+/// Distance of the eye in sides of the box. The hand is visible too.
 const DISTANCE: f32 = 3.5;
 
-/// From which side a picture shows what doesn't turn, in radians.
+/// The side from which still pictures are drawn, in radians.
 const AZIMUTH: f32 = 0.35;
 
-/// What is drawn of a start: a figure, or a stone around one. None of a volume that isn't made here: the operator's own
-/// figures, and the visitor's own volume.
+/// The content of a preview: a figure, or a stone with a hidden figure. Operators' own figures and the
+/// visitor's own volume have no preview, as their volumes aren't made here.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum PreviewSubject {
     /// The free stone.
@@ -39,7 +39,7 @@ pub(crate) enum PreviewSubject {
 }
 
 impl PreviewSubject {
-    /// Of a start.
+    /// Returns the subject of a start; `None` if it has no preview.
     pub(crate) fn of_start(start: SessionMode) -> Option<Self> {
         match start {
             SessionMode::None | SessionMode::FreeForm => Some(PreviewSubject::Stone),
@@ -51,7 +51,7 @@ impl PreviewSubject {
         }
     }
 
-    /// What a picture shows that stands still.
+    /// Returns the figure of a still picture.
     const fn still_figure(self) -> Figure {
         match self {
             PreviewSubject::Stone => Figure::Lump,
@@ -75,7 +75,7 @@ impl PreviewSubject {
         }
     }
 
-    /// Writes the volume that a session starts from, and the figure in it, if one is hidden there.
+    /// Writes the volume that a session starts from, and its hidden figure, if there is one.
     fn rasterize_into(self, stone: &mut Maps, figure: &mut Maps) {
         let mut scratch = Box::new(BitGrid::new());
         match self {
@@ -91,7 +91,7 @@ impl PreviewSubject {
     }
 }
 
-/// A start that turns, and is worked on: from its beginning again once the work is done.
+/// A live preview: a start that turns and is worked on. Begins again once the work is done.
 #[derive(Debug)]
 pub(crate) struct PreviewStage {
     subject: PreviewSubject,
@@ -103,7 +103,7 @@ pub(crate) struct PreviewStage {
 }
 
 impl PreviewStage {
-    /// A start before its first tick.
+    /// Makes a preview before its first tick.
     pub(crate) fn new(subject: PreviewSubject) -> Self {
         let mut stage = PreviewStage {
             subject,
@@ -117,13 +117,13 @@ impl PreviewStage {
         stage
     }
 
-    /// The world.
+    /// Returns the world of the preview.
     #[cfg(test)]
     pub(crate) const fn world(&self) -> &World<SIDE, INTERVALS> {
         &self.world
     }
 
-    /// Whether all of the hidden figure is there, if there is one.
+    /// Returns `true` if no voxel of the hidden figure is missing.
     #[cfg(test)]
     pub(crate) fn figure_is_whole(&self) -> bool {
         let mut all = (0..SIDE.pow(3)).map(|k| [k % SIDE, k / SIDE % SIDE, k / SIDE / SIDE]);
@@ -131,7 +131,7 @@ impl PreviewStage {
         all.all(|voxel| !self.figure.contains(voxel) || rows.contains(voxel))
     }
 
-    /// Steps the world by a tick of the hand's.
+    /// Steps the world by one tick of the hand.
     pub(crate) fn run_tick(&mut self) {
         if self.hand.is_done() {
             self.hand = LatheHand::new(self.subject.work());
@@ -153,7 +153,7 @@ impl PreviewStage {
         TickRunner::new(&mut self.world, starts).run_tick(&input);
     }
 
-    /// Draws it as it is now, with the hand and its tool: a cell's picture.
+    /// Draws the current picture for a cell, with the hand and its tool.
     pub(crate) fn draw(&mut self) -> Image {
         let latest = LatestInput { show_hands: true, tick_fraction: 1.0, ..LatestInput::default() };
         self.scene.assemble_frame(&self.world, &latest);
@@ -164,7 +164,7 @@ impl PreviewStage {
     }
 }
 
-/// Draws what a start leads to, standing still: a cell's picture.
+/// Draws the still picture of a start for a cell.
 pub(crate) fn draw_still(subject: PreviewSubject) -> Image {
     let (mut maps, mut scratch): (Box<Maps>, _) =
         (Box::new(RangeMaps::new()), Box::new(BitGrid::new()));

@@ -1,4 +1,4 @@
-//! Previews without a thread, and with one under a host.
+//! Previews without a thread, and with a thread under a host.
 
 use std::fs::File;
 use std::path::Path;
@@ -30,13 +30,13 @@ fn starts() -> Vec<SessionMode> {
     ]
 }
 
-/// Pixels that differ by more than shades do.
+/// Counts pixels that differ by more than a shade.
 fn count_differing(a: &Image, b: &Image) -> usize {
     let pairs = a.pixels.as_chunks::<3>().0.iter().zip(b.pixels.as_chunks::<3>().0);
     pairs.filter(|(a, b)| (0..3).any(|k| a[k].abs_diff(b[k]) > 24)).count()
 }
 
-/// The pictures of each cell, in their order, of so many ticks.
+/// Returns the pictures of each cell in this many ticks, in their order.
 fn pictures_of_ticks(show: &mut PreviewShow, ticks: u32) -> [Vec<Image>; PANEL_CELLS] {
     let mut all = [const { Vec::new() }; PANEL_CELLS];
     for (cell, picture) in (0..ticks).filter_map(|_| show.run_tick()) {
@@ -45,7 +45,7 @@ fn pictures_of_ticks(show: &mut PreviewShow, ticks: u32) -> [Vec<Image>; PANEL_C
     all
 }
 
-/// Three starts turn and are worked on; of the others there is a picture, and of what isn't made here none.
+/// Three starts are live; the others have a still picture, or none if their volume isn't made here.
 #[test]
 fn the_previews_of_a_choice_change_and_differ() {
     let mut show = PreviewShow::new(&starts());
@@ -75,13 +75,13 @@ fn the_previews_of_a_choice_change_and_differ() {
     }
 }
 
-/// In a minute at the most each start is worked on to its end, and begins anew; a figure stays whole.
+/// Each start is worked on to its end within a minute, and begins again; a hidden figure stays whole.
 #[test]
 fn each_start_is_worked_on() {
     let [owl, whole, half] =
         ["owl", "owl-whole", "owl-half"].map(|name| parse_mode(name).expect("a figure"));
-    // In hundredths what is left at the least: a vase of a stone; a waist; what a figure has around it where it is no
-    // wider than the bit.
+    // The least remaining stone in percent: of a vase, of a waist, and of figures with stone around them that
+    // is no wider than the bit.
     let lefts = [
         (SessionMode::FreeForm, 55),
         (SessionMode::Creative, 96),
@@ -116,7 +116,7 @@ fn without_a_start_that_is_made_here_nothing_is_drawn() {
     assert!(nothing.run_tick().is_none());
 }
 
-/// Writes the panel of a choice with previews, to be looked at.
+/// Writes the panel of a choice with previews, for visual inspection.
 #[test]
 #[ignore = "for looking at"]
 fn the_choice_in_large() {

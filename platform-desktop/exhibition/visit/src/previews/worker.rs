@@ -1,4 +1,4 @@
-//! A thread that previews run on: the frame's thread gives it ticks and takes its pictures, and waits for neither.
+//! The thread of previews. The frame's thread sends it ticks and receives pictures, without blocking.
 
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{self, JoinHandle};
@@ -8,17 +8,17 @@ use paros_shaders::Image;
 
 use super::show::PreviewShow;
 
-/// Ticks that wait while a picture is drawn. Where it takes longer, further ones are left out: previews are slower then,
-/// not late.
+/// Capacity of the queue of ticks while a picture is drawn. Further ticks are dropped: previews get slower,
+/// but don't lag.
 const WAITING_TICKS: usize = 4;
 
-/// Pictures that wait for a frame; where none is drawn further ones are left out.
+/// Capacity of the queue of pictures. Further pictures are dropped if no frame is drawn.
 const WAITING_PICTURES: usize = 4;
 
-/// Worlds and density fields are made on the stack before they are boxed, in a debug build more than once.
+/// Stack size: worlds and density fields are made on the stack, in a debug build more than once.
 const STACK_BYTES: usize = 16 << 20;
 
-/// The thread, as long as this lives.
+/// A handle to the thread, which ends when the handle is dropped.
 #[derive(Debug)]
 pub(crate) struct PreviewWorker {
     ticks: Option<SyncSender<()>>,
@@ -27,7 +27,7 @@ pub(crate) struct PreviewWorker {
 }
 
 impl PreviewWorker {
-    /// Starts the previews of starts. None where the system has no thread left.
+    /// Starts the previews of these starts. Returns `None` if the system can't start a thread.
     pub(crate) fn spawn(starts: &[SessionMode]) -> Option<Self> {
         let (ticks, due) = sync_channel(WAITING_TICKS);
         let (drawn, pictures) = sync_channel(WAITING_PICTURES);
@@ -37,25 +37,25 @@ impl PreviewWorker {
         Some(PreviewWorker { ticks: Some(ticks), pictures, thread: Some(thread) })
     }
 
-    /// Has a tick run, unless too many wait.
+    /// Sends a tick, unless too many are waiting.
     pub(crate) fn pass_tick(&self) {
         if let Some(ticks) = &self.ticks {
-            // A full queue leaves it out.
+            // A full queue drops the tick.
             let _ = ticks.try_send(());
         }
     }
 
-    /// A picture that is drawn, and its cell.
+    /// Returns a finished picture with its cell; `None` if none is ready.
     pub(crate) fn take_picture(&self) -> Option<(u8, Image)> {
         self.pictures.try_recv().ok()
     }
 
-    /// Has the thread end once the tick or picture that it is at is done.
+    /// Makes the thread end after its current tick or picture.
     pub(crate) fn close(&mut self) {
         self.ticks = None;
     }
 
-    /// Whether the thread has ended.
+    /// Returns `true` if the thread has ended.
     pub(crate) fn has_ended(&self) -> bool {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
@@ -65,22 +65,22 @@ impl Drop for PreviewWorker {
     fn drop(&mut self) {
         self.close();
         if let Some(thread) = self.thread.take() {
-            // Previews that panicked are pictures that stand still.
+            // After a panic, previews just stand still.
             let _ = thread.join();
         }
     }
 }
 
-/// Runs a tick for each that is due, until there are no more to come.
+/// Runs a tick for each received one, until the sender is dropped.
 fn run_previews(starts: &[SessionMode], due: &Receiver<()>, drawn: &SyncSender<(u8, Image)>) {
-    // Pictures are drawn on this thread alone: other cores are the frame's.
+    // Pictures are drawn on this thread only, which leaves the other cores to the frame.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
     let Ok(pool) = pool else { return };
     let mut show = PreviewShow::new(starts);
     let mut is_open = true;
     while is_open && due.recv().is_ok() {
         if let Some(picture) = pool.install(|| show.run_tick()) {
-            // Where too many wait, a newer one comes.
+            // If the queue is full, this picture is dropped. A newer one follows.
             is_open = !matches!(
                 drawn.try_send(picture),
                 Err(std::sync::mpsc::TrySendError::Disconnected(_))

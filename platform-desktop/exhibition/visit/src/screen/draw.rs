@@ -1,4 +1,4 @@
-//! Laying the panels out.
+//! The layout of the panels.
 
 use std::mem;
 
@@ -18,8 +18,8 @@ use crate::previews::cell_of_card;
 use crate::standing::PanelSpot;
 
 impl Screen {
-    /// Lays the panels out, where what they show has changed. Returns whether other buttons are shown, or the same ones
-    /// elsewhere: nobody has aimed at them.
+    /// Lays the panels out again if their state has changed. Returns `true` if the buttons or their places
+    /// have changed, as visitors haven't aimed at the new ones.
     pub(crate) fn draw(
         &mut self,
         state: &ScreenState,
@@ -41,7 +41,7 @@ impl Screen {
             (Question::Finish, None) => self.draw_finish_question(state),
             (Question::None, None) => self.draw_phase(state, options),
         }
-        // Beside a question it would be pressed by mistake, and in a window partly covered.
+        // Beside a question these buttons would be pressed by mistake, and partly covered in a window.
         if is_at_work(state.phase)
             && state.question == Question::None
             && seconds.is_none()
@@ -95,7 +95,7 @@ impl Screen {
             VisitPhase::Thanks => self.draw_thanks(state),
             VisitPhase::Handover => {
                 let button = match state.controls {
-                    // Nobody cleans a window.
+                    // A window needs no cleaning.
                     Controls::Mouse => new_visit_button(),
                     Controls::Controllers | Controls::BareHands => {
                         let cleaned = layout::notice_button(0, Message::HandoverCleaned, 0, 1);
@@ -109,7 +109,8 @@ impl Screen {
         }
     }
 
-    /// Thanks beside the sculpture, which is what there is to see. A window can't see its visitor go: the next one says so.
+    /// Draws the thanks beside the sculpture. A window can't detect that its visitor leaves: the next visitor
+    /// presses a button.
     fn draw_thanks(&mut self, state: &ScreenState) {
         let is_mouse = state.controls == Controls::Mouse;
         let body = match state.seconds_to_gone {
@@ -157,7 +158,7 @@ impl Screen {
             !state.is_seated,
             false,
         ];
-        // A mouse has no side, and its visitor sits as it pleases.
+        // A mouse has no left or right hand, and its visitor needs no height setting.
         let is_mouse = state.controls == Controls::Mouse;
         let questions = if is_mouse { 1 } else { 3 };
         let mut buttons = Vec::with_capacity(actions.len());
@@ -195,7 +196,7 @@ impl Screen {
         });
     }
 
-    /// Clock and buttons beside the stone.
+    /// Draws the clock and its buttons beside the stone.
     fn draw_clock(&mut self, state: &ScreenState) {
         let clock = Clock { seconds: state.seconds, warning: state.warning };
         let labels = [
@@ -238,7 +239,7 @@ impl Screen {
         });
     }
 
-    /// Tells a visitor who rests what becomes of the visit in so many seconds.
+    /// Draws the warning of an idle visitor: the visit ends in `seconds` seconds.
     fn draw_countdown(&mut self, state: &ScreenState, seconds: u32) {
         let is_kept = is_at_work(state.phase) && state.is_sculpted;
         let body = if is_kept { Message::StillHereKept } else { Message::StillHereNext };
@@ -281,7 +282,7 @@ impl Screen {
         });
     }
 
-    /// As bright as a panel is: the staff sees it from outside.
+    /// Draws the bright panel by which staff identify the device, even from outside.
     fn draw_identify(&mut self, state: &ScreenState) {
         let notice = PanelNotice {
             icon: Icon::Warning,
@@ -323,7 +324,7 @@ impl Screen {
         });
     }
 
-    /// Adds a panel and its buttons, which are numbered anew among all.
+    /// Adds a panel and its buttons, which get new numbers among all buttons.
     pub(super) fn add(
         &mut self,
         spot: PanelSpot,
@@ -344,12 +345,12 @@ impl Screen {
     }
 }
 
-/// By which a window's next visitor begins.
+/// Returns the button with which a window's next visitor starts.
 fn new_visit_button() -> (PanelButton<'static>, ButtonAction) {
     (layout::notice_button(0, Message::NewVisit, 0, 1).primary(), ButtonAction::NewVisit)
 }
 
-/// What is told below a badge: where the sculpture is kept, once it is.
+/// Returns the text below a badge: where the sculpture is stored.
 fn badge_body(state: &ScreenState) -> Message {
     match state.booth.and_then(|booth| booth.status) {
         Some(UploadStatus::Kept) => Message::BadgeOnItsWay,

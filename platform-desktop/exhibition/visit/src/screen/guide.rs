@@ -1,4 +1,4 @@
-//! The guided first cut: its steps, and what is told at their end.
+//! The guided first cut: its steps, and the message at its end.
 
 use paros_core::session::TICK_RATE;
 use paros_core::visit::{GuideStep, PanelAction, Visit};
@@ -9,23 +9,23 @@ use super::{ButtonAction, Screen, ScreenState};
 use crate::options::Controls;
 use crate::standing::PanelSpot;
 
-/// Ticks until an eye that is on the stone has come to a text.
+/// Ticks until a visitor who looks at the stone has noticed a text.
 const NOTICED_TICKS: u32 = 2 * TICK_RATE;
 
-/// Letters read in a second, as subtitles for children have them.
+/// Reading speed in letters a second, as for children's subtitles.
 const LETTERS_A_SECOND: u32 = 12;
 
-/// How the first cut ended.
+/// The end of the guided first cut.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum GuideEnd {
-    /// Its steps are done.
+    /// All steps are done.
     Done,
-    /// Its time is over.
+    /// The time of the first cut is over.
     TimeOver,
 }
 
 impl GuideEnd {
-    /// That of a visit whose first cut has just ended.
+    /// Returns the end of a visit's first cut, which has just ended.
     pub(crate) fn of_visit(visit: &Visit) -> Self {
         match visit.guide_step() {
             GuideStep::Done => GuideEnd::Done,
@@ -33,7 +33,7 @@ impl GuideEnd {
         }
     }
 
-    /// Ticks for which it is told: until it is read.
+    /// Returns the ticks for which the message is shown, so that it can be read.
     pub(crate) fn reading_ticks(self, language: Language) -> u32 {
         let (message, _) = self.text();
         let letters = message.text(language).chars().count() as u32;
@@ -49,7 +49,7 @@ impl GuideEnd {
 }
 
 impl Screen {
-    /// What the first cut's step asks for.
+    /// Draws the instruction of the current step.
     pub(super) fn draw_guide(&mut self, state: &ScreenState) {
         let skip = ButtonAction::Press(PanelAction::Skip { all: false });
         let buttons = layout::guide_buttons(0).map(|button| (button, skip));
@@ -59,7 +59,7 @@ impl Screen {
         });
     }
 
-    /// What is told in its place once it has ended.
+    /// Draws the message at the end of the first cut, in place of an instruction.
     pub(super) fn draw_guide_end(&mut self, state: &ScreenState, end: GuideEnd) {
         let guide = guide_of(state, end.text());
         self.add(PanelSpot::Guide, &[], |panel, _| {
@@ -75,7 +75,7 @@ fn guide_of(state: &ScreenState, (instruction, icon): (Message, Icon)) -> Guide 
     Guide { instruction, icon, step, steps, progress }
 }
 
-/// What a step asks for, by what the visitor works with.
+/// Returns the instruction of a step for the visitor's controls.
 const fn guide_text(step: GuideStep, controls: Controls) -> (Message, Icon) {
     match (step, controls) {
         (GuideStep::TakeTool, Controls::Controllers) => (Message::GuideTake, Icon::Tool),

@@ -1,4 +1,4 @@
-//! Where hands point: a beam to the panel, and a dot on it. Both are panels of their own, as those lie anywhere.
+//! Rays of hands: a beam to the panel, and a dot on it. Both are separate panels, as they lie anywhere.
 
 use glam::{Mat3, Quat, Vec2, Vec3};
 use paros_shaders::panel::{BoxStyle, Panel, PanelColor, PanelPose};
@@ -6,27 +6,28 @@ use paros_shaders::panel::{BoxStyle, Panel, PanelColor, PanelPose};
 use super::Screen;
 use crate::pointing::{POINTERS, PanelRay};
 
-/// The rays that are drawn: those of both hands. A cursor has its arrow.
+/// Number of drawn rays: those of both hands. A cursor has its arrow instead.
 pub(super) const RAYS: usize = 2;
 
-/// A beam begins so far from the hand, in metres: there are its tool and its fingers.
+/// Distance from the hand at which a beam begins, in metres: beyond its tool and fingers.
 const CLEAR: f32 = 0.12;
 
-/// Its width, in millimetres.
+/// The width of a beam in millimetres.
 const WIDTH_MM: f32 = 5.0;
 
-/// The dot's side, in millimetres, with a rim that shows it on light grounds, and how far before the panel it lies.
+/// The dot's side and rim in millimetres, and its distance before the panel in metres. The rim makes it
+/// visible on light grounds.
 const DOT_MM: f32 = 22.0;
 const RIM_MM: f32 = 4.0;
 const DOT_HEIGHT: f32 = 0.002;
 
-/// Of a dot and its rim, and of a beam, which is seen through.
+/// The colours of a dot and its rim, and of a translucent beam.
 const LIGHT: PanelColor = [255, 246, 224, 255];
 const DARK: PanelColor = [52, 40, 30, 255];
 const BEAM: PanelColor = [255, 246, 224, 120];
 
 impl Screen {
-    /// Lays out the rays that hands point with, for eyes at a place.
+    /// Lays out the rays of hands, facing eyes at a place.
     pub(crate) fn draw_rays(&mut self, rays: &[Option<PanelRay>; POINTERS], eyes: Vec3) {
         self.ray_panels = 0;
         for ray in rays.iter().take(RAYS).flatten() {
@@ -51,7 +52,7 @@ impl Screen {
         }
     }
 
-    /// The next of the rays' panels, emptied.
+    /// Returns the next panel of the rays, emptied.
     fn next_panel(&mut self, size_mm: [f32; 2]) -> &mut Panel {
         let panel = &mut self.panels[self.count + self.ray_panels];
         self.ray_panels += 1;
@@ -60,8 +61,8 @@ impl Screen {
     }
 }
 
-/// A beam's pose, along x from the hand to the panel and with its face to the eyes, and its length in millimetres; None
-/// for one that is too short, or seen end-on.
+/// Returns the pose and the length in millimetres of a beam. Its x axis goes from the hand to the panel, and
+/// it faces the eyes. Returns `None` for a beam that is too short, or seen end-on.
 fn beam_pose([from, to]: [Vec3; 2], eyes: Vec3) -> Option<(PanelPose, f32)> {
     let length = from.distance(to) - CLEAR;
     let along = (to - from).try_normalize().filter(|_| length > 0.0)?;
@@ -71,7 +72,7 @@ fn beam_pose([from, to]: [Vec3; 2], eyes: Vec3) -> Option<(PanelPose, f32)> {
     Some((PanelPose { middle, rotation, scale: 1.0 }, 1e3 * length))
 }
 
-/// A point of a panel in the room, from millimetres of its upper left corner.
+/// Returns the place in the room of a point on a panel, given in millimetres from its upper left corner.
 pub(crate) fn point_in_room(panel: &Panel, at_mm: Vec2) -> Vec3 {
     let from_middle = (at_mm - 0.5 * Vec2::from_array(panel.size_mm())) * 1e-3 * panel.pose.scale;
     panel.pose.middle + panel.pose.rotation * Vec3::new(from_middle.x, -from_middle.y, 0.0)

@@ -1,4 +1,4 @@
-//! Who holds which numbers of badges.
+//! Leases of badge blocks.
 
 use paros_protocol::{BlockSerial, HeldBlock};
 
@@ -6,53 +6,53 @@ use crate::record::record;
 use crate::time::BoothTime;
 
 record! {
-    /// A block of 64 numbers that is leased, or rests after a lease. A block without a row is free.
+    /// A block of 64 badge numbers that is leased, or rests after a lease. A block without a row is free.
     pub struct BadgeBlock in "badge_blocks", key 1 {
-        /// The block.
+        /// The number of the block.
         pub block: u16,
-        /// The headset that it is leased to, or was.
+        /// The headset that holds the lease, or held it last.
         pub headset: u32,
-        /// Names this lease: the day of the lease, and what only the site can make of it.
+        /// The serial of the lease: the day of the lease, and a MAC that only the site can make.
         pub serial: [u8; 8],
-        /// The headset's epoch in which it was leased.
+        /// The headset's epoch at the lease.
         pub epoch: u64,
-        /// The place of the next number, as the headset last reported it; `None` until it has reported the block. From then
-        /// on a report without the block says that the headset doesn't have it any more.
+        /// The index of the next unused number, as last reported; `None` until the headset has reported the
+        /// block. After the first report, a report without the block means that the headset has lost it.
         pub next: Option<u8>,
-        /// When it was leased, or first heard of after a restore.
+        /// The time of the lease, or of its first report after a restore.
         pub leased_at: BoothTime,
-        /// For a block that rests: the first day on which it may be free. `None` while it is leased.
+        /// The first day on which a resting block may be free; `None` while it is leased.
         pub free_on: Option<u32>,
     }
 }
 
 record! {
-    /// Where the leasing of blocks stands: a single row.
+    /// The state of leasing: a single row.
     pub struct BadgeCursor in "badge_cursor", key 1 {
         /// Always 0.
         pub row: u8,
-        /// The turn of the block that is looked at next.
+        /// The turn of the next block to try.
         pub turn: u16,
         /// The day of the last lease.
         pub day: u32,
-        /// Blocks that may yet be leased on that day.
+        /// Number of blocks that may still be leased on that day.
         pub left_today: u16,
-        /// Until this day no block is leased.
+        /// The day until which no block is leased.
         pub closed_until: u32,
-        /// For a booth that came back from a backup, and hasn't passed over what may have been leased since: when the backup
-        /// was made. No block is leased.
+        /// After a restore: the time of the backup, until the blocks that may have been leased since are
+        /// passed over. No block is leased meanwhile.
         pub copied_at: Option<BoothTime>,
-        /// Whether no block was free when one was looked for; until the next sweep.
+        /// `true` if no free block was found. Reset by the next daily sweep.
         pub is_used_up: bool,
-        /// The last day on which resting blocks were looked at.
+        /// The last day on which resting blocks were swept.
         pub swept_on: u32,
-        /// When the booth last came back from a backup; 0 if it never did.
+        /// The time of the last restore from a backup; 0 for never.
         pub restored_at: BoothTime,
     }
 }
 
 impl BadgeCursor {
-    /// The row of a booth that leased nothing yet.
+    /// Makes the row of a booth that has never leased a block.
     #[must_use]
     pub const fn new() -> Self {
         BadgeCursor {
@@ -76,7 +76,7 @@ impl Default for BadgeCursor {
 }
 
 impl BadgeBlock {
-    /// A block that is leased to a headset from now on, in an epoch of its.
+    /// Makes the row of a block that is leased to a headset in an epoch, from now on.
     pub(crate) const fn leased(
         (block, serial): (u16, BlockSerial),
         (headset, epoch): (u32, u64),
@@ -93,7 +93,7 @@ impl BadgeBlock {
         }
     }
 
-    /// The block, as headset and booth tell each other of it.
+    /// Returns the block in the form that headset and booth exchange.
     #[must_use]
     pub fn held(&self) -> HeldBlock {
         let next = self.next.unwrap_or_default();

@@ -1,45 +1,45 @@
-//! Headsets, how they come to be known, and what they and the booth tell each other.
+//! Headsets, their enrolment, commands and announcements.
 
 use crate::record::record;
 use crate::time::BoothTime;
 use crate::value::stored_enum;
 
 record! {
-    /// A headset that is enrolled.
+    /// An enrolled headset.
     pub struct Device in "devices", key 1 {
-        /// Its number, which it keeps when its app's data is wiped.
+        /// The number of the headset, which it keeps when its app data is wiped.
         pub headset: u32,
-        /// SHA-256 of its token.
+        /// The SHA-256 of the device token.
         pub token_hash: [u8; 32],
-        /// What it remembers itself by, which proves nothing.
+        /// The device hint, which is no proof of identity.
         pub hint: [u8; 16],
-        /// For people.
+        /// The name, for people.
         pub name: String,
-        /// When it got its token.
+        /// The time of the last enrolment.
         pub enrolled_at: BoothTime,
-        /// When its token was taken away; it is refused since.
+        /// The time when staff excluded the headset. Its token is refused since then.
         pub revoked_at: Option<BoothTime>,
-        /// When it was last known to have lost its app's data.
+        /// The time when the headset last reported a wipe of its app data.
         pub wiped_at: Option<BoothTime>,
-        /// When the last heartbeat came that is kept here.
+        /// The time of the heartbeat in `status`.
         pub seen_at: Option<BoothTime>,
-        /// That heartbeat's bytes, without announcements and report.
+        /// The bytes of the last stored heartbeat, without announcements and badge report.
         pub status: Vec<u8>,
     }
 }
 
 record! {
-    /// What lets headsets enrol without staff.
+    /// A token that enrols headsets without staff.
     pub struct EnrolToken in "enrol_tokens", key 1 {
-        /// SHA-256 of it.
+        /// The SHA-256 of the token.
         pub token_hash: [u8; 32],
-        /// For people.
+        /// A note for people.
         pub note: String,
-        /// From when on it is refused.
+        /// The time from which the token is refused.
         pub expires_at: BoothTime,
-        /// Headsets that it may yet enrol.
+        /// The number of headsets that the token may still enrol.
         pub uses_left: u32,
-        /// Whether staff took it back.
+        /// `true` if staff revoked the token.
         pub is_revoked: bool,
     }
 }
@@ -51,7 +51,7 @@ impl EnrolToken {
         !self.is_revoked && now < self.expires_at
     }
 
-    /// Returns `true` if another headset can enrol by the token.
+    /// Returns `true` if another headset can enrol with the token.
     #[must_use]
     pub fn has_uses_left(&self, now: BoothTime) -> bool {
         self.is_valid(now) && self.uses_left > 0
@@ -59,53 +59,53 @@ impl EnrolToken {
 }
 
 stored_enum! {
-    /// What became of a command.
+    /// The state of a command.
     pub enum CommandState {
-        /// It is to go with the headset's next heartbeat.
+        /// The command waits for the headset's next heartbeat.
         Waiting = 0,
-        /// It went out.
+        /// The command was sent.
         Sent = 1,
-        /// The headset did it.
+        /// The headset carried the command out.
         Done = 2,
-        /// It lived too long, on either side.
+        /// The command's lifetime ended, at the booth or on the headset.
         Expired = 3,
-        /// The headset can't do it now.
+        /// The headset couldn't carry the command out.
         Refused = 4,
     }
 }
 
 record! {
-    /// What staff want a headset to do.
+    /// A command of staff to a headset.
     pub struct Command in "commands", key 2 {
-        /// Whose it is.
+        /// The number of the headset.
         pub headset: u32,
-        /// Its number, which grows with each of a headset.
+        /// The number of the command, which increases for each headset.
         pub command: u64,
-        /// The headset's start that it is about.
+        /// The program start of the headset that the command is for.
         pub boot: u64,
-        /// The visit that it is about; 0 for none.
+        /// The visit that the command is for; 0 for none.
         pub session: u64,
-        /// What to do, by the number of `CommandKind`.
+        /// The number of the `CommandKind`.
         pub kind: u8,
-        /// When staff asked for it.
+        /// The time when staff gave the command.
         pub asked_at: BoothTime,
-        /// What became of it.
+        /// The state of the command.
         pub state: CommandState,
     }
 }
 
 record! {
-    /// A sculpture that a headset said it had finished.
+    /// A sculpture that a headset announced as finished.
     pub struct Announcement in "announcements", key 2 {
-        /// Who said it.
+        /// The headset that announced it.
         pub headset: u32,
-        /// The sculpture.
+        /// The id of the sculpture.
         pub sculpture: [u8; 16],
-        /// The number of its badge, if it has one yet.
+        /// The number of its badge; `None` until a badge was announced.
         pub badge: Option<u32>,
-        /// When that was first heard.
+        /// The time of the first announcement.
         pub heard_at: BoothTime,
-        /// The status of its upload that was last heard, by the number of `UploadStatus`.
+        /// The number of the last announced `UploadStatus`.
         pub status: u8,
     }
 }

@@ -1,4 +1,4 @@
-//! What the booth keeps: a struct a table.
+//! The booth's records: one struct for each table.
 
 mod badges;
 mod devices;
@@ -14,8 +14,8 @@ pub use prints::{EstimateState, PrintOrder, PrintState};
 pub use sculptures::{ExportState, Sculpture, Tombstone};
 pub use work::{SeenTime, WorkKind, WorkLease};
 
-/// The version of the tables. A change of a record raises it.
+/// The version of the schema. A change of a record raises it.
 pub const SCHEMA_VERSION: i64 = 2;
 
-/// The statements that make the tables, for SQLite.
+/// The SQLite statements that create the tables.
 pub const SCHEMA: &str = include_str!("schema.sql");

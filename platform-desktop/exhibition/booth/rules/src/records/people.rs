@@ -1,15 +1,15 @@
-//! Staff, what visitors asked for, and who did what.
+//! Staff accounts, mail orders and the audit log.
 
 use crate::record::record;
 use crate::time::BoothTime;
 use crate::value::stored_enum;
 
 stored_enum! {
-    /// What a person may do.
+    /// The rights of an account.
     pub enum StaffRole {
         /// Find, view, mail, print, withdraw, and command headsets.
         Attendant = 0,
-        /// All of that; and enrol, delete, and see accounts and the audit.
+        /// All rights of an attendant; and enrol, delete, and see accounts and the audit log.
         Admin = 1,
     }
 }
@@ -17,87 +17,88 @@ stored_enum! {
 record! {
     /// A person who works at the booth.
     pub struct Account in "accounts", key 1 {
-        /// What they log in as.
+        /// The login name.
         pub name: String,
-        /// Of their password: a string that says by which function it was made.
+        /// The hash of the password, in a format that names the hash function.
         pub password_hash: String,
-        /// What they may do.
+        /// The rights of the account.
         pub role: StaffRole,
-        /// Whether they are shut out.
+        /// `true` if the account can't log in.
         pub is_disabled: bool,
     }
 }
 
 record! {
-    /// A browser in which somebody is logged in.
+    /// A login: a browser in which somebody is logged in.
     pub struct StaffSession in "staff_sessions", key 1 {
-        /// SHA-256 of its cookie.
+        /// The SHA-256 of the cookie.
         pub token_hash: [u8; 32],
-        /// Who.
+        /// The name of the account.
         pub account: String,
-        /// What each of its forms has to bring.
+        /// The token that each form has to contain.
         pub form_token: [u8; 16],
-        /// When it was last used.
+        /// The time of the last use.
         pub used_at: BoothTime,
-        /// When it ends, used or not.
+        /// The time when the login ends, used or not.
         pub expires_at: BoothTime,
     }
 }
 
 stored_enum! {
-    /// How far a mail has come.
+    /// The state of a mail.
     pub enum MailState {
-        /// It is to be sent.
+        /// The mail waits to be sent.
         Queued = 0,
-        /// The server took it; the address is gone, unless the visitor agreed that it stays.
+        /// The server accepted the mail. The address is deleted, unless the visitor agreed that it stays.
         Accepted = 1,
-        /// It was refused for good, or too often; the address is gone.
+        /// The mail was refused for good, or failed too often. The address is deleted.
         Failed = 2,
     }
 }
 
 record! {
-    /// A sculpture that somebody wants by e-mail.
+    /// An order of a mail with a sculpture.
     pub struct MailOrder in "mail_orders", key 1 {
-        /// Its random number.
+        /// The random number of the order.
         pub order: u64,
-        /// What to send.
+        /// The id of the sculpture.
         pub sculpture: [u8; 16],
-        /// Where to. Kept no longer than until the mail is accepted, unless the visitor agreed.
+        /// The address of the recipient. Deleted once the mail is accepted, unless the visitor agreed to keep
+        /// it.
         pub address: Option<String>,
-        /// In which language, by the number of `Language`.
+        /// The number of the `Language` of the mail.
         pub language: u8,
-        /// When it was asked for.
+        /// The time of the order.
         pub asked_at: BoothTime,
-        /// How far it has come.
+        /// The state of the mail.
         pub state: MailState,
-        /// How often it was tried.
+        /// The number of tries.
         pub tries: u32,
-        /// When it is tried next.
+        /// The time of the next try.
         pub next_try_at: BoothTime,
-        /// What came of the last try, if it wasn't taken.
+        /// The reason why the last try failed.
         pub why: String,
-        /// Whether the visitor agreed that the address is kept as long as the sculpture.
+        /// `true` if the visitor agreed that the address is kept as long as the sculpture.
         pub keeps_address: bool,
     }
 }
 
 record! {
-    /// Something that was done. It names no address.
+    /// An action in the audit log. It contains no address.
     pub struct AuditEntry in "audit", key 2 {
-        /// When.
+        /// The time of the action.
         pub at: BoothTime,
-        /// Random bits, which tell it from others of that time.
+        /// A number that distinguishes entries of the same time.
         pub number: u64,
-        /// Who did it: an account, or nothing where the booth did it by itself.
+        /// The account that did it; `None` if the booth acted by itself.
         pub account: Option<String>,
-        /// What, in a word.
+        /// A short text that names the action.
         pub action: String,
-        /// The headset that it was about.
+        /// The headset that was affected.
         pub headset: Option<u32>,
-        /// The sculpture that it was about.
+        /// The sculpture that was affected.
         pub sculpture: Option<[u8; 16]>,
-        /// The badge that it was about.
+        /// The badge that was affected.
         pub badge: Option<u32>,
     }
 }

@@ -1,71 +1,71 @@
-//! What is to be printed.
+//! Print orders.
 
 use crate::record::record;
 use crate::time::BoothTime;
 use crate::value::stored_enum;
 
 stored_enum! {
-    /// How far a print has come. The ways between them are those of `PrintState::after`.
+    /// The state of a print. `PrintState::after` defines the transitions.
     pub enum PrintState {
-        /// It waits to be sliced, or for somebody who starts it.
+        /// The print waits for the slicer, or to be started by hand.
         Ordered = 0,
-        /// A printer is at it.
+        /// The print is running.
         Printing = 1,
-        /// It is there.
+        /// The print is finished.
         Done = 2,
-        /// It came to nothing.
+        /// The print failed.
         Failed = 3,
-        /// Staff took it back.
+        /// Staff cancelled the print.
         Cancelled = 4,
-        /// Its time and material are known; it waits for a printer.
+        /// The print is sliced and waits for a printer.
         Sliced = 5,
     }
 }
 
 stored_enum! {
-    /// What is known of a print's time and material.
+    /// The state of a print's estimate of duration and material.
     pub enum EstimateState {
-        /// The slicer is yet to tell.
+        /// The slicer hasn't made the estimate yet.
         Waiting = 0,
-        /// They stand in the order.
+        /// The estimate is in the order.
         Known = 1,
-        /// Nothing: there is no slicer, or it failed.
+        /// There is no estimate: there is no slicer, or it failed.
         Unknown = 2,
     }
 }
 
 record! {
-    /// A sculpture that somebody wants printed.
+    /// An order of a print of a sculpture.
     pub struct PrintOrder in "print_orders", key 1 {
-        /// Its random number.
+        /// The random number of the order.
         pub order: u64,
-        /// What to print.
+        /// The id of the sculpture.
         pub sculpture: [u8; 16],
-        /// How high, in tenths of a millimetre. 0 where that is yet to be found, by the time that it may take.
+        /// The height in tenths of a millimetre; 0 until it is found from `most_minutes`.
         pub height_tenths_mm: u32,
-        /// Of which colour.
+        /// The colour of the filament.
         pub filament: String,
-        /// What else staff noted.
+        /// A note of staff.
         pub note: String,
-        /// When it was asked for.
+        /// The time of the order.
         pub asked_at: BoothTime,
-        /// How far it has come.
+        /// The state of the print.
         pub state: PrintState,
-        /// How long it may take, where its height follows from that.
+        /// The longest duration in minutes, if the height is to be found from it.
         pub most_minutes: Option<u32>,
-        /// What is known of its time and material.
+        /// The state of the estimate.
         pub estimate: EstimateState,
-        /// How long it takes.
+        /// The estimated duration in minutes.
         pub minutes: Option<u32>,
-        /// How much filament it takes, in tenths of a gram.
+        /// The estimated filament in tenths of a gram.
         pub tenths_gram: Option<u32>,
-        /// The printer that it goes to; nothing where somebody sees to it by hand.
+        /// The printer on the network; `None` if a person prints it by hand.
         pub printer: Option<String>,
-        /// What it is called at the printer, once that may have it.
+        /// The job name at the printer, from when the printer may have received the print.
         pub job: Option<String>,
-        /// When it came to this state.
+        /// The time of the last change of the state.
         pub changed_at: BoothTime,
-        /// Why it failed, or has no estimate.
+        /// The reason why the print failed or has no estimate.
         pub why: String,
     }
 }

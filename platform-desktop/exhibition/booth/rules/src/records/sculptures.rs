@@ -1,4 +1,4 @@
-//! Sculptures, and what is left of those that were deleted.
+//! Sculptures, and the tombstones of deleted sculptures.
 
 use paros_core::badge::{BadgeNumber, Language};
 use paros_core::session::SessionMode;
@@ -10,83 +10,84 @@ use crate::value::stored_enum;
 stored_enum! {
     /// The state of a sculpture's mesh at the booth.
     pub enum ExportState {
-        /// It wasn't tried yet.
+        /// The mesh wasn't checked yet.
         Queued = 0,
-        /// It can, and the mesh is closed.
+        /// A closed mesh can be made.
         Made = 1,
-        /// It can't make one, or one that isn't closed or of a sane size.
+        /// No mesh can be made, or the mesh isn't closed or has an absurd size.
         Failed = 2,
     }
 }
 
 record! {
-    /// A sculpture that is kept.
+    /// A kept sculpture.
     pub struct Sculpture in "sculptures", key 1 {
-        /// Its random id.
+        /// The random id.
         pub id: [u8; 16],
-        /// Who made it.
+        /// The headset that made it.
         pub headset: u32,
-        /// SHA-256 of the parcel that it came in.
+        /// The SHA-256 of its parcel.
         pub hash: [u8; 32],
-        /// The number of its badge, if its visitor was shown one.
+        /// The number of its badge, if its visitor was shown a badge.
         pub badge: Option<u32>,
-        /// The same number if the badge is its own: it was leased to the headset that sent it, and no other sculpture that is
-        /// kept has it.
+        /// The same number if the sculpture owns the badge: it was leased to the sending headset, and no
+        /// other kept sculpture has claimed it.
         pub claimed_badge: Option<u32>,
-        /// The pictures of its badge, a bit for each pictogram's number: none without a badge.
+        /// The pictures of its badge, as a bit set by pictogram number; 0 without a badge.
         pub pictures: u64,
         /// The visit's language, two small letters of ISO 639-1.
         pub language: [u8; 2],
         /// The start of its session.
         pub mode: SessionMode,
-        /// `UploadFacts`, as they came.
+        /// The bytes of its `UploadFacts`.
         pub facts: Vec<u8>,
-        /// When it was whole.
+        /// The time when the whole parcel had arrived.
         pub received_at: BoothTime,
         /// The last day on which it is kept.
         pub keep_day: u32,
-        /// When it was withdrawn.
+        /// The time of the withdrawal.
         pub withdrawn_at: Option<BoothTime>,
-        /// Whether the trace that came with it is here.
+        /// `true` if its trace is stored.
         pub has_trace: bool,
-        /// What the booth makes of it.
+        /// The state of its mesh.
         pub export: ExportState,
-        /// Which of its visitor's links is the valid one.
+        /// The generation of the valid visitor's link. Links of other generations are void.
         pub link_generation: u32,
-        /// Whether that one was taken back.
+        /// `true` if the visitor's link was revoked.
         pub is_link_revoked: bool,
     }
 }
 
 record! {
-    /// A sculpture that was deleted.
+    /// The tombstone of a deleted sculpture.
     pub struct Tombstone in "tombstones", key 1 {
-        /// Its id.
+        /// The id of the sculpture.
         pub id: [u8; 16],
-        /// Who made it.
+        /// The headset that made it.
         pub headset: u32,
-        /// Of the parcel that it came in.
+        /// The SHA-256 of its parcel.
         pub hash: [u8; 32],
-        /// The number of its badge, if its visitor was shown one.
+        /// The number of its badge, if its visitor was shown a badge.
         pub badge: Option<u32>,
-        /// When it was deleted.
+        /// The time of the deletion.
         pub deleted_at: BoothTime,
-        /// The first day on which no headset can have it any more.
+        /// The first day on which no headset can still have the sculpture.
         pub ends_on: u32,
-        /// Whether its files are yet to be removed.
+        /// `true` if its files are still to be removed.
         pub has_files: bool,
     }
 }
 
 impl Sculpture {
-    /// `true` if it has a leased badge that isn't its own, or isn't any more: it is found by its picture and its hour.
+    /// `true` if the sculpture has a leased badge that it doesn't own, or no longer owns. Staff find it by
+    /// picture and time.
     #[must_use]
     pub fn is_badge_lapsed(&self) -> bool {
         let badge = self.badge.and_then(BadgeNumber::new);
         self.claimed_badge.is_none() && badge.is_some_and(|badge| !badge.is_provisional())
     }
 
-    /// The language that its visitor chose, if the booth has texts in that; else English.
+    /// Returns the language of the visit, or English if the booth has no texts in that language.
     #[must_use]
     pub fn visit_language(&self) -> Language {
         if &self.language == b"el" { Language::Greek } else { Language::English }

@@ -1,4 +1,4 @@
-//! Work that several processes share.
+//! Leases of work that several processes share.
 
 use crate::record::record;
 use crate::time::BoothTime;
@@ -7,13 +7,13 @@ use crate::value::stored_enum;
 stored_enum! {
     /// A kind of work that one process does at a time.
     pub enum WorkKind {
-        /// To check a sculpture's mesh: by the sculpture's id.
+        /// Checks a sculpture's mesh. The subject is the sculpture's id.
         Export = 0,
-        /// To send a mail: by its order's number.
+        /// Sends a mail. The subject is the order's number.
         Mail = 1,
-        /// To slice a print: by its order's number.
+        /// Slices a print. The subject is the order's number.
         Slice = 2,
-        /// To see to a printer: by its name.
+        /// Controls a printer. The subject is the printer's name.
         Printer = 3,
     }
 }
@@ -23,21 +23,21 @@ record! {
     pub struct SeenTime in "seen_time", key 1 {
         /// Always 0.
         pub row: u8,
-        /// The system clock's time at the last sweep before which it didn't jump.
+        /// The system clock's time at the last sweep without a clock jump.
         pub seen_at: BoothTime,
     }
 }
 
 record! {
-    /// That a process does some work, and the others leave it alone.
+    /// A lease of a piece of work: other processes skip it.
     pub struct WorkLease in "work_leases", key 2 {
-        /// What is done.
+        /// The kind of the work.
         pub kind: WorkKind,
-        /// To what.
+        /// The subject of the work.
         pub subject: Vec<u8>,
-        /// The process that does it: random bits, other ones with each start.
+        /// The process that holds the lease: random bits, drawn at each start.
         pub worker: u64,
-        /// From when on another one may.
+        /// The time from which another process may take the work.
         pub until: BoothTime,
     }
 }

@@ -1,4 +1,4 @@
-//! Sculptures' files in memory.
+//! Files of sculptures in memory.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -6,7 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use paros_booth_rules::{BoothTime, Deletion, KeptName, ParcelFiles};
 
-/// Keeps files in memory.
+/// A [`ParcelFiles`] implementation in memory.
 #[derive(Debug, Default)]
 pub(crate) struct MemoryFiles {
     files: Mutex<Files>,
@@ -19,17 +19,17 @@ struct Files {
 }
 
 impl MemoryFiles {
-    /// None.
+    /// Makes a store without files.
     pub(crate) fn new() -> Self {
         MemoryFiles::default()
     }
 
-    /// The names of those that are kept.
+    /// Returns the names of the kept files.
     pub(crate) fn kept_names(&self) -> Vec<KeptName> {
         self.lock().kept.keys().copied().collect()
     }
 
-    /// The log of deletions.
+    /// Returns the deletion log.
     pub(crate) fn deletions(&self) -> Vec<Deletion> {
         self.lock().deletions.clone()
     }

@@ -21,7 +21,7 @@ pub(crate) use self::memory_files::MemoryFiles;
 pub(crate) const SITE: SiteId = SiteId([5; 16]);
 pub(crate) const FLEET: EnrolmentToken = EnrolmentToken([77; 32]);
 
-/// Ten in the morning of some day.
+/// Ten in the morning of a day.
 pub(crate) const START: BoothTime = BoothTime(20_000 * 86_400_000 + 36_000_000);
 
 pub(crate) fn seconds(count: u64) -> BoothTime {
@@ -32,7 +32,7 @@ pub(crate) fn days(count: u64) -> BoothTime {
     seconds(86_400 * count)
 }
 
-/// All that a store holds, in memory.
+/// Copies a store into memory.
 pub(crate) fn copy_of(store: &dyn Store) -> SqliteStore {
     SqliteStore::copy_in_memory(store).expect("memory")
 }
@@ -44,7 +44,7 @@ pub(crate) struct Rig {
 }
 
 impl Rig {
-    /// Without headsets; with a token for 250 of them.
+    /// Makes a booth without headsets, and with a token for 250 of them.
     pub(crate) fn new() -> Self {
         Rig::with_plan(BoothPlan { retention_days: 30, ..BoothPlan::default() })
     }
@@ -57,12 +57,12 @@ impl Rig {
         Rig { booth, store, files }
     }
 
-    /// Sweeps after any time: the clock doesn't jump, however long ago the last sweep was.
+    /// Sweeps at any time: no gap counts as a clock jump.
     pub(crate) fn sweep(&self, now: BoothTime) -> SweepReport {
         self.booth.sweep(now, Duration::MAX).unwrap()
     }
 
-    /// A headset, with a token of this byte.
+    /// Enrols a headset whose token consists of this byte.
     pub(crate) fn enrol(&self, byte: u8) -> Device {
         self.booth.enrol_fleet(&fleet_enrolment(byte), START).expect("a valid token");
         self.booth.authenticate(&DeviceToken([byte; 32])).expect("it was enrolled")
@@ -78,18 +78,18 @@ impl Rig {
         self.booth.take_parcel(device.headset, parcel.id, &parcel.file(), &decode, now)
     }
 
-    /// The first page of the sculptures that are withdrawn, or of the others.
+    /// Returns the first page of the sculptures that are withdrawn, or that aren't.
     pub(crate) fn list(&self, is_withdrawn: bool) -> Vec<Sculpture> {
         let filter = ListFilter { is_withdrawn, ..ListFilter::default() };
         self.booth.list_page(&filter, PageStart::Newest, 60).expect("a list").sculptures
     }
 
-    /// The blocks that a headset leases, in an epoch in which it holds nothing.
+    /// Returns the blocks that a headset leases in an epoch in which it holds none.
     pub(crate) fn lease(&self, device: &Device, epoch: u64, now: BoothTime) -> Vec<HeldBlock> {
         self.report(device, &BadgeReport { epoch, blocks: Vec::new() }, now)
     }
 
-    /// Has a headset report blocks. Returns those that it holds from then on.
+    /// Sends a headset's report of blocks. Returns the blocks that it holds from then on.
     pub(crate) fn report(
         &self,
         device: &Device,
@@ -119,7 +119,7 @@ pub(crate) fn fleet_enrolment(byte: u8) -> FleetEnrolment {
     }
 }
 
-/// A parcel's volume is as many bytes of its id; nothing else decodes.
+/// Decodes only test parcels: their volume repeats the first byte of their id.
 pub(crate) fn decode(facts: &UploadFacts, volume: &[u8], trace: &[u8]) -> Result<(), String> {
     let is_volume = volume.iter().all(|byte| *byte == facts.id.0[0]);
     let is_trace = trace.len() == facts.trace_bytes as usize;
@@ -134,12 +134,12 @@ pub(crate) struct Parcel {
 }
 
 impl Parcel {
-    /// With a serial that all made-up parcels have.
+    /// Makes a parcel with a made-up serial, the same in all such parcels.
     pub(crate) fn new(id: u8, badge: Option<BadgeNumber>) -> Self {
         Parcel::with_serial(id, badge, BlockSerial([9; 8]))
     }
 
-    /// With the number at a place of a block.
+    /// Makes a parcel with the number at a place of a block.
     pub(crate) fn of_block(id: u8, held: &HeldBlock, place: u8) -> Self {
         Parcel::with_serial(id, BadgeNumber::of_block(held.block, place), held.serial)
     }
@@ -178,7 +178,7 @@ impl Parcel {
         Parcel { id: facts.id, facts, hash: ContentHash::of(&bytes), bytes }
     }
 
-    /// The parcel with its hash, as it is sent.
+    /// Returns the parcel with its hash, as it is sent.
     pub(crate) fn file(&self) -> Vec<u8> {
         [&self.bytes[..], &self.hash.0].concat()
     }
@@ -209,7 +209,7 @@ pub(crate) fn leased(number: u32) -> Option<BadgeNumber> {
     BadgeNumber::new(number).filter(|number| !number.is_provisional())
 }
 
-/// The status that a refusal has.
+/// Returns the HTTP status of a refusal.
 pub(crate) fn status<T: std::fmt::Debug>(done: Result<T, Refusal>) -> u16 {
     done.expect_err("a refusal").status()
 }

@@ -1,4 +1,4 @@
-//! What every link must do, against a server of TLS that answers as it is told. Each link's tests include this file.
+//! Requirements of every link, checked against a scripted TLS server. Each link's tests include this file.
 
 mod server;
 
@@ -17,7 +17,7 @@ pub(crate) use server::{Answer, Server};
 const TIMES: LinkTimes =
     LinkTimes { put: Duration::from_secs(20), small: Duration::from_millis(1500) };
 
-/// How a link is opened.
+/// A function that opens a link.
 pub(crate) trait Opener<L>: Fn(&BoothAddress, LinkTimes) -> L {}
 
 impl<L, F: Fn(&BoothAddress, LinkTimes) -> L> Opener<L> for F {}
@@ -89,9 +89,9 @@ pub(crate) fn check_trust<L: BoothLink>(open: impl Opener<L>) {
     assert!(ask(&mut open_to(&open, &server), put()).result.is_ok());
     let mut nothing = open_at(&open, server.address, b"no certificate");
     assert_eq!(ask(&mut nothing, put()).result, Err(LinkFault::Untrusted));
-    // The token went to the right one alone.
+    // Only the right server received the token.
     assert_eq!(server.requests.try_iter().count(), 1);
-    // Of the right authority, at another address.
+    // A certificate of the right authority, for another address.
     let elsewhere = Server::start_as("192.0.2.7", fine);
     assert_eq!(ask(&mut open_to(&open, &elsewhere), put()).result, Err(LinkFault::Untrusted));
     assert_eq!(elsewhere.requests.try_iter().count(), 0);
@@ -104,25 +104,25 @@ pub(crate) fn check_silence<L: BoothLink>(open: impl Opener<L>) {
     let began = Instant::now();
     assert_eq!(ask(&mut link, heartbeat()).result, Err(LinkFault::TimedOut));
     assert!(began.elapsed() < TIMES.small * 4, "the parcel held it up: {:?}", began.elapsed());
-    // One that never ends its answer, and is never silent for long.
+    // This server never ends its answer, and is never silent for long.
     let slow = Server::start(Answer::Drip);
     let began = Instant::now();
     assert_eq!(ask(&mut open_to(&open, &slow), heartbeat()).result, Err(LinkFault::TimedOut));
     assert!(began.elapsed() < TIMES.small * 4, "{:?}", began.elapsed());
-    // Nobody listens at a port that no test is given.
+    // No process listens at this port.
     let address = SocketAddr::from((Ipv4Addr::LOCALHOST, 1));
     let mut to_nobody = open_at(&open, address, &silent.ca);
     assert_eq!(ask(&mut to_nobody, put()).result, Err(LinkFault::Unreachable));
 }
 
-/// Who hangs up in the middle of a handshake may be the booth.
+/// A peer that hangs up in the middle of a handshake may still be the booth.
 pub(crate) fn check_cut_handshakes<L: BoothLink>(open: impl Opener<L>) {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
     let address = listener.local_addr().expect("it is bound");
     thread::spawn(move || {
         for mut stream in listener.incoming().flatten() {
             let mut hello = [0; 64];
-            // It hangs up whatever was said.
+            // Hang up whatever was received.
             let _ = stream.read(&mut hello);
             let _ = stream.shutdown(Shutdown::Both);
         }
@@ -132,7 +132,7 @@ pub(crate) fn check_cut_handshakes<L: BoothLink>(open: impl Opener<L>) {
     assert_eq!(ask(&mut link, put()).result, Err(LinkFault::Unreachable));
 }
 
-/// What isn't encrypted isn't asked.
+/// A link sends nothing without encryption.
 pub(crate) fn check_no_plain_http<L: BoothLink>(open: impl Opener<L>) {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
     let address = listener.local_addr().expect("it is bound");
@@ -147,7 +147,7 @@ pub(crate) fn check_redirects_and_long_bodies<L: BoothLink>(open: impl Opener<L>
     let away = b"HTTP/1.1 307 x\r\nLocation: /elsewhere\r\nContent-Length: 0\r\n\r\n";
     let server = Server::start(Answer::Bytes(away));
     let answer = ask(&mut open_to(&open, &server), put());
-    // Either way the token stays here.
+    // In either case the token wasn't sent to the redirect's target.
     assert!(answer.result.is_err() || answer.result.is_ok_and(|answer| answer.status == 307));
     assert_eq!(server.requests.try_iter().count(), 1);
     let long = Server::start(Answer::Long(100_000_000));

@@ -1,4 +1,4 @@
-//! A server of TLS that answers every request the same way.
+//! A TLS server that answers every request in the same way.
 
 use std::io::{self, Read, Write};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
@@ -12,21 +12,21 @@ use rustls::crypto::ring::default_provider;
 use rustls::pki_types::PrivateKeyDer;
 use rustls::{ServerConfig, ServerConnection, StreamOwned};
 
-/// How a request is answered.
+/// The answer to a request.
 #[derive(Clone, Copy)]
 pub(crate) enum Answer {
-    /// By these bytes.
+    /// These bytes.
     Bytes(&'static [u8]),
-    /// By a body of so many bytes.
+    /// A body of this many bytes.
     Long(usize),
-    /// Not at all.
+    /// No answer.
     Never,
-    /// By a head without an end, a byte every tenth of a second.
+    /// An endless head, one byte every tenth of a second.
     Drip,
 }
 
-/// A server's address, its authority's certificate, the requests that it has read, and bytes of long answers that were
-/// taken.
+/// A server: its address, its authority's certificate, the requests that it has read, and the number of bytes
+/// of long answers that clients took.
 pub(crate) struct Server {
     pub(crate) address: SocketAddr,
     pub(crate) ca: Vec<u8>,
@@ -37,12 +37,12 @@ pub(crate) struct Server {
 type Stream = StreamOwned<ServerConnection, TcpStream>;
 
 impl Server {
-    /// One whose certificate is of its address.
+    /// Starts a server whose certificate matches its address.
     pub(crate) fn start(answer: Answer) -> Self {
         Server::start_as("127.0.0.1", answer)
     }
 
-    /// One whose certificate is of this address.
+    /// Starts a server whose certificate is for this address.
     pub(crate) fn start_as(name: &str, answer: Answer) -> Self {
         let ca_key = KeyPair::generate().expect("a key");
         let mut params = CertificateParams::default();
@@ -66,7 +66,7 @@ impl Server {
         thread::spawn(move || {
             for stream in listener.incoming().flatten() {
                 let (config, tell, tell_sent) = (config.clone(), tell.clone(), tell_sent.clone());
-                // One that ends early is what some tests are about.
+                // Some tests end the connection early.
                 thread::spawn(move || serve(stream, config, answer, &tell, &tell_sent));
             }
         });
@@ -84,7 +84,7 @@ fn serve(
     let connection = ServerConnection::new(config).map_err(io::Error::other)?;
     let mut stream = StreamOwned::new(connection, stream);
     loop {
-        // Nobody may be interested in it.
+        // The test may not read the requests.
         let _ = tell.send(read_request(&mut stream)?);
         match answer {
             Answer::Bytes(bytes) => stream.write_all(bytes).and_then(|()| stream.flush())?,
@@ -97,7 +97,7 @@ fn serve(
     }
 }
 
-/// A request's head, in small letters, and its body.
+/// Reads a request: its head in lower case, and its body.
 fn read_request(stream: &mut Stream) -> io::Result<String> {
     let mut bytes = Vec::new();
     while !bytes.ends_with(b"\r\n\r\n") {
@@ -112,8 +112,8 @@ fn read_request(stream: &mut Stream) -> io::Result<String> {
     Ok(format!("{head}{}", String::from_utf8_lossy(&body)))
 }
 
-/// Writes an answer until it is all taken or nobody takes more; how much of it was. It pauses now and then, as who
-/// closes a connection may first take what has come already.
+/// Writes a long answer until the client takes no more. Returns the number of bytes written. Pauses now and
+/// then, as a client that closes a connection may first take the data that has arrived.
 fn write_long(stream: &mut Stream, bytes: usize) -> usize {
     let head = format!("HTTP/1.1 200 x\r\nContent-Length: {bytes}\r\n\r\n");
     let mut sent = 0;

@@ -1,4 +1,4 @@
-//! Presses on what has only just appeared.
+//! Presses on buttons that have just appeared.
 
 use glam::Vec3;
 use paros_core::visit::{Presence, StaffCommand, VisitPhase};
@@ -9,7 +9,7 @@ use crate::pointing::{Pointer, UNAIMED_TICKS};
 use crate::screen::ButtonAction;
 use crate::standing::room_pose;
 
-/// The first touch of a screen, or of a mouse's button, while nobody is there is what brings the welcome.
+/// In the attract phase, the first touch of a screen or press of a mouse button opens the welcome.
 #[test]
 fn the_first_touch_presses_nothing_that_appears_under_it() {
     with_rig(|rig| {
@@ -23,7 +23,7 @@ fn the_first_touch_presses_nothing_that_appears_under_it() {
         let touch = |is_pressed| {
             Some(Pointer { origin, direction: target - origin, is_pressed, fingertip: None })
         };
-        // A window has a finger where it touches a frame before it presses, and that is some ticks.
+        // A window receives a finger's position a frame before its press, which takes some ticks.
         for is_pressed in [false, false, true, true, true, false, true, false] {
             rig.tick(touch(is_pressed));
         }

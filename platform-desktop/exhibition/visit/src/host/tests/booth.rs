@@ -1,4 +1,4 @@
-//! Visits at a booth: leased badges, where the sculpture is kept, and what the staff asks from its page.
+//! Visits at a booth: leased badges, the upload status, and commands from the staff's page.
 
 use paros_core::badge::BadgeNumber;
 use paros_core::session::TICK_RATE;
@@ -12,13 +12,13 @@ use super::super::keeping::BADGE_TICKS;
 use super::{ButtonAction, ExportState, HostRig, Press, begin_sculpting, cut, with_rig};
 use crate::host::remote::GLOW_TICKS;
 
-/// A booth that owes no badge yet, and has nothing.
+/// Makes the state of a booth that has leased no badge yet, and has received nothing.
 fn booth() -> BoothState {
     let outbox = CourierSummary { owed: 1, is_nearly_full: false, contact: BoothContact::Silent };
     BoothState { id: None, badge: None, status: Some(UploadStatus::Making), outbox }
 }
 
-/// To an export whose files are written already.
+/// Goes to an export whose files are already written.
 fn finish(rig: &mut HostRig<'_, '_>, booth: BoothState) {
     begin_sculpting(rig);
     cut(rig);

@@ -8,7 +8,7 @@ use super::{HostRig, Press, begin_sculpting, options, with_rig};
 use crate::host::VisitHost;
 use crate::screen::{ButtonAction, GuideEnd};
 
-/// To the first step of the guided cut.
+/// Goes to the first step of the guided cut.
 pub(super) fn begin_guide(rig: &mut HostRig<'_, '_>) {
     rig.presence = Presence::Worn;
     rig.wait(2);
@@ -19,7 +19,7 @@ pub(super) fn begin_guide(rig: &mut HostRig<'_, '_>) {
     assert_eq!(rig.phase(), VisitPhase::Guided);
 }
 
-/// Has all steps done. The last press takes effect with a tick's end.
+/// Completes all steps. The last press takes effect at the end of a tick.
 fn end_steps(rig: &mut HostRig<'_, '_>) {
     rig.host.perform(ButtonAction::Press(Press::Skip { all: true }));
     while rig.phase() == VisitPhase::Guided {
@@ -28,7 +28,7 @@ fn end_steps(rig: &mut HostRig<'_, '_>) {
     assert_eq!(rig.phase(), VisitPhase::Sculpting);
 }
 
-/// Ticks for which something is told of the first cut's end, that of now counted, and what.
+/// Returns the number of ticks for which the end's message is shown, from the current one on, and the end.
 fn read_end(rig: &mut HostRig<'_, '_>) -> (u32, Option<GuideEnd>) {
     let told = rig.host.screen.told_guide_end();
     let mut ticks = 0;
@@ -64,7 +64,7 @@ fn who_has_done_all_steps_is_told_so_until_it_is_read() {
     }
 }
 
-/// Not done, not praised: but it is told that nothing is asked any more.
+/// An unfinished guide isn't praised, but its end is announced.
 #[test]
 fn who_had_no_time_for_all_steps_is_told_that_they_are_over() {
     with_rig(|rig| {
@@ -78,7 +78,7 @@ fn who_had_no_time_for_all_steps_is_told_that_they_are_over() {
     });
 }
 
-/// A question that comes in between takes none of the time that it is read in.
+/// A question in between doesn't shorten the time to read the message.
 #[test]
 fn what_is_told_under_a_question_is_told_after_it() {
     with_rig(|rig| {
@@ -105,7 +105,7 @@ fn a_first_cut_that_another_run_of_the_program_began_is_told_to_have_ended() {
     });
 }
 
-/// The longer text stays longer.
+/// The longer text is shown for longer.
 #[test]
 fn a_text_is_told_for_as_long_as_it_takes_to_read() {
     for language in Language::ALL {
@@ -115,7 +115,7 @@ fn a_text_is_told_for_as_long_as_it_takes_to_read() {
     }
 }
 
-/// Who is given a minute more had the first cut long ago.
+/// An extension doesn't repeat the message about the first cut, which ended long ago.
 #[test]
 fn nobody_is_told_again_that_the_first_cut_has_ended() {
     with_rig(|rig| {

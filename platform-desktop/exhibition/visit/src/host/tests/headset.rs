@@ -1,4 +1,4 @@
-//! Visits on a headset: by its hands and its menu button, across sleep and the end of its program.
+//! Visits on a headset: hands, menu button, sleep, and restarts of the program.
 
 use std::time::Duration;
 
@@ -19,7 +19,7 @@ use crate::screen::ButtonAction;
 const SOURCES: [HandSource; 2] = [HandSource::Controller; 2];
 
 impl HostRig<'_, '_> {
-    /// A tick of a headset whose right hand is so, at a time since boot.
+    /// Runs a tick of a headset with this right hand, at a time since boot.
     fn headset_tick(&mut self, seconds: f32, hand: HandSample, is_menu_down: bool) {
         let hands = [HandSample::default(), hand];
         let tick = HeadsetTick {
@@ -88,7 +88,7 @@ fn the_menu_button_asks_for_the_end_and_held_for_the_staff() {
     });
 }
 
-/// The device slept, or its program was killed and started again.
+/// The device slept, or its program was killed and restarted.
 #[test]
 fn who_was_away_for_long_has_gone() {
     for (away, phase) in [(44.0, VisitPhase::Sculpting), (46.0, VisitPhase::HandsOff)] {
@@ -104,7 +104,7 @@ fn who_was_away_for_long_has_gone() {
     for (unused, counted, phase) in [
         (Some(minute), 0, VisitPhase::HandsOff),
         (Some(minute - Duration::from_secs(20)), 0, VisitPhase::Sculpting),
-        // Of the minute the visit had counted twenty seconds when it was saved: it is no longer than a minute.
+        // The visit had counted twenty seconds of this minute when it was saved: the total is a minute.
         (Some(minute), 20, VisitPhase::HandsOff),
         (Some(minute - Duration::from_secs(20)), 20, VisitPhase::Sculpting),
         (None, 0, VisitPhase::HandsOff),
@@ -114,7 +114,7 @@ fn who_was_away_for_long_has_gone() {
             cut(rig);
             rig.presence = Presence::Off;
             (0..counted * TICK_RATE).for_each(|_| rig.tick(None));
-            // Another process finds it.
+            // Another process loads the visit.
             let visit = rig.runner.world().visit();
             rig.host = VisitHost::new(super::options(), visit);
             rig.host.note_found(visit, unused);
@@ -124,8 +124,8 @@ fn who_was_away_for_long_has_gone() {
     }
 }
 
-/// The runtime lost its session, and has another one: the badge is shown again unless that took as long as the settings
-/// have a visitor off the head there.
+/// The runtime lost its session, and has a new one. The badge is shown again, unless the gap was longer than
+/// the settings allow a visitor to be away in this phase.
 #[test]
 fn a_lost_session_is_time_away_by_the_settings_of_its_phase() {
     for (away, phase) in [(7.0, VisitPhase::Badge), (9.0, VisitPhase::Attract)] {

@@ -1,4 +1,4 @@
-//! Living previews under a host: as long as there is something to choose, and no longer.
+//! Live previews under a host, which run only while a start is chosen.
 
 use std::collections::BTreeSet;
 use std::thread;
@@ -8,10 +8,10 @@ use paros_core::visit::{Presence, VisitPhase};
 
 use super::{ButtonAction, HostRig, Press, options, with_rig};
 
-/// Longer than any picture takes beside other tests.
+/// A timeout longer than any picture takes beside other tests.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// To the choice, through the welcome.
+/// Goes to the choice, through the welcome.
 fn go_to_choice(rig: &mut HostRig<'_, '_>) {
     rig.presence = Presence::Worn;
     rig.wait(2);
@@ -20,7 +20,7 @@ fn go_to_choice(rig: &mut HostRig<'_, '_>) {
     assert_eq!(rig.phase(), VisitPhase::Choice);
 }
 
-/// Ticks at their own speed, until it is so.
+/// Runs ticks in real time until a condition holds.
 fn tick_until(rig: &mut HostRig<'_, '_>, mut is_so: impl FnMut(&mut HostRig<'_, '_>) -> bool) {
     let begun = Instant::now();
     while !is_so(rig) {
@@ -61,8 +61,8 @@ fn previews_live_while_there_is_something_to_choose() {
     });
 }
 
-/// The frame's thread waits for no picture, neither in a tick nor where the choice ends: these ticks' pictures take
-/// many times as long.
+/// The frame's thread doesn't wait for pictures, neither in a tick nor at the end of the choice: the pictures
+/// of these ticks take many times as long.
 #[test]
 fn a_tick_waits_for_no_picture() {
     with_rig(|rig| {
@@ -78,7 +78,7 @@ fn a_tick_waits_for_no_picture() {
     });
 }
 
-/// The thread ends with the host, in the middle of a choice.
+/// The thread ends with the host, even in the middle of a choice.
 #[test]
 fn a_host_leaves_no_thread() {
     with_rig(|rig| {
@@ -86,7 +86,7 @@ fn a_host_leaves_no_thread() {
         wait_for_pictures(rig);
         assert_eq!(count_threads_of_previews(), 1);
         rig.host = super::VisitHost::new(options(), rig.world().visit());
-        // The system lists a thread for a moment after it was joined.
+        // The system still lists a thread for a moment after it was joined.
         let begun = Instant::now();
         while count_threads_of_previews() > 0 {
             assert!(begun.elapsed() < PATIENCE, "a thread outlives its host");
@@ -95,11 +95,11 @@ fn a_host_leaves_no_thread() {
     });
 }
 
-/// Other tests have their hosts while they hold the world, as this one does.
+/// Counts the threads of previews. Other tests have hosts only while they hold the world, as this test does.
 fn count_threads_of_previews() -> usize {
     let tasks = std::fs::read_dir("/proc/self/task").expect("Linux tells of threads");
     let name = |task: std::io::Result<std::fs::DirEntry>| {
-        // One that has just ended has none.
+        // A thread that has just ended has no name.
         std::fs::read_to_string(task.ok()?.path().join("comm")).ok()
     };
     tasks.filter_map(name).filter(|name| name.trim() == "previews").count()

@@ -1,4 +1,4 @@
-//! A window's visitor who rests: all that is known of one is the mouse.
+//! A window's idle visitor, whose only sign is the mouse.
 
 use paros_core::session::{SessionState, TICK_RATE};
 use paros_core::visit::{GuideStep, Presence, VisitPhase};
@@ -8,7 +8,7 @@ use super::{HostRig, Press, begin_sculpting, cut, go_to_badge, options, with_rig
 use crate::options::Controls;
 use crate::screen::ButtonAction;
 
-/// Seconds of the countdown that is shown after each second of rest, until another phase begins.
+/// Returns the seconds of the shown countdown after each idle second, until another phase begins.
 fn countdown(rig: &mut HostRig<'_, '_>) -> Vec<Option<u32>> {
     let phase = rig.phase();
     rig.presence = Presence::Unknown;
@@ -50,7 +50,7 @@ fn who_sculpts_may_rest_for_long_and_is_told_for_twenty_seconds_at_most() {
         rig.host.set_controls(Controls::Mouse);
         begin_sculpting(rig);
         cut(rig);
-        // Whatever was asked, this is what is to be read.
+        // The countdown replaces any question.
         assert!(rig.press(ButtonAction::Ask(super::super::Question::Finish)));
         let told = countdown(rig);
         let expected: Vec<_> = core::iter::once(None).chain((1..=20).rev().map(Some)).collect();
@@ -59,7 +59,7 @@ fn who_sculpts_may_rest_for_long_and_is_told_for_twenty_seconds_at_most() {
     });
 }
 
-/// A runtime tells that a headset is worn, or how it moves; its visitor may stand and look.
+/// The runtime reports that a headset is worn, or how it moves. Its visitor may stand and look.
 #[test]
 fn a_headsets_visitor_is_not_counted_down() {
     with_rig(|rig| {
@@ -69,7 +69,7 @@ fn a_headsets_visitor_is_not_counted_down() {
     });
 }
 
-/// The staff's panel stays, whatever becomes of the visitor.
+/// The staff's panel stays open, whatever happens to the visitor.
 #[test]
 fn the_staff_is_asked_on_while_a_visitor_is_counted_down() {
     with_rig(|rig| {
@@ -83,18 +83,18 @@ fn the_staff_is_asked_on_while_a_visitor_is_counted_down() {
     });
 }
 
-/// To the thanks of a visitor who made nothing.
+/// Goes to the thanks of a visitor who made nothing.
 fn go_to_thanks(rig: &mut HostRig<'_, '_>) {
     begin_sculpting(rig);
     rig.host.perform(ButtonAction::Press(Press::Finish));
     while rig.phase() != VisitPhase::Thanks {
         rig.tick(None);
     }
-    // Its panel is put where it stands.
+    // The host places its panel in the next tick.
     rig.wait(1);
 }
 
-/// The mouse doesn't rest between two visitors: nothing but the next one's press tells them apart.
+/// The mouse may not rest between two visitors: only the next visitor's press distinguishes them.
 #[test]
 fn a_windows_next_visitor_begins_from_the_thanks_of_the_last_one() {
     with_rig(|rig| {
@@ -151,7 +151,7 @@ fn a_window_is_handed_over_by_its_next_visitor_and_a_headset_by_who_cleaned_it()
     }
 }
 
-/// Who takes a headset off is told so by its sensor, and one with it on can't be another.
+/// A headset detects that it is taken off, and its wearer can't be another visitor.
 #[test]
 fn a_headsets_thanks_have_no_button() {
     with_rig(|rig| {
@@ -160,7 +160,7 @@ fn a_headsets_thanks_have_no_button() {
     });
 }
 
-/// A visitor is welcome the tick after visits begin, before all of a plan is told.
+/// The welcome is shown in the tick after visits begin, before the whole plan was sent.
 #[test]
 fn who_begins_at_once_begins_as_the_settings_say() {
     with_rig(|rig| {
@@ -173,7 +173,7 @@ fn who_begins_at_once_begins_as_the_settings_say() {
     });
 }
 
-/// A window sees what no tick tells; the step is passed once, however often it is seen.
+/// A window detects what no tick shows. The step is completed once, however often it is detected.
 #[test]
 fn a_window_tells_that_a_step_is_done_and_ends_that_one_alone() {
     with_rig(|rig| {
