@@ -1,13 +1,13 @@
-//! Support for the tests of the library for Android: what they need.
+//! Support for the tests of the Android library: checks that the library and the tools to run it exist.
 
 use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Checks that the library was built, and that the tools to run it are there, and these besides.
+/// Checks that the library is built, and that the tools to run it and `more_tools` are installed.
 ///
 /// # Errors
-/// What is missing.
+/// The name of the missing part.
 pub fn check_parts(more_tools: &[&str]) -> Result<(), String> {
     let tools = ["qemu-aarch64-static", "aarch64-linux-gnu-gcc", "aarch64-linux-gnu-nm"];
     let missing = |tool: &&&str| Command::new(tool).arg("--version").output().is_err();

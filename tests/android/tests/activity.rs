@@ -1,6 +1,6 @@
-//! An activity's life on the library that Android loads, under qemu and glibc, with a looper, an input queue and a Java
-//! machine of the test's own (`tests/bionic/activity.c`): what Java's thread is kept waiting for, while a call of the
-//! OpenXR runtime takes ten seconds, as a driver's compiler may.
+//! The lifecycle of an Android activity, run on the library under qemu and glibc with a stub looper, input
+//! queue and Java VM (`tests/bionic/activity.c`). Measures how long callbacks block Java's thread while a
+//! call of the OpenXR runtime takes ten seconds, as a driver's shader compiler may.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -13,10 +13,10 @@ use paros_tests_android::check_parts;
 
 use super::android::TURN;
 
-/// The longest that a callback may keep Java's thread, in milliseconds.
+/// Longest time that a callback may block Java's thread, in milliseconds.
 const LONGEST_CALLBACK_MS: f64 = 100.0;
 
-/// Every callback that an activity is sure to get.
+/// The callbacks that an activity always gets.
 const CALLBACKS: [&str; 14] = [
     "onConfigurationChanged",
     "onCreate",
@@ -34,7 +34,8 @@ const CALLBACKS: [&str; 14] = [
     "onWindowFocusChanged",
 ];
 
-/// What the activity's life tells, its errors, and the times of its callbacks in milliseconds.
+/// Runs the activity and returns its standard output, its errors, and each callback's duration in
+/// milliseconds.
 fn run_activity(folder: &Path) -> (String, String, Vec<(String, f64)>) {
     let _ = fs::remove_dir_all(folder);
     fs::create_dir_all(folder).expect("a folder");
@@ -62,7 +63,8 @@ fn no_callback_waits_for_a_driver_and_a_second_activity_works() {
     }
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("activity");
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
-    // Who waits for the shell does so each time; a busy host has a translated program wait now and then.
+    // A callback that waits for the shell is slow in every run; on a busy host, one may be slow in a single
+    // run.
     let is_slow = |times: &[(String, f64)]| times.iter().any(|(_, ms)| *ms >= LONGEST_CALLBACK_MS);
     let mut run = run_activity(&folder);
     for _ in 0..2 {
@@ -75,12 +77,12 @@ fn no_callback_waits_for_a_driver_and_a_second_activity_works() {
     let named: BTreeSet<_> = times.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(named, BTreeSet::from(CALLBACKS), "{told}");
     assert!(!is_slow(&times), "{told}");
-    // All that while the one call went on; and of the key the system learns that it is its own.
+    // The one call was still blocked meanwhile. The volume key was reported to the system as unhandled.
     assert!(told.contains("blocked-still 1 calls 1\n"), "{told}\n{errors}");
     assert!(told.contains("volume-key-finished 1 handled 0\n"), "{told}");
     assert!(told.contains("window-flags 80\n"), "the screen is kept on: {told}");
 
-    // The second activity's shell has waited for the first one's, and then asked the runtime itself.
+    // The second activity's shell waited for the first one to end, and then called the runtime itself.
     assert!(told.contains("second-finished 1 calls "), "{told}\n{errors}");
     assert!(!told.contains("second-finished 1 calls 1\n"), "{told}\n{errors}");
     let log = fs::read_to_string(folder.join("paros.log")).expect("a log in the app's folder");

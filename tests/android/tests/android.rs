@@ -1,4 +1,4 @@
-//! The library that Android loads makes the same digests as the host, under qemu and glibc.
+//! The Android library gives the same digests as the host, under qemu and glibc.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -16,17 +16,17 @@ use paros_shell::statics::{Resident, WorldWithStarts};
 use paros_shell::tick_runner;
 use paros_tests_android::check_parts;
 
-/// The one world of the process is recorded and played by one test after the other; and what is timed has no other
-/// emulated program beside it.
+/// Serialises the tests: the process has one world for recording and replaying, and timed runs must not share
+/// the host with another emulated program.
 pub(crate) static TURN: Mutex<()> = Mutex::new(());
 
-/// Plays a trace on the Android library, which `cargo run -p paros-package` builds.
+/// Replays a trace on the Android library, which `cargo run -p paros-package` builds.
 fn replay_on_android(trace: &Path, digests_out: &Path) -> Output {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../bionic/replay");
     Command::new("bash").arg(script).args([trace, digests_out]).output().expect("bash starts")
 }
 
-/// A restless visitor's session.
+/// Records a session of a random visitor.
 fn record_random_session<const N: usize>(ticks: u32) -> Vec<u8>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
@@ -43,18 +43,18 @@ where
     })
 }
 
-/// The world that replays here are played in.
+/// Locks the world in which traces are replayed on the host.
 fn replayed_world() -> MutexGuard<'static, WorldWithStarts<128, INTERVALS>> {
     Grid::<128>::lock_world()
 }
 
-/// A trace, and where its digests go.
+/// The paths of a trace and of the digests of its replay.
 struct ReplayFiles {
     trace: PathBuf,
     digests: PathBuf,
 }
 
-/// Writes a trace of a restless visitor.
+/// Writes a trace of a random visitor's session.
 fn write_random_trace<const N: usize>(name: &str, ticks: u32) -> ReplayFiles
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
@@ -78,7 +78,7 @@ fn a_replay_writes_a_digest_for_each_tick_or_nothing() {
 
     fs::remove_file(&digests).expect("it was written");
     let mut bytes = fs::read(&trace).expect("it was written");
-    // The digest of the last part, after the last tick.
+    // Corrupts the last digest of the trace.
     *bytes.last_mut().expect("a trace") ^= 1;
     fs::write(&trace, bytes).expect("room on the disk");
     let why = write_replay_digests(&trace, &digests).expect_err("it is another trace").to_string();

@@ -1,4 +1,4 @@
-//! Tests that need the library for Android.
+//! Tests that need the Android library.
 
 mod activity;
 mod android;

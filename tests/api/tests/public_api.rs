@@ -1,5 +1,5 @@
-//! The public API of `paros-core`, item by item, against `tests/goldens/core-api.txt`. A change shows in
-//! the golden file's diff; `PAROS_GOLDEN=write cargo test -p paros-tests-api` writes it.
+//! Compares the public API of `paros-core`, item by item, with `tests/goldens/core-api.txt`, so that a change
+//! shows in the golden file's diff. `PAROS_GOLDEN=write cargo test -p paros-tests-api` updates the file.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -10,11 +10,11 @@ use public_api::Builder;
 const AGAIN: &str =
     "if it was meant to, write it: PAROS_GOLDEN=write cargo test -p paros-tests-api";
 
-/// The items of rustdoc's JSON, a line each. Rustdoc's JSON is unstable: another version of rustc may
-/// write another format, which is told as an error.
+/// Returns the items of rustdoc's JSON, one a line. The JSON format is unstable; a version that can't be
+/// parsed is an error.
 fn list_public_api() -> Result<String, String> {
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    // A target folder of its own: the build of the tests may be under way in the other.
+    // Uses a separate target folder, because the tests' own build may hold the lock of the default one.
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("api");
     let built = Command::new(env!("CARGO"))
         .args(["rustdoc", "--quiet", "--package", "paros-core", "--lib", "--target-dir"])
@@ -36,7 +36,7 @@ fn list_public_api() -> Result<String, String> {
     Ok(api.to_string())
 }
 
-/// The first line of either listing that the other lacks.
+/// Returns the first line that only one of the listings contains, with that listing's name.
 fn find_difference<'a>(kept: &'a str, now: &'a str) -> Option<(&'static str, &'a str)> {
     let lacks = |text: &str, line: &&str| !text.lines().any(|other| other == *line);
     let added = now.lines().find(|line| lacks(kept, line)).map(|line| ("added", line));

@@ -1,4 +1,4 @@
-//! The booth's own program as a process, for tests of what talks to it.
+//! Runs the booth's real program as a process, for tests of its clients.
 #![forbid(unsafe_code)]
 
 use std::env;
@@ -11,14 +11,15 @@ use std::thread;
 
 use paros_shell::require::require_or_skip;
 
-/// The booth's program, brought up to date, or the one that the environment variable `PAROS_BOOTH` names. Newcomers don't
-/// build it: where nobody has, there is none, and a test is skipped unless all is required.
+/// Returns the path of the booth's program: the one named by the environment variable `PAROS_BOOTH`, or a
+/// fresh build. If the program has never been built, returns `None` so that the test is skipped, unless all
+/// tests are required.
 ///
 /// # Panics
-/// It can't be built, and all is required.
+/// The program can't be built, and all tests are required.
 #[must_use]
 pub fn find_booth() -> Option<PathBuf> {
-    // Once a process: a program that another test runs isn't replaced.
+    // Builds once a process, so that a program in use by another test isn't replaced.
     static FOUND: LazyLock<Result<PathBuf, String>> = LazyLock::new(|| {
         if let Some(program) = env::var_os("PAROS_BOOTH") {
             let program = PathBuf::from(program);
@@ -40,7 +41,7 @@ pub fn find_booth() -> Option<PathBuf> {
 fn build_booth(is_release: bool) -> Result<(), String> {
     let mut build = Command::new(env!("CARGO"));
     build.args(["build", "--quiet", "-p", "paros-booth"]).args(is_release.then_some("--release"));
-    // What cargo tells the test of its package would have crates built again that ask for it.
+    // Cargo's variables for this test's package would make crates that read them rebuild.
     for (name, _) in env::vars_os() {
         let told = name.to_string_lossy();
         if ["CARGO_PKG_", "CARGO_MANIFEST_"].iter().any(|group| told.starts_with(group)) {
@@ -55,7 +56,8 @@ fn build_booth(is_release: bool) -> Result<(), String> {
     }
 }
 
-/// A booth that serves: its data in `booth` of a folder, its log in `log`. It is killed when it is dropped.
+/// A running booth with its data in `FOLDER/booth` and its log in `FOLDER/log`. Dropping it kills the
+/// process.
 #[derive(Debug)]
 pub struct BoothProcess {
     process: Child,
@@ -65,10 +67,10 @@ pub struct BoothProcess {
 }
 
 impl BoothProcess {
-    /// Starts a program where it finds a port, or at one that it had before, and waits until it can be reached.
+    /// Starts a program on a free port, or at the address `listen`, and waits until it accepts connections.
     ///
     /// # Panics
-    /// It doesn't start.
+    /// The program doesn't start.
     #[must_use]
     pub fn start(program: &Path, folder: &Path, listen: Option<&str>) -> Self {
         let log = folder.join("log");
@@ -86,30 +88,30 @@ impl BoothProcess {
             panic!("the booth doesn't start: {:?}; its log: {words}", process.wait());
         };
         assert!(address.starts_with("https://"), "{address}");
-        // What else it says is read, so that it never waits for that.
+        // Drains the rest of the output, so that the program never blocks on a full pipe.
         thread::spawn(move || lines.for_each(drop));
         BoothProcess { process, program: program.into(), folder: folder.into(), address }
     }
 
-    /// Its address: `https://` and a socket's.
+    /// Returns the booth's URL: `https://` and a socket address.
     #[must_use]
     pub fn address(&self) -> &str {
         &self.address
     }
 
-    /// The folder of its data.
+    /// Returns the data folder.
     #[must_use]
     pub fn data(&self) -> PathBuf {
         self.folder.join("booth")
     }
 
-    /// All that it has logged, of starts before too.
+    /// Returns the whole log, earlier starts included.
     #[must_use]
     pub fn read_log(&self) -> String {
         fs::read_to_string(self.folder.join("log")).unwrap_or_default()
     }
 
-    /// What one of its commands prints, such as a fleet's file.
+    /// Runs one of the program's commands on the booth's data and returns its standard output.
     ///
     /// # Panics
     /// The command fails.
@@ -122,18 +124,18 @@ impl BoothProcess {
         String::from_utf8(done.stdout).expect("text")
     }
 
-    /// The text of a new fleet's file.
+    /// Returns the text of a new fleet file.
     ///
     /// # Panics
-    /// None is made.
+    /// The command fails.
     #[must_use]
     pub fn make_fleet_file(&self) -> String {
         self.run(&["fleet-file", "--address", &self.address])
     }
 
-    /// Kills it as a loss of power does.
+    /// Kills the process abruptly, as a loss of power does.
     pub fn kill(&mut self) {
-        // It may have ended.
+        // The process may have ended already.
         let _ = self.process.kill();
         let _ = self.process.wait();
     }

@@ -1,4 +1,4 @@
-//! What visitors, staff, thieves and misfortune do.
+//! The random actions of visitors, staff, thieves and faults in a simulated exhibition.
 
 use std::time::Duration;
 
@@ -10,7 +10,7 @@ use crate::network::Weather;
 use crate::truth::{Asked, Made, facts_of, number_of_facts};
 
 impl Exhibition {
-    /// Something happens.
+    /// Performs one random action.
     pub(crate) fn act(&mut self) {
         let h = self.any_headset();
         match self.dice.below(30) {
@@ -100,7 +100,7 @@ impl Exhibition {
         let Some(number) = self.headsets[h].pending.pop() else { return };
         let id = self.truth.made[number].id;
         if let Some(sender) = &mut self.headsets[h].sender {
-            // It may be there after all, where a write failed at its end alone.
+            // The parcel may be stored even so, if the write failed only at its end.
             let _ = sender.abandon(id);
         }
         self.note(&format!("headset {h} abandons {number}"));
@@ -155,7 +155,7 @@ impl Exhibition {
         let at = self.dice.below(sculptures.len() as u64) as usize;
         let id = SculptureId(sculptures[at].id);
         let now = self.booth_time();
-        // Where the booth's disk fails it may be deleted all the same.
+        // The call may fail after the sculpture has been deleted, if the booth's disk fails.
         let _ = self.booth.booth.delete(&id, "staff", now);
         let (_, tombstones) = self.booth.list_all();
         if tombstones.iter().any(|tombstone| tombstone.id == id.0) {
@@ -165,7 +165,7 @@ impl Exhibition {
         self.note(&format!("the staff deletes {id}"));
     }
 
-    /// Another device sends its own under an id that isn't its own.
+    /// Sends a thief's own sculpture under another headset's id.
     fn steal(&mut self) {
         if self.truth.made.is_empty() || self.truth.restores > 0 {
             return;
@@ -180,7 +180,7 @@ impl Exhibition {
         let request = BoothRequest { kind, number: 1, body: parcel.into_file() };
         let answer = self.booth.serve(THIEF, &request, self.booth_time());
         if answer.status == 200 {
-            // Nobody else's number, and nobody's to miss.
+            // Records the thief's sculpture as a separate sculpture that may be lost.
             self.truth.stolen += 1;
             self.truth.made[at].is_stolen = true;
             let id = SculptureId([255; 16]);

@@ -1,5 +1,6 @@
-//! Months of badges: headsets that are wiped, silent or stuck, and a booth that comes back from backups. The devices are the
-//! naive ones of the protocol: they show the next number of what the last answer says they hold.
+//! Months of badge leases: headsets that are wiped, silent or stuck, and a booth that is restored from
+//! backups. The devices are minimal protocol clients: each shows the next free number that the last answer
+//! reported.
 
 use std::time::Duration;
 
@@ -18,56 +19,56 @@ use crate::truth::{Made, facts_of};
 /// A day, in milliseconds.
 const DAY_MS: u64 = 86_400_000;
 
-/// Days for which a headset keeps what it sent.
+/// Retention of sent sculptures in a headset, in days.
 const GRACE_DAYS: u32 = 9;
 
-/// Days from a backup to the next, and how many are kept.
+/// Days between two backups, and the number of backups that are kept.
 const BACKUP_DAYS: u32 = 3;
 const BACKUPS: usize = 3;
 
-/// How many there are of what.
+/// The size of a simulated badge year.
 #[derive(Clone, Copy, Debug)]
 pub struct YearPlan {
-    /// Headsets.
+    /// Number of headsets.
     pub headsets: u8,
-    /// Days.
+    /// Number of days.
     pub days: u32,
-    /// Visits to a headset in a day.
+    /// Visits a day and headset.
     pub visits: u32,
-    /// Headsets of a hundred that lose their data each night.
+    /// Percentage of headsets that lose their data each night.
     pub wiped_percent: u64,
 }
 
-/// What came of it.
+/// The counts of a simulated badge year.
 #[derive(Clone, Copy, Default, Debug)]
 pub struct YearSums {
-    /// Visits.
+    /// Number of visits.
     pub visits: u64,
-    /// Those whose badge was provisional.
+    /// Visits whose badge was provisional.
     pub provisional: u64,
-    /// Sculptures that came too late for their badge.
+    /// Sculptures that arrived after their badge had lapsed.
     pub lapsed: u64,
-    /// Times that the booth came back from a backup.
+    /// Restores of the booth from a backup.
     pub restores: u64,
-    /// Sculptures that were sent again after one.
+    /// Sculptures sent again after a restore.
     pub returned: u64,
-    /// Leased numbers that were shown again, by a later visitor.
+    /// Leased numbers shown again to a later visitor.
     pub shown_again: u64,
 }
 
-/// A sculpture that is to be sent, or was.
+/// A finished sculpture, sent or waiting to be sent.
 #[derive(Clone)]
 struct Finished {
     facts: UploadFacts,
     made_on: u32,
-    /// The day on which it is sent.
+    /// The day of the upload.
     due_on: u32,
 }
 
 struct Headset {
     device: Device,
     badges: BadgeReport,
-    /// It reaches the booth from this day on.
+    /// The first day on which the headset reaches the booth again.
     returns_on: u32,
     waiting: Vec<Finished>,
     sent: Vec<Finished>,
@@ -84,11 +85,11 @@ struct Year {
     sums: YearSums,
 }
 
-/// Runs it.
+/// Simulates a badge year.
 ///
 /// # Panics
-/// A badge lapses of a sculpture that waited for [`LATE_DAYS`] at most, or a headset that reaches the booth isn't leased
-/// two blocks at once or shows a provisional badge.
+/// A badge lapses although its sculpture was at most [`LATE_DAYS`] late, or a headset that reaches the booth
+/// lacks its two leased blocks or shows a provisional badge.
 #[must_use]
 pub fn run_year(seed: u64, plan: YearPlan) -> YearSums {
     let booth = SimBooth::new(seed);
@@ -166,7 +167,7 @@ impl Year {
         headset.badges.blocks = answer.expect("nothing fails").badges;
     }
 
-    /// A visitor finishes a sculpture, and is shown a badge.
+    /// A visitor finishes a sculpture and is shown a badge.
     fn visit(&mut self, at: usize, is_reached: bool) {
         let blocks = &mut self.headsets[at].badges.blocks;
         let shown = blocks.iter_mut().find(|held| !held.is_used_up()).map(|held| {
@@ -227,7 +228,7 @@ impl Year {
         }
     }
 
-    /// The booth comes back from one of the last backups. Headsets send what it lacks of theirs.
+    /// Restores the booth from one of the last backups. Headsets send the sculptures that it lost.
     fn restore(&mut self) {
         let from = self.dice.below(self.backups.len() as u64) as usize;
         self.backups.truncate(from + 1);

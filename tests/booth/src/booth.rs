@@ -1,4 +1,4 @@
-//! The booth: its rules over a store and files that fail, and HTTP around them.
+//! The booth: the real rules over a store and files that fail at random, and an HTTP front end.
 
 use std::collections::BTreeMap;
 use std::io::{self, ErrorKind};
@@ -19,24 +19,24 @@ use paros_upload::{BoothRequest, HttpAnswer, RequestKind};
 
 use crate::truth::is_poison;
 
-/// The site.
+/// The site's id.
 pub const SITE: SiteId = SiteId([5; 16]);
 
-/// Ten in the morning of some day.
+/// Opening time: ten in the morning of an arbitrary day.
 pub const OPENING: BoothTime = BoothTime(20_000 * 86_400_000 + 36_000_000);
 
-/// What fails of the booth, and what it keeps.
+/// The files that the booth stores, and its fault injection.
 #[derive(Debug)]
 struct Inside {
     kept: BTreeMap<KeptName, Vec<u8>>,
-    /// The log of deletions, which no restore takes back.
+    /// The log of deletions, which restores keep.
     deletions: Vec<Deletion>,
     dice: RandomSource,
-    /// One call in so many fails; 0 for none.
+    /// One call in `fails_of` fails; 0 disables failures.
     fails_of: u64,
 }
 
-/// The store and the files.
+/// The shared file store with fault injection.
 #[derive(Debug)]
 struct SimFiles(Mutex<Inside>);
 
@@ -46,16 +46,16 @@ struct SimStore {
     files: Arc<SimFiles>,
 }
 
-/// What a booth had at some time.
+/// A backup of the booth: its records and files.
 pub struct SimBackup {
     store: SqliteStore,
     kept: BTreeMap<KeptName, Vec<u8>>,
     copied_at: BoothTime,
 }
 
-/// The booth with its network's end.
+/// The booth behind its simulated HTTP interface.
 pub struct SimBooth {
-    /// Its rules.
+    /// The booth's rules.
     pub booth: Booth,
     files: Arc<SimFiles>,
     store: Arc<SimStore>,
@@ -87,7 +87,7 @@ impl ParcelFiles for SimFiles {
         let mut inside = self.lock();
         inside.fail()?;
         inside.kept.insert(*name, bytes.to_vec());
-        // It is there, and nobody is told.
+        // The file is written, but the call may still report a failure.
         inside.fail()
     }
 
@@ -115,10 +115,10 @@ impl ParcelFiles for SimFiles {
 }
 
 impl SimBooth {
-    /// A booth that lets devices in by one token.
+    /// Creates a booth that enrols devices by one fleet token.
     ///
     /// # Panics
-    /// Never: nothing fails yet.
+    /// Never: failures are still off.
     pub fn new(seed: u64) -> Self {
         let inside = Inside {
             kept: BTreeMap::new(),
@@ -136,21 +136,21 @@ impl SimBooth {
         SimBooth { booth, files, store }
     }
 
-    /// A backup: records and kept files as they are.
+    /// Copies the records and stored files.
     ///
     /// # Panics
-    /// Never: memory doesn't fail.
+    /// Never: the copy is made in memory.
     #[must_use]
     pub fn back_up(&self, copied_at: BoothTime) -> SimBackup {
         let store = SqliteStore::copy_in_memory(&self.store.inner).expect("memory");
         SimBackup { store, kept: self.files.lock().kept.clone(), copied_at }
     }
 
-    /// The booth is lost and comes back from a backup; what was deleted since is known. Nothing fails from now on. Returns
-    /// all that was deleted.
+    /// Replaces the booth's state with a backup, and applies the deletions logged since. Turns failures off.
+    /// Returns all logged deletions.
     ///
     /// # Panics
-    /// The backup can't be made fit for use.
+    /// The backup can't be prepared for use.
     pub fn restore(&mut self, backup: SimBackup, now: BoothTime) -> Vec<Deletion> {
         let SimBackup { store, kept, copied_at } = backup;
         let deletions = {
@@ -164,10 +164,10 @@ impl SimBooth {
         deletions
     }
 
-    /// Lets a device in. Its number is from 1, and the same for the same device.
+    /// Enrols a device and returns its number, which starts at 1. Enrolling is idempotent.
     ///
     /// # Panics
-    /// Where the booth refuses a valid token.
+    /// The booth refuses a valid token.
     pub fn enrol(&self, device: u8, now: BoothTime) -> u32 {
         let enrolment = FleetEnrolment {
             enrolment_token: EnrolmentToken([77; 32]),
@@ -178,24 +178,24 @@ impl SimBooth {
         self.booth.enrol_fleet(&enrolment, now).expect("a valid token").headset
     }
 
-    /// Lets a device in, and finds its record.
+    /// Enrols a device and returns its record.
     ///
     /// # Panics
-    /// Where the booth refuses a valid token.
+    /// The booth refuses a valid token.
     pub fn enrol_device(&self, device: u8, now: BoothTime) -> Device {
         self.enrol(device, now);
         self.booth.authenticate(&token_of(device)).expect("it was let in")
     }
 
-    /// One call in so many fails from now on; none for 0.
+    /// Makes one call in `fails_of` fail from now on; 0 turns failures off.
     pub fn set_failures(&self, fails_of: u64) {
         self.files.lock().fails_of = fails_of;
     }
 
-    /// All sculptures that are kept, and those that were deleted.
+    /// Lists all stored sculptures, and the tombstones of deleted ones.
     ///
     /// # Panics
-    /// Where the store fails.
+    /// The store fails.
     pub fn list_all(&self) -> (Vec<Sculpture>, Vec<Tombstone>) {
         let list = |tx: &mut (dyn Transaction + '_)| {
             Ok::<_, StoreError>((tx.find("ORDER BY id", &[])?, tx.find("ORDER BY id", &[])?))
@@ -203,26 +203,26 @@ impl SimBooth {
         view(&self.store.inner, list).expect("a store in memory")
     }
 
-    /// Announcements of what hasn't come: headset and id.
+    /// Lists announced sculptures that haven't arrived, by headset and id.
     ///
     /// # Panics
-    /// Where the store fails.
+    /// The store fails.
     pub fn list_missing(&self) -> Vec<(u32, [u8; 16])> {
         let all = view(&self.store.inner, |tx| tx.find("ORDER BY headset, sculpture", &[]));
         let missing: Vec<Announcement> = all.expect("a store in memory");
         missing.iter().map(|missing| (missing.headset, missing.sculpture)).collect()
     }
 
-    /// A command that was given.
+    /// Returns a command given to a headset.
     ///
     /// # Panics
-    /// Where there is none.
+    /// The command doesn't exist.
     pub fn find_command(&self, headset: u32, id: u64) -> Command {
         let found = view(&self.store.inner, |tx| tx.get(&[&headset, &id]));
         found.expect("a store in memory").expect("a command that was given")
     }
 
-    /// Answers a request of a device.
+    /// Handles a device's request and returns the HTTP response.
     pub fn serve(&self, device: u8, request: &BoothRequest, now: BoothTime) -> HttpAnswer {
         let (status, retry_after, body) = match self.answer(device, request, now) {
             Ok((status, body)) => (status, None, body),
@@ -259,7 +259,7 @@ fn make_booth(store: &Arc<SimStore>, files: &Arc<SimFiles>) -> Booth {
     Booth::new(store.clone(), files.clone(), keys, BoothPlan::default())
 }
 
-/// The token of a device.
+/// Returns a device's token.
 fn token_of(device: u8) -> DeviceToken {
     DeviceToken([device + 1; 32])
 }

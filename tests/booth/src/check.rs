@@ -1,4 +1,4 @@
-//! What must hold whatever happens.
+//! The invariants of an exhibition.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,18 +9,18 @@ use crate::exhibition::Exhibition;
 use crate::headset::SimHeadset;
 use crate::truth::number_of_facts;
 
-/// What the booth has.
+/// The booth's contents.
 struct Kept {
-    /// Numbers of sculptures that are kept.
+    /// Numbers of stored sculptures.
     numbers: BTreeSet<usize>,
-    /// Ids of those that are kept or were deleted.
+    /// Ids of sculptures that are stored or were deleted.
     settled: BTreeSet<SculptureId>,
 }
 
 /// Checks all invariants.
 ///
 /// # Panics
-/// One doesn't hold.
+/// An invariant is violated.
 pub fn check(exhibition: &Exhibition) {
     let kept = check_booth(exhibition);
     let here = list_here(exhibition);
@@ -42,12 +42,13 @@ pub fn check(exhibition: &Exhibition) {
     }
 }
 
-/// What is in the folders, by headset.
+/// Lists the sculptures in the outbox folders, by headset.
 fn list_here(exhibition: &Exhibition) -> Vec<BTreeSet<usize>> {
     exhibition.headsets.iter().map(SimHeadset::list_parcels).collect()
 }
 
-/// Nothing is stored twice, no leased badge names two, and what the records say is on the disk.
+/// Asserts that no sculpture is stored twice, that no leased badge names two sculptures, and that every
+/// record's file exists.
 fn check_booth(exhibition: &Exhibition) -> Kept {
     let (sculptures, tombstones) = exhibition.booth.list_all();
     let mut badges = BTreeMap::new();
@@ -62,22 +63,22 @@ fn check_booth(exhibition: &Exhibition) -> Kept {
         let bytes = exhibition.booth.booth.read_kept(sculpture);
         assert!(bytes.is_ok_and(|bytes| bytes.starts_with(&facts.to_head())), "{id}: no file");
         let badge = sculpture.badge.and_then(BadgeNumber::new);
-        // A thief's is whatever it says.
+        // The badge of a thief's sculpture is arbitrary.
         let is_leased = badge.is_some_and(|badge| !badge.is_provisional());
         if is_leased && sculpture.headset != exhibition.thief {
             let other = badges.insert(badge, id);
             assert!(other.is_none(), "{badge:?} names {id} and {other:?}");
-            // Whatever a thief claims, and whenever the booth came back from a backup.
+            // Holds regardless of a thief's claims and of restores.
             assert!(!sculpture.is_badge_lapsed(), "{id}: an honest headset's badge lapsed");
         }
     }
     kept
 }
 
-/// Checks that all is where it belongs once nothing fails any more.
+/// Checks that every sculpture is where it belongs once failures have ended.
 ///
 /// # Panics
-/// Something isn't.
+/// A sculpture is missing or misplaced.
 pub fn check_settled(exhibition: &Exhibition) {
     check(exhibition);
     let kept = check_booth(exhibition);
@@ -96,7 +97,7 @@ pub fn check_settled(exhibition: &Exhibition) {
     }
 }
 
-/// What headsets wait for, for people.
+/// Describes the pending work of each headset, for the failure message.
 #[must_use]
 pub fn list_unsettled(exhibition: &Exhibition) -> String {
     let mut text = String::new();
@@ -108,7 +109,7 @@ pub fn list_unsettled(exhibition: &Exhibition) -> String {
     text
 }
 
-/// Whether no headset waits for anything but what the booth refuses.
+/// Returns `true` if every headset's pending items are only those that the booth refuses.
 #[must_use]
 pub fn is_settled(exhibition: &Exhibition) -> bool {
     exhibition.headsets.iter().all(|headset| {

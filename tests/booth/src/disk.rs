@@ -1,4 +1,4 @@
-//! A disk that is full, fails, rots, and loses its power in the middle of a write.
+//! A simulated disk that can be full, fail, corrupt bits, and lose power during a write.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -11,33 +11,34 @@ use paros_upload::OutboxFolder;
 /// A headset's disk.
 #[derive(Debug)]
 pub struct SimDisk {
-    /// The files as programs see them.
+    /// The files' current contents, as programs see them.
     files: BTreeMap<String, Vec<u8>>,
     /// When each file was written or renamed, in seconds.
     times: BTreeMap<String, u64>,
     /// The device's clock, in seconds.
     pub now_s: u64,
-    /// Names that were removed or exchanged and not synced: after a loss of power they may be back.
+    /// Names removed or replaced and not synced yet, with their old contents: a loss of power may restore
+    /// these.
     unsynced: BTreeMap<String, Vec<u8>>,
-    /// Whether folders can't be synced, as on some storages.
+    /// `true` if folders can't be synced, as on some file systems.
     is_lazy: bool,
-    /// Whether writes are refused.
+    /// `true` if writes are refused.
     pub is_full: bool,
-    /// Calls until the power is lost.
+    /// Number of calls until the power fails.
     fuse: Option<u32>,
-    /// Whether it is lost: nothing is written or sent any more.
+    /// `true` if the power is off: nothing is written or sent any more.
     pub is_dead: bool,
-    /// Whether calls fail for no reason.
+    /// `true` if calls fail at random.
     is_worn: bool,
     dice: RandomSource,
 }
 
-/// The folder of an outbox on such a disk.
+/// The folder of an outbox on a simulated disk.
 #[derive(Clone, Debug)]
 pub struct SimFolder(pub Rc<RefCell<SimDisk>>);
 
 impl SimDisk {
-    /// An empty disk.
+    /// Creates an empty disk.
     pub fn new(seed: u64, is_lazy: bool) -> Self {
         SimDisk {
             files: BTreeMap::new(),
@@ -53,12 +54,12 @@ impl SimDisk {
         }
     }
 
-    /// The power will be lost in the midst of this call from now on, counted from 0.
+    /// Schedules a power loss during the call number `calls` from now, counted from 0.
     pub fn set_fuse(&mut self, calls: u32) {
         self.fuse = Some(calls);
     }
 
-    /// The power is back, now and then for some calls only, and what wasn't synced may be as it was.
+    /// Turns the power on, at times for a few calls only. Unsynced changes may be rolled back.
     pub fn power_up(&mut self) {
         (self.fuse, self.is_dead) = (None, false);
         if self.is_worn && self.dice.one_in(5) {
@@ -71,18 +72,18 @@ impl SimDisk {
         }
     }
 
-    /// From now on nothing fails.
+    /// Turns all failures off.
     pub fn mend(&mut self) {
         (self.is_full, self.is_worn, self.fuse) = (false, false, None);
     }
 
-    /// Forgets all files.
+    /// Deletes all files.
     pub fn wipe(&mut self) {
         self.files.clear();
         self.unsynced.clear();
     }
 
-    /// Changes a bit of a file.
+    /// Flips a bit of a file.
     pub fn rot(&mut self, name: &str) {
         let Some(bytes) = self.files.get_mut(name) else { return };
         let (at, bit) = (self.dice.below(bytes.len().max(1) as u64), self.dice.below(8));
@@ -91,12 +92,12 @@ impl SimDisk {
         }
     }
 
-    /// The bytes of a file.
+    /// Returns the bytes of a file.
     pub fn peek(&self, name: &str) -> Option<&[u8]> {
         self.files.get(name).map(Vec::as_slice)
     }
 
-    /// Whether the power is lost in this call.
+    /// Returns `true` if the power fails during this call.
     fn burns(&mut self) -> bool {
         if let Some(calls) = &mut self.fuse {
             self.is_dead |= *calls == 0;
@@ -119,10 +120,11 @@ impl SimDisk {
         Some(bytes)
     }
 
-    /// Writes a file whole or not at all; where the power is lost, one of both, or leaves what was begun.
+    /// Writes a file atomically. On a loss of power the file is either old or new, and a temporary file may
+    /// be left behind.
     ///
     /// # Errors
-    /// That the disk is full, fails or has no power.
+    /// The disk is full, fails or has no power.
     pub fn write(&mut self, name: &str, bytes: &[u8]) -> io::Result<()> {
         if self.is_dead {
             return Err(ErrorKind::BrokenPipe.into());
@@ -143,7 +145,7 @@ impl SimDisk {
             return Err(ErrorKind::StorageFull.into());
         }
         if self.is_worn && self.dice.one_in(60) {
-            // Only the last sync of all fails, or the first call.
+            // Either only the final sync fails, or the first call.
             if self.dice.one_in(2) {
                 self.put(name, bytes);
             }

@@ -1,4 +1,4 @@
-//! An exhibition of some headsets, a thief among them, and all that may happen.
+//! A simulated exhibition: some headsets, one of which is a thief's, and random events.
 
 use paros_booth_rules::BoothTime;
 use paros_models::random_visitor::RandomSource;
@@ -12,26 +12,26 @@ use crate::headset::SimHeadset;
 use crate::network::{Message, OnItsWay, Weather, fault_of};
 use crate::truth::Truth;
 
-/// Headsets of an exhibition, without the thief.
+/// Number of headsets, the thief's excluded.
 const HEADSETS: usize = 3;
 
-/// The thief's device.
+/// The index of the thief's device.
 pub(crate) const THIEF: u8 = HEADSETS as u8;
 
-/// Lines of what happened that are kept.
+/// Capacity of the event log, in lines.
 const LOG_LINES: usize = 400;
 
-/// An exhibition.
+/// A simulated exhibition.
 pub struct Exhibition {
     /// The headsets.
     pub headsets: Vec<SimHeadset>,
-    /// The number of one that sends what isn't its own.
+    /// The booth's number of the thief's device.
     pub thief: u32,
     /// The booth.
     pub booth: SimBooth,
-    /// What really happened.
+    /// The ground truth that the checks compare with.
     pub truth: Truth,
-    /// What happened last, for people.
+    /// The latest events, for failure messages.
     pub log: Vec<String>,
     pub(crate) now_ms: u64,
     pub(crate) weather: Weather,
@@ -42,7 +42,7 @@ pub struct Exhibition {
 }
 
 impl Exhibition {
-    /// One of a seed.
+    /// Creates an exhibition from a seed.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         let mut dice = RandomSource::new(seed);
@@ -67,10 +67,10 @@ impl Exhibition {
         }
     }
 
-    /// Runs it to its end.
+    /// Runs `acts` random actions, then heals all faults and waits until everything is settled.
     ///
     /// # Panics
-    /// Something is lost, stored twice, or never comes.
+    /// A sculpture is lost, stored twice, or never arrives.
     pub fn run(&mut self, acts: u32) {
         for act in 0..acts {
             self.act();
@@ -125,7 +125,7 @@ impl Exhibition {
         }
     }
 
-    /// Some time passes: messages arrive, headsets step.
+    /// Advances the time: messages arrive and headsets step.
     pub(crate) fn turn(&mut self, ms: u64) {
         self.now_ms += ms;
         for h in 0..HEADSETS {
@@ -167,7 +167,7 @@ impl Exhibition {
         }
     }
 
-    /// What the booth says that it noted, whether or not it is heard.
+    /// Records the announcements that the booth acknowledged, even if the response is lost.
     fn note_noted(&mut self, h: usize, request: &BoothRequest, answer: &HttpAnswer) {
         let is_heartbeat = request.kind == RequestKind::Heartbeat;
         if let Ok(answer) = HeartbeatAnswer::from_json(&answer.body)
@@ -235,7 +235,7 @@ impl Exhibition {
         }
     }
 
-    /// From now on nothing fails, and everybody is there.
+    /// Ends all failures and powers every headset up.
     fn heal(&mut self) {
         self.note("all is well from now on");
         self.weather = Weather::FINE;
@@ -243,13 +243,13 @@ impl Exhibition {
         for h in 0..HEADSETS {
             self.headsets[h].disk.borrow_mut().mend();
             self.headsets[h].see_whether_it_is_dead();
-            // A start looks at the folder again.
+            // Restarts the program, which scans its folder again.
             self.headsets[h].kill();
             self.power_up(h);
             let sender = self.headsets[h].sender.as_mut().expect("nothing fails");
             let announced: Vec<_> = sender.spool().entries().iter().map(|entry| entry.id).collect();
             for id in announced {
-                // Those that are kept stay.
+                // Parcels already stored here stay.
                 let _ = sender.abandon(id);
             }
         }

@@ -1,4 +1,4 @@
-//! A headset: its disk, its link, and the outbox's sender while it is on.
+//! A headset: its disk, its link, and the outbox's sender while the program runs.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -13,14 +13,14 @@ use crate::disk::{SimDisk, SimFolder};
 use crate::network::{SimLink, Wire};
 use crate::truth::number_of_facts;
 
-/// The shell around a sender.
+/// The shell around the sender.
 #[derive(Debug)]
 pub struct SimHost {
-    /// Its clock.
+    /// The device's clock, in milliseconds.
     pub clock_ms: u64,
-    /// Of this visit.
+    /// The id of the current visit.
     pub session_id: u64,
-    /// What happened and wasn't looked at yet.
+    /// Events that haven't been handled yet.
     pub events: Vec<OutboxEvent>,
     dice: RandomSource,
 }
@@ -28,21 +28,21 @@ pub struct SimHost {
 /// A headset.
 #[derive(Debug)]
 pub struct SimHeadset {
-    /// Its number at the booth.
+    /// The booth's number of this headset.
     pub number: u32,
     /// Its disk.
     pub disk: Rc<RefCell<SimDisk>>,
-    /// What it sends and hears.
+    /// Requests sent, and responses received.
     pub wire: Rc<RefCell<Wire>>,
-    /// How often it was started.
+    /// Number of starts so far.
     pub start: u32,
-    /// Of this start.
+    /// The id of the current start.
     pub boot_id: u64,
-    /// The sender while it is on.
+    /// The sender; `None` while the program is off.
     pub sender: Option<Sender<SimFolder, SimLink>>,
     /// The shell around it.
     pub host: SimHost,
-    /// Sculptures that are finished and whose parcels are being made, by number.
+    /// Numbers of finished sculptures whose parcels are still being made.
     pub pending: Vec<usize>,
     settings: OutboxSettings,
 }
@@ -67,7 +67,7 @@ impl OutboxHost for SimHost {
 }
 
 impl SimHeadset {
-    /// One that is off, with an empty disk.
+    /// Creates a headset that is off and has an empty disk.
     pub fn new(number: u32, settings: OutboxSettings, dice: &mut RandomSource) -> Self {
         let is_lazy = dice.one_in(3);
         let disk = Rc::new(RefCell::new(SimDisk::new(dice.next_bits(), is_lazy)));
@@ -90,7 +90,7 @@ impl SimHeadset {
         }
     }
 
-    /// Starts its program. The power is back.
+    /// Turns the power on and starts the program.
     pub fn power_up(&mut self, site: SiteId) {
         self.disk.borrow_mut().power_up();
         self.start += 1;
@@ -104,7 +104,7 @@ impl SimHeadset {
         self.see_whether_it_is_dead();
     }
 
-    /// Ends its program at once. What was made and not kept is forgotten by the program.
+    /// Kills the program. Parcels that weren't stored yet are lost.
     pub fn kill(&mut self) {
         self.sender = None;
         self.host.events.clear();
@@ -112,7 +112,7 @@ impl SimHeadset {
         self.wire = Rc::default();
     }
 
-    /// Whether the power was lost in the last call: then its program has ended.
+    /// Ends the program if the power failed in the last call. Returns `true` if it did.
     pub fn see_whether_it_is_dead(&mut self) -> bool {
         let is_dead = self.disk.borrow().is_dead;
         if is_dead {
@@ -121,12 +121,12 @@ impl SimHeadset {
         is_dead
     }
 
-    /// The numbers of sculptures whose parcels are in the folder as they should be.
+    /// Lists the sculptures whose parcels are intact in the folder, by number.
     pub fn list_parcels(&self) -> BTreeSet<usize> {
         self.list_files().iter().filter_map(|name| self.number_in_file(name)).collect()
     }
 
-    /// The number of the sculpture in a file, where that is a parcel as it should be.
+    /// Returns the number of the sculpture in a file, or `None` if the file isn't an intact parcel.
     pub fn number_in_file(&self, name: &str) -> Option<usize> {
         let disk = self.disk.borrow();
         let is_parcel = [".parcel", ".refused", ".sent"].iter().any(|end| name.ends_with(end));
@@ -135,7 +135,7 @@ impl SimHeadset {
         Some(number_of_facts(parcel.facts()))
     }
 
-    /// The names of its files.
+    /// Lists the file names in the folder.
     pub fn list_files(&self) -> Vec<String> {
         SimFolder(self.disk.clone()).list().unwrap_or_default()
     }

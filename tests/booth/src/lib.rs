@@ -1,6 +1,7 @@
-//! Exhibitions under one seed: the outbox's driver, a network and the booth's rules, whose time, network and disks are
-//! replaced. Whatever happens, what the booth took isn't lost, nothing is stored twice, no leased badge names
-//! two sculptures, and what was announced is kept or missed.
+//! Seeded simulations of exhibitions: the outbox's driver, a network and the booth's rules, with simulated
+//! time, network and disks. Under all faults, no sculpture that the booth accepted is lost, none is stored
+//! twice, no leased badge names two sculptures, and every announced sculpture is either stored or reported
+//! missing.
 
 mod acts;
 pub mod badge_year;

@@ -1,4 +1,4 @@
-//! A network that loses, delays, doubles and reorders.
+//! A network that loses, delays, duplicates and reorders messages.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -6,16 +6,16 @@ use std::rc::Rc;
 use paros_models::random_visitor::RandomSource;
 use paros_upload::{BoothLink, BoothRequest, LinkAnswer, LinkFault};
 
-/// What a headset has sent, and what has come for it.
+/// A headset's queues of requests and responses.
 #[derive(Debug, Default)]
 pub struct Wire {
-    /// Requests that haven't left yet.
+    /// Requests not delivered to the network yet.
     pub sent: Vec<BoothRequest>,
-    /// Answers that the headset hasn't read yet.
+    /// Responses that the headset hasn't read yet.
     pub arrived: Vec<LinkAnswer>,
 }
 
-/// The link of a headset.
+/// A headset's link to the booth.
 #[derive(Clone, Debug, Default)]
 pub struct SimLink(pub Rc<RefCell<Wire>>);
 
@@ -30,46 +30,46 @@ impl BoothLink for SimLink {
     }
 }
 
-/// A message on its way.
+/// A message in transit.
 #[derive(Debug)]
 pub enum Message {
-    /// To the booth.
+    /// A request to the booth.
     Request(BoothRequest),
-    /// To the headset's start that asked.
+    /// A response to the start that sent the request.
     Answer(LinkAnswer),
 }
 
-/// A message, whose, and when it arrives.
+/// A message in transit, with its headset and arrival time.
 #[derive(Debug)]
 pub struct OnItsWay {
-    /// Which headset's.
+    /// The headset's index.
     pub headset: usize,
-    /// Of which of its starts: to a later one nothing is delivered.
+    /// The start that sent the message: a later start doesn't receive it.
     pub start: u32,
-    /// In milliseconds of the exhibition.
+    /// Arrival time, in milliseconds of the exhibition.
     pub arrives_ms: u64,
-    /// What it is.
+    /// The message.
     pub message: Message,
 }
 
-/// How bad the network is: one in so many messages is lost, one in so many doubled.
+/// The network's faults: one message in `lost_of` is lost, one in `doubled_of` duplicated.
 #[derive(Clone, Copy, Debug)]
 pub struct Weather {
-    /// Of messages lost; 0 for none.
+    /// One message in this many is lost; 0 for none.
     pub lost_of: u64,
-    /// Of messages doubled; 0 for none.
+    /// One message in this many is duplicated; 0 for none.
     pub doubled_of: u64,
-    /// The longest that one takes, in milliseconds.
+    /// The longest delay of a message, in milliseconds.
     pub longest_ms: u64,
-    /// Whether nothing passes.
+    /// `true` if the network is down.
     pub is_down: bool,
 }
 
 impl Weather {
-    /// All that is sent arrives at once.
+    /// A perfect network: every message arrives at once.
     pub const FINE: Weather = Weather { lost_of: 0, doubled_of: 0, longest_ms: 20, is_down: false };
 
-    /// Any.
+    /// Draws random faults.
     pub fn draw(dice: &mut RandomSource) -> Self {
         let longest_ms = [20, 300, 5_000, 90_000][dice.below(4) as usize];
         let lost_of = [0, 20, 5, 2][dice.below(4) as usize];
@@ -77,7 +77,7 @@ impl Weather {
         Weather { lost_of, doubled_of, longest_ms, is_down: dice.one_in(5) }
     }
 
-    /// How often and when a message arrives.
+    /// Returns the arrival time of each copy of a message.
     pub fn deliveries(&self, now_ms: u64, dice: &mut RandomSource) -> Vec<u64> {
         let mut times = Vec::new();
         let is_lost = self.is_down || self.lost_of > 0 && dice.one_in(self.lost_of);
@@ -91,7 +91,7 @@ impl Weather {
     }
 }
 
-/// What a link says of a request that was lost, if it notices.
+/// Returns the link's error for a lost request, if the link notices the loss.
 #[must_use]
 pub fn fault_of(request: &BoothRequest, dice: &mut RandomSource) -> Option<LinkAnswer> {
     let BoothRequest { kind, number, .. } = *request;

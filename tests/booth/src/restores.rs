@@ -1,4 +1,4 @@
-//! The booth is lost, and comes back from a backup.
+//! Loss of the booth, and its restore from a backup.
 
 use std::collections::BTreeSet;
 
@@ -10,13 +10,13 @@ use crate::exhibition::Exhibition;
 use crate::network::Weather;
 use crate::truth::number_of_facts;
 
-/// Seconds after which a headset that hears the booth has asked for all that it sent: it asks now and then, and its
-/// heartbeats may have been far between.
+/// Seconds within which a headset that reaches the booth has asked about everything that it sent.
+/// Confirmations are sent at [`CONFIRM_MS`], and heartbeats may have been far between.
 const SECONDS_UNTIL_ASKED: u64 = CONFIRM_MS / 1000 + 40;
 
 impl Exhibition {
-    /// Not where a thief took somebody's id, which nobody can know but in a simulation: who gave it up for another one may
-    /// have both where a disk forgets that too, and a booth that has forgotten the thief takes both.
+    /// Backs the booth up, or restores it. Does nothing once a thief has taken an id: a restored booth that
+    /// forgot the thief may accept both sculptures, which only the simulation could detect.
     pub(crate) fn back_up_or_restore(&mut self) {
         if self.truth.stolen > 0 {
             return;
@@ -30,7 +30,7 @@ impl Exhibition {
                     self.let_all_hear();
                 }
                 self.note(&format!("the booth comes back from a backup: {all_hear}"));
-                // Who was spoken with is gone.
+                // Drops the messages of the lost booth's connections.
                 self.on_its_way.clear();
                 let deletions = self.booth.restore(backup, now);
                 self.take_back_what_is_lost(&deletions, all_hear);
@@ -41,7 +41,7 @@ impl Exhibition {
         }
     }
 
-    /// All headsets are on, and nothing is between them and the booth.
+    /// Powers all headsets up and gives them a perfect network.
     fn let_all_hear(&mut self) {
         self.weather = Weather::FINE;
         for h in 0..self.headsets.len() {
@@ -49,15 +49,15 @@ impl Exhibition {
             self.headsets[h].see_whether_it_is_dead();
             self.power_up(h);
         }
-        // What makes room for others has done so before anybody counts on it.
+        // Headsets finish freeing disk space before the expected results are computed.
         self.turn(1000);
         for h in 0..self.headsets.len() {
             self.step(h);
         }
     }
 
-    /// What is true of the booth as it is now: what it took since the backup is lost, but what is in a headset that
-    /// hears of it within the grace.
+    /// Updates the ground truth after a restore: sculptures accepted since the backup are lost, unless a
+    /// headset still has them and reaches the booth within the grace period.
     fn take_back_what_is_lost(&mut self, deletions: &[Deletion], all_hear: bool) {
         self.truth.restores += 1;
         let (sculptures, tombstones) = self.booth.list_all();
@@ -76,7 +76,7 @@ impl Exhibition {
             if is_known || !(made.was_signed || made.was_kept_here) {
                 continue;
             }
-            // What its program took in before it lost its power, it alone knows.
+            // Only the running program knows about changes that it made before its power failed.
             let entry = headset.sender.as_ref().and_then(|sender| sender.spool().find(made.id));
             if !made.was_signed && entry.is_some_and(|entry| entry.status != UploadStatus::Sent) {
                 continue;

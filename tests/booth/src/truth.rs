@@ -1,4 +1,4 @@
-//! What really happened, as nobody in the exhibition knows it.
+//! The ground truth of an exhibition, which no simulated party can see.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,10 +6,10 @@ use paros_core::badge::BadgeNumber;
 use paros_core::session::SessionMode;
 use paros_protocol::{AgeGroup, BlockSerial, CommandKind, FinishCause, SculptureId, UploadFacts};
 
-/// A sculpture that somebody made.
+/// A finished sculpture.
 #[derive(Clone, Debug)]
 pub struct Made {
-    /// In which headset.
+    /// The index of its headset.
     pub headset: usize,
     /// Its id.
     pub id: SculptureId,
@@ -17,22 +17,22 @@ pub struct Made {
     pub badge: Option<BadgeNumber>,
     /// The serial of its badge's block.
     pub serial: Option<BlockSerial>,
-    /// Whether its visitor read *kept here*.
+    /// `true` if its visitor read *kept here*.
     pub was_kept_here: bool,
-    /// Whether its visitor read *kept at the booth*.
+    /// `true` if its visitor read *kept at the booth*.
     pub was_signed: bool,
-    /// Whether the staff deleted it.
+    /// `true` if the staff deleted it.
     pub was_deleted: bool,
-    /// Whether it may be lost: the headset was wiped, or its file rotted.
+    /// `true` if it may be lost: the headset was wiped, or its file was corrupted.
     pub is_excused: bool,
-    /// Whether the booth can't read it.
+    /// `true` if the booth can't decode it.
     pub is_poison: bool,
-    /// Whether a thief's parcel came under its id before.
+    /// `true` if a thief's parcel arrived under its id first.
     pub is_stolen: bool,
 }
 
 impl Made {
-    /// One that its visitor has just finished.
+    /// Creates a sculpture that its visitor has just finished.
     pub const fn new(headset: usize, id: SculptureId, badge: Option<BadgeNumber>) -> Self {
         Made {
             headset,
@@ -49,69 +49,70 @@ impl Made {
     }
 }
 
-/// A command that the staff gave.
+/// A command given by the staff.
 #[derive(Clone, Copy, Debug)]
 pub struct Asked {
-    /// When.
+    /// When it was given, in milliseconds.
     pub asked_ms: u64,
-    /// What.
+    /// The command.
     pub kind: CommandKind,
-    /// For which visit.
+    /// The id of the visit that it is meant for.
     pub session_id: u64,
-    /// For which start.
+    /// The id of the start that it is meant for.
     pub boot_id: u64,
-    /// How often it was carried out.
+    /// Number of times that it was carried out.
     pub done: u32,
 }
 
-/// All of it.
+/// The ground truth of an exhibition.
 #[derive(Debug, Default)]
 pub struct Truth {
     /// The sculptures, by number.
     pub made: Vec<Made>,
-    /// Ids that the booth said it had noted.
+    /// Ids that the booth acknowledged as announced.
     pub noted: BTreeSet<(u32, SculptureId)>,
     /// Commands by headset and id.
     pub commands: BTreeMap<(usize, u64), Asked>,
-    /// Sculptures of which a headset heard that the booth has them.
+    /// Number of sculptures that a headset knows to be at the booth.
     pub heard: u32,
-    /// Ids that a thief took.
+    /// Number of ids that a thief took.
     pub stolen: u32,
-    /// How often the booth came back from a backup.
+    /// Number of restores from a backup.
     pub restores: u32,
-    /// Sculptures that the booth lost by that, and that it has to get again.
+    /// Number of sculptures that the booth lost in a restore and has to receive again.
     pub to_return: u32,
 }
 
 impl Truth {
-    /// The number of the sculpture that has an id.
+    /// Returns the number of the sculpture with an id.
     pub fn number_of(&self, id: SculptureId) -> Option<usize> {
         self.made.iter().position(|made| made.id == id)
     }
 
-    /// The sculpture that has an id.
+    /// Returns the sculpture with an id.
     pub fn find(&mut self, id: SculptureId) -> Option<&mut Made> {
         self.made.iter_mut().find(|made| made.id == id)
     }
 }
 
-/// The height of a sculpture's print in tenths of a millimetre, and that of one that the booth is to find undecodable.
+/// The height of a print in tenths of a millimetre, and the height that marks an undecodable sculpture.
 const HEIGHT: u16 = 1200;
 const POISON_HEIGHT: u16 = 1201;
 
-/// The number of the sculpture with such facts, whatever its id is: nobody looks at how long it took.
+/// Returns the number of a sculpture by its facts, whatever its id is. The unused field `sculpting_seconds`
+/// carries the number.
 #[must_use]
 pub const fn number_of_facts(facts: &UploadFacts) -> usize {
     facts.sculpting_seconds as usize
 }
 
-/// Whether the booth is to find it undecodable.
+/// Returns `true` if the booth is to treat the sculpture as undecodable.
 #[must_use]
 pub const fn is_poison(facts: &UploadFacts) -> bool {
     facts.height_mm_tenths == POISON_HEIGHT
 }
 
-/// Facts of a sculpture.
+/// Returns the facts of a sculpture.
 #[must_use]
 pub fn facts_of(number: usize, made: &Made) -> UploadFacts {
     UploadFacts {

@@ -1,5 +1,6 @@
-//! Exhibitions of many seeds. `PAROS_SEED=N` runs one; `PAROS_SEED_BASE=N` says with which they begin,
-//! `PAROS_SEEDS=N` how many there are; where `PAROS_SEED_SECONDS=S` is set, as many as fit, and no fewer than 2,000.
+//! Runs simulated exhibitions of many seeds. `PAROS_SEED=N` runs one seed. `PAROS_SEED_BASE=N` is the first
+//! seed and `PAROS_SEEDS=N` the number of seeds. `PAROS_SEED_SECONDS=S` sets a time limit instead, with at
+//! least 2,000 seeds.
 
 use std::num::NonZero;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -11,7 +12,7 @@ use paros_tests_booth::badge_year::{YearPlan, YearSums, run_year};
 use paros_tests_booth::exhibition::Exhibition;
 use paros_tests_booth::truth::Truth;
 
-/// What happens in an exhibition before all is well.
+/// Number of random actions in an exhibition before all faults are healed.
 const ACTS: u32 = 250;
 
 fn setting(name: &str) -> Option<u64> {
@@ -19,17 +20,17 @@ fn setting(name: &str) -> Option<u64> {
     Some(text.parse().unwrap_or_else(|_| panic!("{name}={text}: expected a number")))
 }
 
-/// What came of some seeds.
+/// The sums over some seeds.
 #[derive(Default)]
 struct Sums {
     seeds: u64,
-    /// Sculptures of which a headset heard that the booth has them.
+    /// Sculptures that a headset knows to be at the booth.
     heard: u64,
-    /// Sculptures that a booth lost which came back from a backup, and that headsets sent again.
+    /// Sculptures lost in a restore of the booth and sent again by headsets.
     returned: u64,
 }
 
-/// Runs one.
+/// Runs one seed.
 fn run(seed: u64) -> Sums {
     let mut exhibition = Exhibition::new(seed);
     if let Err(why) = catch_unwind(AssertUnwindSafe(|| exhibition.run(ACTS))) {
@@ -41,7 +42,7 @@ fn run(seed: u64) -> Sums {
     Sums { seeds: 1, heard: u64::from(heard), returned: u64::from(to_return) }
 }
 
-/// Runs seeds until there are enough, on all processors.
+/// Runs seeds on all processors until there are enough.
 fn run_all(base: u64, is_enough: impl Fn(u64) -> bool + Sync) -> Sums {
     let (next, has_failed) = (AtomicU64::new(0), AtomicBool::new(false));
     let work = || {
@@ -74,7 +75,7 @@ fn run_all(base: u64, is_enough: impl Fn(u64) -> bool + Sync) -> Sums {
     })
 }
 
-/// How many there are at the least where time is the limit, however slow the machine is.
+/// The minimum number of seeds under a time limit, however slow the machine is.
 const LEAST_SEEDS: u64 = 2_000;
 
 #[test]
@@ -95,18 +96,18 @@ fn nothing_is_lost_whatever_happens() {
         "{seeds} seeds from {base} in {seconds:.1} s: {heard} sculptures kept at the booth, \
          {returned} sent again after a restore"
     );
-    // Otherwise nothing was tried.
+    // Ensures that the simulations exercised uploads and restores.
     assert!(heard > seeds && returned > 0);
 }
 
-/// `PAROS_BADGE_YEAR=1` runs the whole year of 200 headsets with 50 visits a day.
+/// Simulates months of badges. `PAROS_BADGE_YEAR=1` runs a whole year of 200 headsets with 50 visits a day.
 #[test]
 fn months_of_badges_lapse_none_that_came_in_time() {
     let is_whole = setting("PAROS_BADGE_YEAR").is_some();
     let plan = if is_whole {
         YearPlan { headsets: 200, days: 365, visits: 50, wiped_percent: 50 }
     } else {
-        // As many blocks a day as there may be: all numbers are used once, and again.
+        // Leases the most blocks a day that are possible, so that all numbers are used and reused.
         YearPlan { headsets: 240, days: 75, visits: 1, wiped_percent: 85 }
     };
     let sums = run_year(setting("PAROS_SEED_BASE").unwrap_or(1), plan);

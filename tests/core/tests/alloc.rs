@@ -1,4 +1,4 @@
-//! Allocation tests by a counting allocator: no tick, no step of an export and no baked triangle allocates.
+//! Counts allocations: no tick, no step of an export and no baked triangle allocates.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -49,7 +49,7 @@ fn no_step_allocates() {
             without_allocating("a step", || harness.step(&input));
             edits += harness.world.events().len();
         }
-        // Starting again doesn't either, nor do a save and a load.
+        // Neither a new session nor a save and a load allocates.
         let mut bytes = vec![0; harness.world.save(&mut [])];
         without_allocating("a save and a load", || {
             let _ = harness.world.save(&mut bytes);

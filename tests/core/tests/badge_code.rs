@@ -1,4 +1,4 @@
-//! The badge's code, both ways, and its check against all mistakes.
+//! The badge's code in both directions, and its detection of every single mistake.
 
 use std::collections::HashSet;
 
@@ -23,7 +23,7 @@ fn any_badge() -> impl Strategy<Value = Badge> {
     })
 }
 
-/// Numbers that lie side by side, and far ones.
+/// A strategy for pairs of numbers, adjacent or far apart.
 fn any_pair() -> impl Strategy<Value = (u32, u32)> {
     let number = 0..BadgeNumber::COUNT;
     let far = (number.clone(), number.clone());
@@ -55,8 +55,9 @@ fn the_colour_tells_what_is_provisional() {
     assert_eq!(BadgeNumber::provisional(5).get(), LEASED_NUMBERS + 5);
 }
 
-/// One headset shows the numbers of a block one after the other: any two of them have nothing at the same place in
-/// common. Blocks of all colours are looked at, every 61st; that it is so of all follows from the code being linear.
+/// Any two numbers of a block have no pictogram in common at the same place, as one headset shows them one
+/// after the other. The test checks every 61st block of all colours; the rest follow because the code is
+/// linear.
 #[test]
 fn numbers_of_a_block_have_no_pictogram_in_common() {
     let block = BLOCK_NUMBERS as u32;
@@ -83,7 +84,8 @@ fn a_number_and_the_next_have_nothing_in_common_within_a_block_and_at_most_one_b
 fn the_check_is_the_models() {
     for a in 0..64 {
         for b in 0..64 {
-            // The check is a sum of products: with one pictogram alone it is one of them, by 1, 2, 4 or 8.
+            // The check is a weighted sum: with a single non-zero pictogram it is that pictogram times 1, 2,
+            // 4 or 8.
             let alone = |place: usize, number: u8| {
                 let mut pictograms = [Pictogram::new(0).expect("a pictogram"); 4];
                 pictograms[place] = Pictogram::new(number).expect("a pictogram");
@@ -98,7 +100,8 @@ fn the_check_is_the_models() {
     }
 }
 
-/// By the weights, for all badges at once: a mistake changes the sum by a product of two factors, and neither is zero.
+/// Proves by the weights, for all badges at once: a mistake changes the sum by a product of two non-zero
+/// factors.
 #[test]
 fn no_single_mistake_keeps_the_sum() {
     let weights = [1, 2, 4, 8];
@@ -159,7 +162,7 @@ proptest! {
         let found: HashSet<_> = candidates.iter().copied().collect();
         prop_assert_eq!(found.len(), candidates.len(), "one twice");
         prop_assert_eq!(&found, &expected.into_iter().collect());
-        // Swaps first, then colours.
+        // Swaps come before wrong colours.
         let kind = |other: &Badge| {
             let differing = 4 - count_shared(other, &badge);
             if differing == 2 { 0 } else { 1 + differing }
@@ -199,7 +202,7 @@ fn names_differ_in_two_letters_at_least() {
     }
 }
 
-/// Letters to be put in, left out or exchanged, at least, to make one word the other; without accents.
+/// Returns the Levenshtein distance of two words, ignoring accents.
 fn edit_distance(a: &str, b: &str) -> usize {
     let letters = |word: &str| -> Vec<char> {
         let plain = |c| match c {

@@ -1,5 +1,4 @@
-//! The pictograms, rims and colours: that no two look alike, and a sheet of them all, to be looked at:
-//! `target/tmp/badges.png`.
+//! Checks that no two pictograms, rims or colours look alike, and draws them all to `target/tmp/badges.png`.
 
 use std::fs::File;
 use std::path::Path;
@@ -12,20 +11,20 @@ use paros_models::badge_pictures::{
 };
 use paros_models::random_visitor::RandomSource;
 
-/// Pixels a side, as on a badge that is held at arm's length.
+/// Side of a rasterised pictogram in pixels, as for a badge at arm's length.
 const SIDE: usize = 48;
 
-/// In which two pictograms differ at least, wherever the one lies on the other within two pixels.
+/// The least share of pixels in which two pictograms differ, at every offset of up to two pixels.
 const DIFFERING_SHARE: f64 = 0.10;
 
-/// By pixels, row by row, each by its middle.
+/// Rasterises a pictogram row by row, sampling the centre of each pixel.
 fn rasterise(parts: &[BadgePart], side: usize) -> Vec<bool> {
     let steps = 64 * POINT_STEPS as usize;
     let middle = |i: usize| ((2 * i + 1) * steps / (2 * side)) as i32;
     (0..side * side).map(|i| covers_point(parts, [i % side, i / side].map(middle))).collect()
 }
 
-/// The share of pixels in which `a` differs from `b` moved by so much.
+/// Returns the share of pixels in which `a` differs from `b` moved by an offset in pixels.
 fn differing_share(a: &[bool], b: &[bool], [dx, dy]: [i32; 2]) -> f64 {
     let side = SIDE as i32;
     let pixel = |x: i32, y: i32| {
@@ -63,7 +62,7 @@ fn every_pictogram_has_ink_and_ground_and_keeps_within_its_square() {
         let inked = rasterise(pictogram.parts(), SIDE).iter().filter(|inked| **inked).count();
         let share = inked as f64 / (SIDE * SIDE) as f64;
         assert!((0.1..0.75).contains(&share), "{name}: {share:.2} is ink");
-        // No ink outside of the square, nor along its edge beyond a pixel of 64.
+        // No ink lies more than a 64th of the side outside the square.
         let end = 64 * POINT_STEPS;
         for at in -end..2 * end {
             for outside in [-POINT_STEPS * 5 / 4, end + POINT_STEPS * 5 / 4] {
@@ -86,7 +85,7 @@ fn points_are_inked_as_the_model_says() {
                 assert_eq!(covers_point(parts, point), expected, "{parts:?} at {point:?}");
             }
         }
-        // Far away there is nothing, and nothing overflows.
+        // Points far away aren't covered, and nothing overflows.
         for far in [i32::MIN, -100_000, 100_000, i32::MAX] {
             assert!(![[far, 500], [500, far], [far, far]].iter().any(|p| covers_point(parts, *p)));
         }
@@ -105,7 +104,7 @@ fn colours_are_told_apart_by_every_eye_and_rims_without_any() {
                 least = least.min(difference);
                 assert!(difference >= 18.0, "{sight}: {a:?}, {b:?}: {difference:.0}");
             }
-            // Contrast as for small text (WCAG 2.2, 1.4.3).
+            // Minimum contrast as for small text (WCAG 2.2, 1.4.3).
             let luminance =
                 |c: [u8; 3]| transform(&[[0.2126, 0.7152, 0.0722]; 3], to_linear(c))[0] + 0.05;
             let (ground, ink) = (luminance(a.ground()), luminance(a.ink()));
@@ -123,7 +122,7 @@ fn colours_are_told_apart_by_every_eye_and_rims_without_any() {
     }
 }
 
-/// A picture of RGB pixels.
+/// An RGB image.
 struct Sheet {
     width: usize,
     pixels: Vec<[u8; 3]>,
@@ -134,7 +133,7 @@ impl Sheet {
         Sheet { width, pixels: vec![[128; 3]; width * height] }
     }
 
-    /// Draws parts in a square whose corner is at `x`, `y`, turned by so many quarters.
+    /// Draws parts in a square with its corner at `x`, `y`, rotated by `turns` quarter turns.
     fn draw(&mut self, parts: &[BadgePart], [x, y, side]: [usize; 3], turns: usize, ink: [u8; 3]) {
         let inked = rasterise(parts, side);
         for (i, _) in inked.iter().enumerate().filter(|(_, inked)| **inked) {
@@ -161,7 +160,7 @@ impl Sheet {
     }
 }
 
-/// All pictograms, eight in a row, and a badge of each colour, four in a row.
+/// Draws all pictograms, eight in a row, and a badge of each colour, four in a row.
 #[test]
 fn a_sheet_shows_them_all() {
     const CELL: usize = 96;

@@ -1,4 +1,5 @@
-//! Bake, bit for bit against the dense model. `tests/files` bakes meshes, `tests/real-meshes` real ones.
+//! Bake, bit for bit against the dense model. Whole meshes are baked in `tests/files`, real ones in
+//! `tests/real-meshes`.
 
 use glam::IVec3;
 use paros_core::Baker;
@@ -12,7 +13,7 @@ use paros_models::cases::random_cases;
 use proptest::prelude::*;
 use std::sync::Mutex;
 
-/// A coordinate: anywhere, on a voxel's face, at its centre, or a unit beside one of these.
+/// A strategy for coordinates: anywhere, on a voxel's face, at its centre, or a unit beside one of these.
 fn any_coordinate() -> impl Strategy<Value = i32> {
     let near = |step: i32| {
         (0..=SIDE_UNITS / step, -1..=1i32)
@@ -25,7 +26,7 @@ fn any_point() -> impl Strategy<Value = [i32; 3]> {
     [any_coordinate(), any_coordinate(), any_coordinate()]
 }
 
-/// A triangle of any size, or one about as large as a voxel.
+/// A strategy for triangles of any size, or about as large as a voxel.
 fn any_triangle() -> impl Strategy<Value = Triangle> {
     let step = prop_oneof![-300..=300i32, (-2..=2i32).prop_map(|i| i * 128)];
     let offset = proptest::array::uniform3(step);
@@ -36,11 +37,12 @@ fn any_triangle() -> impl Strategy<Value = Triangle> {
     prop_oneof![1 => [any_point(), any_point(), any_point()], 2 => small]
 }
 
-/// Segments and points: a corner twice, or three corners on a line.
+/// A strategy for degenerate triangles, which are segments or points: a corner twice, or three corners on a
+/// line.
 fn degenerate_triangle() -> impl Strategy<Value = Triangle> {
     let line = (any_point(), proptest::array::uniform3(-200..=200i32), -9..=9i32, -9..=9i32);
     let line = line.prop_map(|(a, d, s, t)| {
-        // Clamping would bend the line: shorten it instead.
+        // Clamping would bend the line, so it is shortened instead.
         let fits = |f: i32| (0..3).all(|k| (0..=SIDE_UNITS).contains(&(a[k] + f * d[k])));
         let at = |f: i32| {
             if fits(f) { [0, 1, 2].map(|k| a[k] + f * d[k]) } else { a }
@@ -54,7 +56,7 @@ fn degenerate_triangle() -> impl Strategy<Value = Triangle> {
     ]
 }
 
-/// An octahedron-like shape: six corners around a point, with whole planes where they align.
+/// A strategy for octahedron-like shapes: six corners around a point, with whole planes where they align.
 fn any_octahedron() -> impl Strategy<Value = Vec<Triangle>> {
     let reach =
         prop_oneof![1..2000i32, (1..8i32).prop_map(|i| i * 256), (1..16i32).prop_map(|i| i * 128)];
@@ -75,7 +77,7 @@ fn any_octahedron() -> impl Strategy<Value = Vec<Triangle>> {
     })
 }
 
-/// A box with corners anywhere: its sides are split along either diagonal.
+/// A strategy for boxes with arbitrary corners, whose faces are split along either diagonal.
 fn any_cuboid() -> impl Strategy<Value = Vec<Triangle>> {
     (any_point(), any_point(), any::<u8>()).prop_map(|(p, q, diagonals)| {
         let low = [0, 1, 2].map(|k| p[k].min(q[k]));
@@ -105,8 +107,8 @@ fn any_cuboid() -> impl Strategy<Value = Vec<Triangle>> {
     })
 }
 
-/// Triangles that all share an edge or a corner under a column's centre: crossings at one height,
-/// told apart by slope alone.
+/// A strategy for triangles that all share an edge or a corner under a column's centre: crossings at equal
+/// height, ordered by slope alone.
 fn folded_sheets() -> impl Strategy<Value = Vec<Triangle>> {
     let centre = proptest::array::uniform3(
         (2..N as i32 - 2).prop_map(|i| i * BAKE_UNITS_PER_VOXEL + BAKE_UNITS_PER_VOXEL / 2),
@@ -198,12 +200,12 @@ proptest! {
 
     #[test]
     fn rows_of_two_words(triangles in nested_shells()) {
-        // Away from the small grid's faces, beyond which the large one has voxels to touch.
+        // Keeps clear of the small grid's faces, beyond which the large grid has more voxels to touch.
         let inside = |c: i32| 2 * BAKE_UNITS_PER_VOXEL + c * 3 / 4;
         let triangles: Vec<Triangle> = triangles.iter().map(|t| t.map(|p| p.map(inside))).collect();
         let touched = TouchedVoxels::new(N, &triangles);
         let [one, two] = [1, 2].map(|layers| touched.bake(layers));
-        // What runs to an end of the box runs further in a larger one.
+        // An open ray that runs to the end of the box would run further in a larger box.
         prop_assume!(one.opened == 0);
         check_bake_moved_into_two_word_rows::<1>(&triangles, &one)?;
         check_bake_moved_into_two_word_rows::<2>(&triangles, &two)?;

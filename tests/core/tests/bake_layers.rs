@@ -1,5 +1,5 @@
-//! Bake into columns with gaps, bit for bit against the dense model: shapes that one interval a column can't
-//! hold. `bake.rs` bakes random triangles and shapes with one to three intervals.
+//! Bake into columns with gaps, bit for bit against the dense model: shapes that columns of one interval
+//! can't represent. `bake.rs` bakes random triangles and shapes with one to three intervals.
 
 use glam::{IVec3, Mat3, Vec3};
 use paros_core::limits::BAKED_CROSSINGS;
@@ -9,7 +9,7 @@ use paros_models::cases::random_cases;
 use proptest::prelude::*;
 use std::sync::Mutex;
 
-/// A box between two corners, in units of 1/256 voxel.
+/// Returns a box between two corners, in units of 1/256 voxel.
 fn cuboid(low: [i32; 3], high: [i32; 3]) -> Vec<Triangle> {
     let mut triangles = Vec::new();
     for w in 0..3 {
@@ -32,7 +32,7 @@ fn cuboid(low: [i32; 3], high: [i32; 3]) -> Vec<Triangle> {
     triangles
 }
 
-/// A box by its outermost voxels, whose centres it holds.
+/// Returns a box given by its outermost voxels, whose centres lie inside.
 fn box_of_voxels(low: [i32; 3], high: [i32; 3]) -> Vec<Triangle> {
     cuboid(low.map(|i| 256 * i + 100), high.map(|i| 256 * i + 156))
 }
@@ -42,8 +42,8 @@ fn inside_out(mut triangles: Vec<Triangle>) -> Vec<Triangle> {
     triangles
 }
 
-/// The surface of the cells in -1..1 on each axis whose centres `is_inside` holds, turned and fitted to the
-/// grid.
+/// Returns the surface of the cells of -1..1 on each axis whose centres satisfy `is_inside`, rotated and
+/// fitted to the grid.
 fn surface_of(is_inside: impl Fn(Vec3) -> bool, pose: Mat3) -> Vec<Triangle> {
     const CELLS: i32 = 14;
     let filled = |cell: IVec3| {
@@ -77,7 +77,7 @@ fn torus(p: Vec3) -> bool {
     ring.hypot(p.y) < 0.3
 }
 
-/// A cup whose handle is a bow at its side.
+/// Returns `true` inside a cup with a bow-shaped handle at its side.
 fn cup_with_handle(p: Vec3) -> bool {
     let radius = (p.x + 0.3).hypot(p.z);
     let wall = radius < 0.65 && p.y.abs() < 0.8 && (radius > 0.4 || p.y < -0.5);
@@ -85,7 +85,7 @@ fn cup_with_handle(p: Vec3) -> bool {
     wall || (p.x > 0.3 && p.z.abs() < 0.2 && bow > 0.3 && bow < 0.6)
 }
 
-/// A box of 14 voxels with a hollow of 6.
+/// Returns a box of 14 voxels with a cavity of 6.
 fn hollow_box() -> Vec<Triangle> {
     [box_of_voxels([1; 3], [14; 3]), inside_out(box_of_voxels([4; 3], [11; 3]))].concat()
 }
@@ -152,14 +152,14 @@ fn nested_boxes_are_hollow_where_the_inner_one_is_wound_inward() {
         [&one, &two, &three].map(count),
         [14 * 14 * 14, 14 * 14 * 14 - 6 * 6 * 6, 14 * 14 * 14 - 6 * 6 * 6]
     );
-    // Inside out as a whole, it is the same.
+    // Turned inside out as a whole, the mesh gives the same result.
     let [_, turned, _] = baked(&inside_out(hollow));
     assert!(turned.flipped && turned.occupied == two.occupied && turned.columns == two.columns);
 }
 
 #[test]
 fn what_overlaps_stays_solid() {
-    // Between the faces of the two overlapping boxes the winding number is 2; beyond the gap a third stands.
+    // Where the two boxes overlap, the winding number is 2. A third box stands beyond the gap.
     let a = box_of_voxels([1, 1, 1], [7, 12, 12]);
     let b = box_of_voxels([3, 2, 2], [9, 13, 13]);
     let c = box_of_voxels([12, 1, 1], [14, 13, 13]);
@@ -169,7 +169,7 @@ fn what_overlaps_stays_solid() {
     assert_eq!(one.columns[0][6 * N + 6], [(1, 14)]);
 }
 
-/// Each face twice, in both windings: the ray winds around nothing between the walls.
+/// Each face occurs twice, with both windings, so the winding number between the walls is 0.
 #[test]
 fn a_double_sided_box_is_a_shell() {
     let faces = box_of_voxels([1; 3], [14; 3]);
@@ -199,7 +199,7 @@ fn the_longest_gaps_stay_and_of_equal_ones_the_lowest() {
 fn walls_behind_a_hole_stay() {
     let shell = hollow_box();
     let [_, whole] = baked(&shell);
-    // The outer box comes first. Behind its missing face the walls' number is 0.
+    // The outer box comes first. Behind its missing face the winding number of the walls is 0.
     for missing in 0..shell.len() / 2 {
         let mut open = shell.clone();
         open.remove(missing);
@@ -213,7 +213,7 @@ fn walls_behind_a_hole_stay() {
 #[test]
 fn a_baked_gap_is_held_before_a_longer_run() {
     let mut tube = box_of_voxels([1, 2, 2], [8, 12, 12]);
-    // Without the faces across y: columns along x see walls around a solid, and along y nothing.
+    // Lacks the faces across y: columns along x see walls around a solid, columns along y see nothing.
     tube.drain(4..8);
     let shape = [tube, box_of_voxels([11, 2, 2], [13, 12, 12])].concat();
     for axis in 0..3 {
@@ -231,18 +231,18 @@ fn a_baked_gap_is_held_before_a_longer_run() {
 #[test]
 fn columns_of_too_many_crossings_are_one_interval() {
     let shell = hollow_box();
-    // Four crossings each, where a column passes through the hollow.
+    // Each copy adds four crossings to a column through the cavity.
     let copies = BAKED_CROSSINGS / 4;
     let [_, two] = baked(&shell.repeat(copies));
     assert!(!holds(&two, [8; 3]));
     let [_, two] = baked(&shell.repeat(copies + 1));
     assert!(holds(&two, [8; 3]));
-    // A count of a byte doesn't start again.
+    // The winding number doesn't wrap at a byte.
     let [_, two] = baked(&shell.repeat(64));
     assert!(holds(&two, [8; 3]));
 }
 
-/// Three to seven small boxes, some of them wound inward.
+/// A strategy for three to seven small boxes, some of them wound inward.
 fn crowd() -> impl Strategy<Value = Vec<Triangle>> {
     let low = proptest::array::uniform3(0..SIDE_UNITS - 900);
     let size = proptest::array::uniform3(40..900i32);
@@ -253,7 +253,7 @@ fn crowd() -> impl Strategy<Value = Vec<Triangle>> {
     prop::collection::vec(cuboid, 3..8).prop_map(|shapes| shapes.concat())
 }
 
-/// A crowd and the same in another order.
+/// A strategy for such boxes in two different orders.
 fn shuffled_crowd() -> impl Strategy<Value = [Vec<Triangle>; 2]> {
     crowd().prop_flat_map(|crowd| {
         let shuffled = Just(crowd.clone()).prop_shuffle();

@@ -1,4 +1,4 @@
-//! The hidden figure tells how much of it is bared: in tenths, once each, whatever is undone.
+//! The bared share of the hidden figure is reported in tenths, once each, whatever is undone.
 
 use std::f32::consts::PI;
 use std::sync::{Mutex, PoisonError};
@@ -16,10 +16,10 @@ static HARNESS: Mutex<WorldHarness<64, 2>> = Mutex::new(WorldHarness::new());
 /// The middle of the figure, a dome on the ground, in voxels.
 const MIDDLE: Vec3 = Vec3::new(32.0, 0.0, 32.0);
 const RADIUS: f32 = 17.0;
-/// Of the large ball burr.
+/// The radius of the large ball burr, in voxels.
 const BALL_RADIUS: f32 = 20.0 / 450.0 * 64.0;
 
-/// The figure under two voxels of stone, and a hand with the large ball.
+/// Starts with the figure under two voxels of stone, and a hand that holds the large ball.
 fn start(harness: &mut WorldHarness<64, 2>) {
     let dome = |radius: f32| {
         DenseVolume::from_fn(64, |at| {
@@ -32,23 +32,23 @@ fn start(harness: &mut WorldHarness<64, 2>) {
     harness.step(&TickInput { start: mode, ..TickInput::default() });
     take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
     take_item(harness, RIGHT, BenchItem::Bit(ToolBit::LargeBall));
-    // The figure's ends are counted by then.
+    // The figure's ends have been counted by now.
     wait(harness);
 }
 
-/// What of the figure was told.
+/// Returns the events about the figure.
 fn told(harness: &WorldHarness<64, 2>) -> Vec<WorldEvent> {
     let events = harness.world.events().iter().copied();
     events.filter(|event| matches!(event, WorldEvent::Bared { .. } | WorldEvent::Found)).collect()
 }
 
-/// Waits above the stone until what is loose has fallen.
+/// Holds the bit above the stone until loose parts have fallen.
 fn wait(harness: &mut WorldHarness<64, 2>) {
     (0..40).for_each(|_| step_with_bit_at(harness, RIGHT, MIDDLE + 40.0 * Vec3::Y, false));
 }
 
-/// Carves along a ring of the dome at a height of `part` of its way to the top, in a stroke of its own. Returns what
-/// was told, with the bared part then.
+/// Carves along a ring of the dome at the share `part` of its height, in a separate stroke. Returns the
+/// events with the bared share at each.
 fn carve_ring(harness: &mut WorldHarness<64, 2>, part: f32, press: f32) -> Vec<(WorldEvent, u32)> {
     let mut events = Vec::new();
     let (away, ticks) = (RADIUS + BALL_RADIUS - press, 240);
@@ -71,13 +71,13 @@ fn each_tenth_is_told_once_and_the_find() {
     start(harness);
     let BaredEnds { bared, all } = harness.world.bared_ends();
     assert!(bared * 10 < all && all > 2000, "{bared} of {all} at the start");
-    // Before each stroke that changed anything.
+    // Records the share before each stroke that changed anything.
     let (mut events, mut starts) = (Vec::new(), Vec::new());
     for (ring, press) in (0..90).map(|ring| (ring, [0.4, 0.0, 0.8][ring / 30])) {
         wait(harness);
         let (at_first, digest) = (harness.world.bared_ends(), harness.world.volume().digest());
         events.extend(carve_ring(harness, (ring % 30) as f32 / 29.0, press));
-        // What is undone and done again isn't told again, nor after a load.
+        // Neither undo and redo nor a load reports a tenth again.
         let command = |commands| TickInput { commands, ..TickInput::default() };
         let before = harness.world.bared_ends();
         if harness.world.volume().digest() != digest {
@@ -112,8 +112,9 @@ fn each_tenth_is_told_once_and_the_find() {
     );
 }
 
-/// What the islands' pass takes away bares as a tool does. Here two lids hang over the figure, on a post beside it: of
-/// the columns' two gaps one is closed, and the figure's top isn't their end until both lids fell.
+/// Stone removed by the islands' pass bares the figure as a tool does. Here two lids hang over the figure, on
+/// a post beside it. One of the columns' two gaps is closed, so the figure's top isn't a column end until
+/// both lids have fallen.
 #[test]
 fn what_falls_bares_what_it_hid() {
     let harness = &mut *HARNESS.lock().unwrap_or_else(PoisonError::into_inner);
@@ -129,7 +130,7 @@ fn what_falls_bares_what_it_hid() {
     harness.step(&TickInput { start: mode, ..TickInput::default() });
     take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
     take_item(harness, RIGHT, BenchItem::Bit(ToolBit::LargeBall));
-    // The figure's ends are counted by then.
+    // The figure's ends have been counted by now.
     wait(harness);
     let before = harness.world.bared_ends();
     for tick in 0..400 {

@@ -1,4 +1,4 @@
-//! Paste as a bead: a steady stroke of the fill gun lays one even line, as quickly as hands are.
+//! Paste as a bead: a steady stroke of the fill gun lays an even line at any speed of the hand.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -21,18 +21,18 @@ const NOZZLE_MM: f32 = 12.0;
 /// The thickness of the slices that are compared: four layers of voxels at 128.
 const SLICE_MM: f32 = BOX_MM / 32.0;
 
-/// Of a hand, in m/s.
+/// Speeds of a hand, in m/s.
 const SPEEDS: [f32; 4] = [0.1, 0.3, 0.6, 1.0];
 
-/// A straight way of the nozzle's middle, in millimetres.
+/// A straight path of the nozzle's centre, in millimetres.
 #[derive(Clone, Copy, Debug)]
 struct Way {
     from: Vec3,
     to: Vec3,
 }
 
-/// Over flat stone, half sunk in it and upon it, straight and askew; and off its edge into the air, where only the
-/// bead itself holds what comes next. The stone ends at x = 300.
+/// Returns the paths: over flat stone, half sunk and on top, straight and oblique; and off its edge into the
+/// air, where only the bead itself supports what follows. The stone ends at x = 300.
 fn ways() -> [Way; 5] {
     let at = Vec3::new;
     let along_z = |x, above, z| at(x, TOP_MM + above, z);
@@ -51,7 +51,7 @@ where
     Grid<N>: Size,
 {
     harness: &'a mut WorldHarness<N, 2>,
-    /// Voxels of paste that were laid, whether they stay or fall.
+    /// Number of voxels laid, including those that fall later.
     added: u32,
 }
 
@@ -74,12 +74,13 @@ where
         self.lay_after(way, speed, 0)
     }
 
-    /// The same in a mirror.
+    /// Lays a bead with the symmetry mirror on.
     fn lay_mirrored(&mut self, way: &Way, speed: f32) -> DenseVolume {
         self.lay_after(way, speed, commands::SYMMETRY)
     }
 
-    /// Lays a bead after some commands, releases the trigger where the way ends, and waits for what is left of it. Returns what was laid.
+    /// Lays a bead after some commands, releases the trigger at the end of the path, and waits for pending
+    /// work. Returns the voxels laid.
     fn lay_after(&mut self, way: &Way, speed: f32, commands: u8) -> DenseVolume {
         let voxel = BOX_MM / N as f32;
         let is_stone = |at: f32, end: f32| (at + 0.5) * voxel < end;
@@ -95,13 +96,14 @@ where
             self.step_at(way.from.lerp(way.to, tick as f32 / ticks), 255);
         }
         (0..8).for_each(|_| self.step_at(way.to, 0));
-        // Islands have fallen.
+        // Waits until islands have fallen.
         (0..40).for_each(|_| self.harness.step(&TickInput::default()));
         volume_of(self.harness).difference(&before)
     }
 }
 
-/// Cubic millimetres a millimetre of the way, in slices across it, without its ends.
+/// Returns the bead's cross-section in cubic millimetres a millimetre, in slices across the path, without its
+/// ends.
 fn cross_sections(laid: &DenseVolume, way: &Way) -> Vec<f32> {
     let voxel = BOX_MM / laid.side() as f32;
     let (length, ahead) = (way.from.distance(way.to), (way.to - way.from).normalize());
@@ -119,7 +121,7 @@ fn cross_sections(laid: &DenseVolume, way: &Way) -> Vec<f32> {
     slices
 }
 
-/// Of each way, the cross-sections of all speeds together are even.
+/// Asserts that on each path the cross-sections of all speeds together are even.
 fn check_beads<const N: usize>(
     harness: &Mutex<WorldHarness<N, 2>>,
     ways: impl Iterator<Item = Way>,
@@ -148,24 +150,24 @@ fn a_bead_is_even_at_every_speed_at_128() {
     check_beads(&SMALL, ways().into_iter(), &SPEEDS);
 }
 
-/// One way at a slow and a quick speed, at night all ways at every speed.
+/// Tests one path at a slow and a quick speed; the nightly run tests all paths at every speed.
 #[test]
 fn a_bead_is_even_at_every_speed_at_256() {
     let speeds: Vec<f32> = sample_cases(SPEEDS.into_iter().rev(), 2).collect();
     check_beads(&LARGE, sample_cases(ways(), 5), &speeds);
 }
 
-/// A nozzle that runs in the air, a finger above the stone, lays nothing; and none beside a mirror image that does.
+/// A nozzle in the air, a finger above the stone, lays nothing, even if its mirror image touches the stone.
 #[test]
 fn paste_holds_to_what_it_touches() {
     let mut harness = SMALL.lock().unwrap_or_else(PoisonError::into_inner);
     let mut gun = Gun { harness: &mut harness, added: 0 };
     let at = |x: f32, y: f32| Way { from: Vec3::new(x, y, 100.0), to: Vec3::new(x, y, 300.0) };
     gun.lay(&at(150.0, TOP_MM + NOZZLE_MM + 10.0), 0.3);
-    // A hand whose own side is in the air lays nothing, though its mirror image is on the stone.
+    // A nozzle in the air lays nothing, though its mirror image is on the stone.
     gun.lay_mirrored(&at(BOX_MM - 100.0, TOP_MM + 5.0), 0.3);
     assert_eq!(gun.added, 0, "in the air");
-    // The mirror image of x = 100 is beside the stone, that of x = 200 is on it.
+    // The mirror image of x = 100 is beside the stone, and that of x = 200 is on it.
     for (x, is_image_held) in [(100.0, false), (200.0, true)] {
         gun.added = 0;
         let laid = gun.lay_mirrored(&at(x, TOP_MM + 5.0), 0.3);

@@ -1,5 +1,5 @@
-//! Sizes of bits: how sticks and pointer change them, how long they last, and that each is as large as a tick's work
-//! and as small as the voxels let it be.
+//! Sizes of bits: how sticks and pointer change them, how long they are kept, and that each size respects the
+//! tick's work limit and the voxel size.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -18,7 +18,7 @@ use paros_models::world_harness::WorldHarness;
 const N: usize = 128;
 type Harness = WorldHarness<N, 2>;
 
-/// Half the stone, with the medium ball in the right hand.
+/// Starts with half the stone, and the medium ball in the right hand.
 fn start() -> MutexGuard<'static, Harness> {
     static WORLD: Mutex<Harness> = Mutex::new(WorldHarness::new());
     let mut harness = WORLD.lock().unwrap_or_else(PoisonError::into_inner);
@@ -31,7 +31,8 @@ fn steps_of(harness: &Harness, bit: ToolBit) -> i8 {
     harness.world.workbench().size_of(bit).steps()
 }
 
-/// Runs ticks in which a hand's stick is pushed, and returns in which of them a bit's size changed, and to what.
+/// Runs ticks with the stick of a hand pushed. Returns each tick in which a bit's size changed, with the new
+/// size.
 fn push_stick(
     harness: &mut Harness,
     hand: usize,
@@ -63,11 +64,11 @@ fn a_pushed_stick_resizes_at_once_and_again_while_it_is_held() {
     let ball = ToolBit::MediumBall;
     let up = push_stick(harness, RIGHT, ball, &[[0, 127]; 60]);
     assert_eq!(up, [(0, 1), (18, 2), (36, 3)], "a quarter of a second apart, to its end");
-    // It goes on until it falls below half, and begins from three quarters.
+    // A push lasts until the stick falls below half, and begins at three quarters.
     let ys = [0, 95, 96, 64, 63, 64, 95, -96, -127, 0, -100].map(|y| [0, y]);
     let down = push_stick(harness, RIGHT, ball, &ys);
     assert_eq!(down, [(7, 2), (10, 1)], "up at tick 2 changes nothing at the end");
-    // The x axis turns the stool: a stick that is pushed mostly along it resizes nothing.
+    // The x axis turns the stool: a stick pushed mostly along x resizes nothing.
     assert_eq!(push_stick(harness, RIGHT, ball, &[[100, 100], [-120, 110], [0, 0]]), []);
     let turned = harness.world.stool_frame();
     assert_eq!(push_stick(harness, RIGHT, ball, &[[99, 100]; 3]), [(0, 2)]);
@@ -84,13 +85,13 @@ fn a_hand_resizes_what_it_holds_while_it_is_tracked() {
     resize(harness, LEFT, i8::MIN);
     assert_eq!(steps_of(harness, ToolBit::MediumBall), 2);
     assert_eq!(steps_of(harness, ToolBit::PointChisel), -3, "to its end");
-    // A lost hand's stick is at rest, and a new push begins.
+    // A lost hand's stick counts as at rest, so a new push begins.
     push_stick(harness, RIGHT, ToolBit::MediumBall, &[[0, 127]]);
     let lost = HandInput { stick: [0, 127], ..HandInput::default() };
     (0..40).for_each(|_| harness.step(&input_with_hand(RIGHT, lost)));
     assert_eq!(steps_of(harness, ToolBit::MediumBall), 3);
     assert_eq!(harness.world.hand_state(RIGHT).resize_push, 0);
-    // Without a tool there is nothing to resize.
+    // An empty hand has no bit to resize.
     harness
         .step(&TickInput { pointer: PointerCommand::Return { hand: 1 }, ..TickInput::default() });
     resize(harness, RIGHT, -1);
@@ -117,7 +118,7 @@ fn a_size_stays_with_its_bit_until_the_next_start() {
     assert_eq!(steps_of(harness, ToolBit::MediumBall), 0);
 }
 
-/// The ball of 15 mm cuts 30 mm wide, half of it and 1.68 times that.
+/// The ball of 15 mm radius cuts 30 mm wide; at half its size 15 mm, and at 1.68 times its size 50.5 mm.
 #[test]
 fn a_groove_is_as_wide_as_its_bit() {
     for (by, width_mm) in [(-4, 15.0), (0, 30.0), (3, 50.5)] {
@@ -135,7 +136,7 @@ fn a_groove_is_as_wide_as_its_bit() {
     }
 }
 
-/// A bit that is made larger in the stone stays where it is, and cuts itself free.
+/// A bit that is enlarged inside the stone keeps its place and cuts itself free.
 #[test]
 fn a_bit_that_grows_in_the_stone_stays_there_and_cuts_itself_free() {
     let harness = &mut *start();
@@ -161,8 +162,9 @@ fn a_bit_that_grows_in_the_stone_stays_there_and_cuts_itself_free() {
     }
 }
 
-/// A larger bit's bite wouldn't fit a hand's share of a tick with both hands in use and the mirror on, or is twice as
-/// large; a smaller one's would be less than a millimetre, or it is half as large.
+/// The largest size is the last whose bite fits a hand's share of a tick with both hands and the mirror in
+/// use, at most twice the standard size. The smallest size is the last whose bite is at least a millimetre,
+/// at least half the standard size.
 #[test]
 fn bits_come_in_all_sizes_that_a_tick_and_the_voxels_allow() {
     let wall_mm = 3.1;

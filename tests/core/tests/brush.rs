@@ -1,4 +1,4 @@
-//! Brush rasterisation by rows against the model's point tests.
+//! Brush rasterisation by rows, against the model's point tests.
 
 use glam::{IVec3, Quat, Vec3};
 use paros_core::Brush;
@@ -12,7 +12,8 @@ use paros_models::cases::random_cases;
 use paros_models::dense::DenseVolume;
 use proptest::prelude::*;
 
-/// The brush's voxels by rows. Asserts that pieces and rows agree, and that none lies outside the bounds.
+/// Returns the brush's voxels by rows. Asserts that pieces and rows agree, and that all voxels lie within the
+/// bounds.
 fn voxels_by_rows<const N: usize>(brush: &Brush) -> DenseVolume
 where
     Grid<N>: Size,
@@ -179,8 +180,8 @@ proptest! {
             let wrong = box_voxels(16, half, end).difference(&rows);
             prop_assert!(wrong.is_empty(), "an end's voxels are missing: {:?}", wrong);
         }
-        // Between its ends the box turns by less than a voxel at its corners from some piece's, so
-        // the box with that much taken off all round lies inside.
+        // Between its ends the box's corners move by less than `corner * turn` from some piece's, so a box
+        // smaller by that amount on all sides lies inside.
         let corner = half.as_vec3().length() / SUBUNITS_PER_VOXEL as f32;
         let turn = corner * from.angle_radians_to(&to);
         if turn < 90.0 && half.min_element() > 2 * SUBUNITS_PER_VOXEL && from.position.length().max(to.position.length()) < 100.0 {
@@ -206,7 +207,8 @@ proptest! {
         }
     }
 
-    /// It holds the ends, and, a little thinner, all between; and nothing that no disc between comes near.
+    /// A swept disc covers both ends and, slightly thinner, all poses between them; and no voxel far from
+    /// every disc between.
     #[test]
     fn a_swept_disc_holds_its_ends_and_little_beside(
         disc in any_disc(16), from in any_pose(16), way in any_small_way(), turn in prop_oneof![Just(0.0f32), -1.0f32..1.0],
@@ -232,7 +234,7 @@ proptest! {
                 let held = swept_disc_voxels(16, thin, &here, at);
                 prop_assert!(held.is_within(&rows), "{}: {:?}", step, held.difference(&rows));
             }
-            // A piece turns by half a voxel at its rim, and goes across by one.
+            // A piece turns by half a voxel at its rim, and moves across by one.
             let wide = [radius + SUBUNITS_PER_VOXEL / 2, half + SUBUNITS_PER_VOXEL * 7 / 4];
             most = most.union(&swept_disc_voxels(16, wide, &here, at));
         }
@@ -306,8 +308,7 @@ fn the_boundary_is_inside() {
     assert_eq!(rows.count(), 5 * 7);
 }
 
-/// Nothing that a caller can hand over makes a brush panic; what it makes of it is a brush whose
-/// rows are within its bounds.
+/// No argument makes a brush panic, and the rows of every brush lie within its bounds.
 #[test]
 fn awkward_numbers_do_not_panic() {
     let odd = [
@@ -367,7 +368,7 @@ fn awkward_numbers_do_not_panic() {
     }
 }
 
-/// In one piece, the ball that holds a disc would reach from its first place into its last plane.
+/// In one piece, the ball that bounds a disc would reach from its first position into its last plane.
 #[test]
 fn a_disc_that_goes_askew_leaves_what_it_passes_by() {
     let disc = disc_bit([4 * SUBUNITS_PER_VOXEL, SUBUNITS_PER_VOXEL / 2]);

@@ -48,7 +48,7 @@ fn volumes_and_digests_hold_after_every_tick_of_restless_sessions() {
     let mut tally = EventTally::default();
     for (seed, mode) in (0..12).zip(MODES.into_iter().chain([SessionMode::Own]).cycle()) {
         match mode {
-            // Spindly things, of which pieces come off.
+            // Thin structures, from which pieces come off.
             SessionMode::Own => harness
                 .start_from_voxels(|[x, y, z]| y < 4 || x % 9 < 2 && (z % 7 < 2 || y % 16 == 15)),
             mode => harness.start_session(mode),
@@ -83,7 +83,7 @@ fn all_tools_on_the_lump_at_the_size_that_counts() {
     assert!(tally.edits > 30, "{tally:?}");
 }
 
-/// Overflow checks are on in this profile.
+/// Feeds arbitrary inputs; overflow checks are on in this profile.
 #[test]
 fn any_input_at_all_is_survived() {
     let mut harnesses = SMALL.lock().unwrap_or_else(PoisonError::into_inner);
@@ -102,11 +102,11 @@ fn any_input_at_all_is_survived() {
             harness.check_invariants();
         }
     }
-    // Most poses are in the stone, where a bit stands.
+    // Most poses are in the stone, where the bit can't move.
     assert!(tally.edits > 50 && tally.took > 100 && tally.finished > 5, "{tally:?}");
 }
 
-/// Fuzzing: any bytes that parse as an input.
+/// Fuzzes with arbitrary bytes that parse as an input.
 #[test]
 fn any_bytes_that_are_an_input_are_survived() {
     let mut harnesses = SMALL.lock().unwrap_or_else(PoisonError::into_inner);
@@ -116,9 +116,9 @@ fn any_bytes_that_are_an_input_are_survived() {
     let mut read = 0;
     for _ in 0..20_000 {
         let mut bytes: Vec<u8> = (0..TickInput::BYTES).map(|_| dice.next_bits() as u8).collect();
-        // The kinds of the pointer's command and the mode, which few bytes are.
+        // Narrows the pointer command's kind and the mode, which random bytes seldom hit.
         (bytes[110], bytes[114]) = (bytes[110] % 5, bytes[114] % 9);
-        // The visit's presence, and a command of which zeros follow.
+        // Narrows the visit's presence and command, and zeroes the bytes after it.
         (bytes[116], bytes[117]) = (bytes[116] % 8, bytes[117] % 10);
         bytes[118..].fill(0);
         if let Ok(input) = TickInput::read(&mut ByteReader::new(&bytes)) {
@@ -137,7 +137,7 @@ fn any_bytes_that_are_an_input_are_survived() {
 fn two_worlds_make_the_same_digests() {
     let mut harnesses = SMALL.lock().unwrap_or_else(PoisonError::into_inner);
     let [one, other] = &mut *harnesses;
-    // What was in a world before it was opened again leaves no trace.
+    // An earlier session in the same world leaves no trace.
     other.start_session(SessionMode::Constrained { figure: 0 });
     let mut stranger = RandomVisitor::new(99);
     (0..200).for_each(|_| other.step(&stranger.next_input()));
@@ -157,7 +157,7 @@ fn grip_and_aim(hand: &mut HandInput) -> [&mut RawPose; 2] {
     [&mut hand.grip, &mut hand.aim]
 }
 
-/// An unusable pose has the effect of the last usable one.
+/// An unusable pose is replaced by the last usable pose.
 #[test]
 fn unusable_poses_keep_the_last_good_one() {
     let mut harnesses = SMALL.lock().unwrap_or_else(PoisonError::into_inner);

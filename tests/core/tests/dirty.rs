@@ -1,4 +1,5 @@
-//! Dirty rectangles: no column outside them has changed, and their area is bounded by that of the changes.
+//! Dirty rectangles: no column outside them has changed, and their area is bounded by the area of the
+//! changes.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -15,7 +16,7 @@ struct DirtyHarness {
     volume: Volume<16>,
     mask: RangeMaps<16>,
     scratch: EditScratch<16>,
-    /// What a view that only follows dirty rectangles holds.
+    /// The maps of a view that copies only dirty rectangles.
     stale: RangeMaps<16>,
     before: RangeMaps<16>,
 }
@@ -28,7 +29,7 @@ static HARNESS: Mutex<DirtyHarness> = Mutex::new(DirtyHarness {
     before: RangeMaps::new(),
 });
 
-/// The bounding rectangle of the columns in which two maps differ.
+/// Returns the bounding rectangle of the columns in which two maps differ.
 fn changed_rect(axis: Axis, a: &RangeMaps<16>, b: &RangeMaps<16>) -> Option<ColumnRect> {
     let all = (0..16 * 16).map(|i| (i / 16, i % 16));
     let differing = all.filter(|&at| a.column(axis, at) != b.column(axis, at));
@@ -39,7 +40,7 @@ fn total_area(rects: &[ColumnRect]) -> u32 {
     rects.iter().map(|rect| rect.area()).sum()
 }
 
-/// Centre, radius, depth and whether it is mirrored.
+/// Centre, radius, depth, and `true` if mirrored.
 type Ball = ([i32; 3], i32, usize, bool);
 
 /// A strategy for ticks of several edits, each a ball.
@@ -94,7 +95,7 @@ proptest! {
                         prop_assert_eq!(rects, &[bounds], "one edit is its bounds");
                     }
                 }
-                // Edits may undo one another: bound the area by what was noted.
+                // Edits may cancel each other, so the area is compared with that of the reported rectangles.
                 if let Some(whole) = rects.iter().copied().reduce(ColumnRect::union) {
                     prop_assert!(total_area(rects) <= 4 * whole.area(), "{:?}", rects);
                 }
@@ -107,8 +108,7 @@ proptest! {
 proptest! {
     #![proptest_config(random_cases(400))]
 
-    /// Any edits at all, more than there is room for: nothing is lost, nothing grows beyond four
-    /// times the bounds.
+    /// More edits than fit in the list: no change is lost, and the area stays within four times the bounds.
     #[test]
     fn more_edits_than_room_merge(
         edits in proptest::collection::vec(
@@ -138,7 +138,7 @@ proptest! {
 proptest! {
     #![proptest_config(random_cases(400))]
 
-    /// Edits that overlap, up to all over one another.
+    /// Edits that overlap, up to complete overlap.
     #[test]
     fn overlapping_edits_stay_within_four_times_their_bounds(
         edits in proptest::collection::vec(

@@ -37,7 +37,7 @@ where
         mask.write_maps(&mut self.mask);
     }
 
-    /// Exports the whole file in one call, whose budget is far more than enough: work without an end isn't done.
+    /// Exports the whole file in one call with an ample but finite budget, so that an endless export fails.
     fn export_at_once(&mut self) -> Vec<u8> {
         // Each voxel is a corner of eight cells, and a cell has five triangles at most.
         let cells = (8 * self.rows.count_voxels() as usize).min((N + 1).pow(3));
@@ -81,7 +81,7 @@ fn parse_triangles(file: &[u8]) -> Vec<[[f32; 3]; 4]> {
     file[84..].chunks_exact(50).map(record).collect()
 }
 
-/// The expected position of each vertex of a surface, in millimetres.
+/// Returns the expected position of each vertex of a surface, in millimetres.
 fn expected_positions(surface: &SurfaceModel) -> Vec<[f32; 3]> {
     let bounds = |axis: usize| {
         let along = || surface.smooth.iter().map(|v| v[axis]);
@@ -148,8 +148,8 @@ fn dot(a: [i64; 3], b: [i64; 3]) -> i64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// All fillings of two adjacent cells along each axis, 48 in one grid with two empty voxels between them, up to all
-/// its borders. The mask is everything, so that all voxels are exported.
+/// Tests all fillings of two adjacent cells along each axis, 48 in one grid with two empty voxels between
+/// them, up to all its borders. The mask covers everything, so that all voxels are exported.
 #[test]
 fn every_pair_of_cells() {
     let all = DenseVolume::from_fn(16, |_| true);
@@ -171,7 +171,7 @@ fn every_pair_of_cells() {
     });
 }
 
-/// A cell filled in every way in the middle of the grid, where its largest part is printed.
+/// Tests every filling of a cell in the middle of the grid, where only the largest part is exported.
 #[test]
 fn every_cell_without_ground() {
     let none = DenseVolume::empty(16);
@@ -192,7 +192,7 @@ proptest! {
         harness!(16, |harness: &mut ExportHarness<16>| harness.check_export(&volume, &mask));
     }
 
-    /// Without ground and mask, where the largest part is printed.
+    /// Tests volumes without ground and mask, where only the largest part is exported.
     #[test]
     fn anything_afloat_at_16(volume in dense::any_voxels(16)) {
         let none = DenseVolume::empty(16);
@@ -200,7 +200,7 @@ proptest! {
         harness!(16, |harness: &mut ExportHarness<16>| harness.check_export(&volume, &none));
     }
 
-    /// Volumes that no maps could hold: the exporter reads rows.
+    /// Tests volumes that range maps can't represent: the exporter reads rows.
     #[test]
     fn anything_unclosed_at_16(volume in dense::any_voxels(16), held in any::<bool>()) {
         let mask = DenseVolume::from_fn(16, |_| held);
@@ -211,7 +211,7 @@ proptest! {
 proptest! {
     #![proptest_config(random_cases(1))]
 
-    /// Rows of one word, whole.
+    /// Tests rows of exactly one word.
     #[test]
     fn anything_at_64(volume in dense::any_voxels(64)) {
         let mask = DenseVolume::empty(64);
@@ -222,7 +222,7 @@ proptest! {
 proptest! {
     #![proptest_config(random_cases(20))]
 
-    /// Calls of any budget and buffer write the same file.
+    /// Calls with any budget and buffer size write the same file.
     #[test]
     fn any_budget(
         volume in dense::any_voxels(32),
@@ -239,7 +239,7 @@ proptest! {
             let mut room = vec![0; Exporter::<32>::MIN_BUFFER];
             for call in 0.. {
                 let budget = budgets[call % budgets.len()];
-                // Every other call has the room that it needs.
+                // Every other call gets a buffer of full size.
                 let len = if call % 2 == 0 { room.len() } else { rooms[call % rooms.len()] };
                 let ExportProgress { written, phase } =
                     exporter.advance_export(rows, mask, budget, &mut room[..len]);
@@ -261,7 +261,7 @@ fn large_grids() {
         let is_beam = |along: i32| (2 * along - 2 * middle + 1).abs() < 8;
         DenseVolume::from_fn(n, |[x, y, z]| {
             let axis_beams = (is_beam(x) && (is_beam(y) || is_beam(z))) || is_beam(y) && is_beam(z);
-            // A floor in strips, with holes, about the borders of words and of the grid.
+            // A floor in strips, with holes, near the borders of words and of the grid.
             let is_floor = y < 3 && ((x + 3) % 64 < 6 || z < 6 || z >= n as i32 - 6);
             axis_beams || is_floor && ((x + z) % 2 == 0 || y < 2 && x % 5 < 2)
         })

@@ -1,4 +1,5 @@
-//! The float at work: it takes off what is above its plane, fills pits below, and builds on no edge.
+//! The float (a plasterer's tool) at work: it removes stone above its plane, fills pits below, and doesn't
+//! build over edges.
 
 use std::f32::consts::{PI, TAU};
 use std::sync::{Mutex, PoisonError};
@@ -18,10 +19,10 @@ static LARGE: Mutex<WorldHarness<256, 2>> = Mutex::new(WorldHarness::new());
 /// Half the float's thickness, in millimetres.
 const FACE_MM: f32 = 7.0;
 
-/// The plane that is worked, and the stone's top where it is flat: between two layers of voxels at 128.
+/// The height of the worked plane, equal to the top of flat stone: between two layers of voxels at 128.
 const PLANE_MM: f32 = 64.0 * BOX_MM / 128.0;
 
-/// A float in the right hand, at a stone. Lengths are in millimetres of the stone's box.
+/// A float in the right hand, working a stone. Lengths are in millimetres of the stone's box.
 struct Float<'a, const N: usize>(&'a mut WorldHarness<N, 2>)
 where
     Grid<N>: Size;
@@ -30,7 +31,7 @@ impl<'a, const N: usize> Float<'a, N>
 where
     Grid<N>: Size,
 {
-    /// Takes the float to a stone of all voxels whose middles `is_stone`.
+    /// Holds the float at a stone made of all voxels whose centres satisfy `is_stone`.
     fn take(harness: &'a mut WorldHarness<N, 2>, is_stone: impl Fn(Vec3) -> bool) -> Self {
         start_from_stone(harness, is_stone);
         take_item(harness, RIGHT, BenchItem::Tool(Tool::Rasp));
@@ -43,8 +44,8 @@ where
         self.0.step(&input);
     }
 
-    /// Lays the float on the plane and pulls, then rubs once round the square of `half` about `middle`, row by row;
-    /// `pose` is where the hand is in each tick, by what it would be in the plane.
+    /// Lays the float on the plane, pulls the trigger, and rubs once over the square of half-side `half`
+    /// about `middle`, row by row. `pose` maps a place in the plane to the hand's pose in that tick.
     fn rub(&mut self, middle: [f32; 2], half: f32, pose: impl Fn(Vec3) -> (Vec3, Quat)) {
         let [x, z] = middle;
         let at = |dx: f32, dz: f32| Vec3::new(x + dx, PLANE_MM + FACE_MM, z + dz);
@@ -62,7 +63,7 @@ where
         (0..3).for_each(|_| self.step_at(at(half, half) + Vec3::Y * 80.0, Quat::IDENTITY, 0));
     }
 
-    /// The height of a column's stone above the plane, in millimetres.
+    /// Returns the height of a column's stone above the plane, in millimetres.
     fn height_at(&self, x: f32, z: f32) -> f32 {
         let [x, z] = [x, z].map(|at| (at * N as f32 / BOX_MM) as usize);
         let rows = self.0.world.volume().rows();
@@ -70,7 +71,7 @@ where
         top.map_or(0.0, |top| (top + 1) as f32 * BOX_MM / N as f32) - PLANE_MM
     }
 
-    /// The lowest and the highest within so much of a place.
+    /// Returns the lowest and the highest column within `half` of a place.
     fn heights_about(&self, [x, z]: [f32; 2], half: f32) -> [f32; 2] {
         let steps = -20..=20;
         let places = steps.clone().flat_map(|i| steps.clone().map(move |j| [i, j]));
@@ -84,7 +85,7 @@ where
 
 const IN_PLANE: fn(Vec3) -> (Vec3, Quat) = |place| (place, Quat::IDENTITY);
 
-/// Bumps of up to 7 mm, pits as deep and up to 40 mm wide.
+/// Returns `true` inside rough stone, with bumps up to 7 mm high, and pits as deep and up to 40 mm wide.
 fn is_rough_stone(at: Vec3) -> bool {
     let wave = |v: f32| (v * TAU / 60.0).sin();
     at.y < PLANE_MM + 7.0 * wave(at.x) * wave(at.z)
@@ -114,7 +115,7 @@ fn bumps_go_and_pits_fill_to_the_plane() {
     check_flat(&LARGE, IN_PLANE);
 }
 
-/// The plane is that of the pull, whatever the hand does while it rubs.
+/// The plane stays as it was at the trigger's pull, whatever the hand does while it rubs.
 #[test]
 fn the_plane_stays_as_it_was_at_the_pull() {
     let unsteady = |place: Vec3| {
@@ -125,7 +126,7 @@ fn the_plane_stays_as_it_was_at_the_pull() {
     check_flat(&SMALL, unsteady);
 }
 
-/// Over the edge of a block, beside a slope that falls off, and where a gap has no floor, nothing is laid.
+/// Nothing is laid over a block's edge, beside a falling slope, or in a gap without a floor.
 #[test]
 fn it_builds_on_no_edge() {
     let mut harness = LARGE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -136,7 +137,7 @@ fn it_builds_on_no_edge() {
     float.rub([250.0, 225.0], 40.0, IN_PLANE);
     let after = volume_of(float.0);
     assert_eq!(after.difference(&before).count(), 0, "was laid on an edge or over a gap");
-    // The top layer is in the plane.
+    // The top layer lies within the plane.
     assert_eq!(before.difference(&after).count(), 0, "was taken off");
     let is_ball = |at: Vec3| at.distance(Vec3::new(225.0, PLANE_MM - 139.0, 225.0)) < 140.0;
     let mut float = Float::take(&mut harness, is_ball);
@@ -146,7 +147,8 @@ fn it_builds_on_no_edge() {
     assert!(laid < 40, "{laid} voxels were laid on a ball");
 }
 
-/// A float whose other face is on the stone works that face's plane, and its mirror image the image's.
+/// A float that touches the stone with its other face works that face's plane; its mirror image works the
+/// mirrored plane.
 #[test]
 fn either_face_works_and_its_image_alike() {
     let mut harness = SMALL.lock().unwrap_or_else(PoisonError::into_inner);
@@ -170,7 +172,7 @@ fn either_face_works_and_its_image_alike() {
     }
 }
 
-/// Waves, alike on both sides.
+/// Returns `true` inside wavy stone that is symmetric about the middle.
 fn is_mirrored_stone(at: Vec3) -> bool {
     let x = (at.x - 0.5 * BOX_MM).abs();
     at.y < PLANE_MM + 4.0 * (x * 0.2).sin()
@@ -180,7 +182,7 @@ impl<const N: usize> Float<'_, N>
 where
     Grid<N>: Size,
 {
-    /// Rubs along z, with the face's plane inclined across the way.
+    /// Rubs along z with the face inclined across the path.
     fn rub_tilted(&mut self, x: f32, tilt: f32, turn: f32) {
         let tilt = Quat::from_rotation_z(tilt + turn);
         let at = |z: f32| Vec3::new(x, PLANE_MM + FACE_MM - 1.0, z);

@@ -1,9 +1,9 @@
-//! Golden test: the digests of recorded sessions, compared from one version of the program to the next.
+//! Golden test: compares the digests of recorded sessions from one version of the program to the next.
 //!
-//! `tests/goldens/session.txt` holds digests of a session with one interval a column, and what they hang
-//! on; `session-of-two.txt` those of the same input with two. They are written by
-//! `PAROS_GOLDEN=write cargo test -p paros-tests-core --test main golden`, which refuses where only a raised
-//! `CORE_VERSION` would be right.
+//! `tests/goldens/session.txt` holds the digests of a session with one interval a column, and the versions
+//! that they depend on; `session-of-two.txt` the digests of the same input with two intervals.
+//! `PAROS_GOLDEN=write cargo test -p paros-tests-core --test main golden` writes both, and refuses if
+//! `CORE_VERSION` has to be raised instead.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -16,7 +16,7 @@ use paros_core::{HiddenFigure, StartVolumes, TickInput, WorldEvent};
 use paros_models::random_visitor::RandomVisitor;
 use paros_models::world_harness::{WorldAndStarts, WorldHarness};
 
-/// The sessions: mode, the visitor's seed, and the tool that is put into a hand early on.
+/// The sessions: mode, the visitor's seed, and the tool that is taken early on.
 const SESSIONS: [(SessionMode, u64, Tool); 4] = [
     (SessionMode::FreeForm, 61, Tool::Rotary),
     (SessionMode::Constrained { figure: 0 }, 62, Tool::Rasp),
@@ -31,7 +31,7 @@ const EVERY: usize = 100;
 const AGAIN: &str =
     "write it: PAROS_GOLDEN=write cargo test -p paros-tests-core --test main golden";
 
-/// The contents of a golden file, line by line: `core`, `starts` and `inputs`, then a digest a line.
+/// The contents of a golden file: the lines `core`, `starts` and `inputs`, then one digest a line.
 #[derive(Clone, PartialEq, Eq, Debug)]
 struct GoldenSession {
     core: u16,
@@ -65,7 +65,7 @@ impl GoldenSession {
         text
     }
 
-    /// What is to be done about it where `now` differs.
+    /// Compares with `now`. If they differ, the error describes what to do.
     fn compare_with(&self, now: &GoldenSession) -> Result<(), String> {
         if self.core != now.core {
             return Err(format!("CORE_VERSION was {} and is {}: {AGAIN}", self.core, now.core));
@@ -88,7 +88,7 @@ impl GoldenSession {
     }
 }
 
-/// What the sessions exercise: the test fails if they exercise too little.
+/// Counts of what the sessions exercise: the test fails if they exercise too little.
 #[derive(Default, Debug)]
 struct GoldenTally {
     actions: [u32; 3],

@@ -1,4 +1,4 @@
-//! What hands take hold of: tools that change hands in one press, and the stool by its rim.
+//! Grabbing: tools that are swapped between the hands, and the stool, which is turned by its rim.
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_6, PI, TAU};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -30,7 +30,7 @@ fn held(harness: &Harness) -> [Option<Tool>; 2] {
     [LEFT, RIGHT].map(|hand| harness.world.held_tool(hand).map(|(tool, _)| tool))
 }
 
-/// The input of both hands with their bits at these places of the grid.
+/// Returns the input of both hands with their bits at places of the grid.
 fn hands_at(harness: &Harness, places: [Vec3; 2], trigger: u8) -> TickInput {
     let hands = [LEFT, RIGHT].map(|hand| {
         let pose = Pose { position: places[hand], rotation: Quat::IDENTITY };
@@ -39,7 +39,7 @@ fn hands_at(harness: &Harness, places: [Vec3; 2], trigger: u8) -> TickInput {
     TickInput { hands, ..TickInput::default() }
 }
 
-/// Both hands at rest before the stone, with this command.
+/// Returns the input of both hands at rest before the stone, with a command.
 fn command(commands: u8) -> TickInput {
     let hands = [-0.3, 0.3].map(|x| hand_input_at(Vec3::new(x, 1.3, 0.1)));
     TickInput { hands, commands, ..TickInput::default() }
@@ -53,7 +53,7 @@ fn a_swap_in_the_middle_of_a_stroke_keeps_nothing_of_it() {
     take_item(harness, RIGHT, ROTARY);
     let pointer = PointerCommand::Steady { string_mm: 20 };
     harness.step(&TickInput { pointer, ..TickInput::default() });
-    // Quick ones, so that bits are behind their hands, and strings taut.
+    // Quick motions, so that bits lag behind their hands and the strings are taut.
     let at = |tick: u32| [16.0, 48.0].map(|x| Vec3::new(x, 29.0, 8.0 + 1.5 * tick as f32));
     for tick in 0..12 {
         harness.step(&hands_at(harness, at(tick), 255));
@@ -69,13 +69,13 @@ fn a_swap_in_the_middle_of_a_stroke_keeps_nothing_of_it() {
     for (hand, tool) in [(LEFT, Tool::Rotary), (RIGHT, Tool::Impact)] {
         let state = harness.world.hand_state(hand);
         assert!(!state.trigger && state.trail.is_empty() && state.trigger_ticks == 0);
-        // Where the hand has it, on no string.
+        // The bit is at the hand, without a string.
         let (bit, rotation) = state.bit_centre_pose(tool.length_um() as f32 * 1e-6);
         let own = harness.world.stool_frame().to_grid(bit, rotation).position;
         assert!(state.raw_pose.position.distance(own) < 1e-3, "{hand}: {:?}", state.raw_pose);
     }
     assert!(!harness.world.is_stroke_open());
-    // The triggers are still held, and even lost from sight for a while.
+    // The triggers stay pulled, and are even out of sight for a while.
     for tick in 13..30 {
         let mut input = hands_at(harness, at(tick % 20), 255);
         input.hands[LEFT].tracked = tick % 5 > 0;
@@ -84,7 +84,7 @@ fn a_swap_in_the_middle_of_a_stroke_keeps_nothing_of_it() {
     }
     assert_eq!(volume_of(harness), carved);
     assert_eq!(harness.world.undo_counts().undoable, 1);
-    // Released and pulled anew, the tools run: another stroke.
+    // Once released and pulled again, the tools run: a new stroke begins.
     harness.step(&hands_at(harness, at(8), 0));
     for tick in 0..12 {
         harness.step(&hands_at(harness, at(12 + tick / 2), 255));
@@ -99,7 +99,7 @@ fn a_swap_in_the_middle_of_a_stroke_keeps_nothing_of_it() {
     assert_eq!(volume_of(harness), carved, "it is undone alone");
 }
 
-/// A trigger that is pulled in the very tick of a swap is none: what it would have run is in the other hand.
+/// A trigger pulled in the tick of a swap doesn't count, because its tool is now in the other hand.
 #[test]
 fn a_pull_in_the_tick_of_a_swap_waits_too() {
     let harness = &mut *lock_harness();
@@ -130,7 +130,7 @@ fn one_tool_goes_to_the_empty_hand_and_back_and_to_none_out_of_sight() {
         assert_eq!(harness.world.events(), [WorldEvent::HandsSwapped]);
         assert_eq!(held(harness), expected);
     }
-    // Sized and mounted as it was.
+    // The tool keeps its size and mounting.
     harness.step(&TickInput {
         pointer: PointerCommand::Resize { hand: 1, by: 2 },
         ..TickInput::default()
@@ -142,19 +142,19 @@ fn one_tool_goes_to_the_empty_hand_and_back_and_to_none_out_of_sight() {
     assert_eq!((harness.world.events(), held(harness)[RIGHT]), (&[][..], Some(Tool::Rotary)));
     harness.step(&swap);
     assert_eq!(harness.world.held_bit_spec(LEFT), spec);
-    // The empty hand need not be seen.
+    // The empty hand needn't be tracked.
     unseen.hands.swap(LEFT, RIGHT);
     unseen.hands[LEFT].tracked = false;
     unseen.hands[RIGHT].tracked = true;
     harness.step(&unseen);
     assert_eq!(held(harness), [None, Some(Tool::Rotary)]);
-    // A finished sculpture's tools stay where they are.
+    // After a finish, tools can't be swapped.
     harness.step(&command(commands::FINISH));
     harness.step(&swap);
     assert_eq!(held(harness), [None, Some(Tool::Rotary)]);
 }
 
-/// A point at the stool's rim, by its bearing counter-clockwise from x.
+/// Returns the point of the stool's rim at a bearing, counter-clockwise from x.
 fn at_rim(bearing: f32) -> Vec3 {
     STOOL_TOP + Quat::from_rotation_y(bearing) * Vec3::X * STOOL_RADIUS
 }
@@ -163,7 +163,7 @@ fn squeezed_at(place: Vec3) -> HandInput {
     HandInput { squeeze: 255, ..hand_input_at(place) }
 }
 
-/// The stool's turn, in radians from -PI to PI.
+/// Returns the stool's rotation in radians, from -PI to PI.
 fn stool_turn(harness: &Harness) -> f32 {
     let (_, turn) = harness.world.stool_frame().to_room(&Pose::ZERO);
     let radians = 2.0 * turn.y.atan2(turn.w);
@@ -176,12 +176,12 @@ fn start_unturned() -> MutexGuard<'static, Harness> {
     harness
 }
 
-/// The same anew.
+/// Starts a new session, so that the stool is back at its initial rotation.
 fn turn_back(harness: &mut Harness) {
     harness.start_session(SessionMode::FreeForm);
 }
 
-/// Moves a squeezed hand round the axis in so many ticks.
+/// Moves a squeezed hand round the stool's axis within a number of ticks.
 fn go_round(harness: &mut Harness, hand: usize, from: f32, by: f32, ticks: u32) {
     for tick in 0..=ticks {
         let bearing = from + by * tick as f32 / ticks as f32;
@@ -194,7 +194,7 @@ fn each_hand_turns_the_stool_by_its_way_until_it_lets_go() {
     for hand in [LEFT, RIGHT] {
         for by in [FRAC_PI_6, -FRAC_PI_6, 2.0, -2.5] {
             let harness = &mut *start_unturned();
-            // Beside the bearing at which the numbers go round.
+            // Starts near the bearing at which the angle wraps.
             go_round(harness, hand, -3.0, by, 2 * TICK_RATE);
             assert!(
                 (stool_turn(harness) - by).abs() < 1e-3,
@@ -205,7 +205,7 @@ fn each_hand_turns_the_stool_by_its_way_until_it_lets_go() {
             harness.step(&input_with_hand(hand, hand_input_at(at_rim(by + 0.1))));
             harness.step(&input_with_hand(hand, hand_input_at(at_rim(by + 0.2))));
             assert_eq!(harness.world.stool_frame(), still, "it has let go");
-            // Squeezed elsewhere, it takes hold of nothing on its way.
+            // A hand squeezed away from the rim doesn't grab it on its way past.
             for step in 0..20 {
                 let place = at_rim(by) + Vec3::Y * (0.3 - 0.015 * step as f32);
                 harness.step(&input_with_hand(hand, squeezed_at(place)));
@@ -216,7 +216,7 @@ fn each_hand_turns_the_stool_by_its_way_until_it_lets_go() {
     }
 }
 
-/// Slower than a unit of the stool's turn a tick, it isn't left behind.
+/// A hand slower than one unit of the stool's angle a tick still keeps its place on the rim.
 #[test]
 fn a_slow_hand_keeps_its_place_on_the_rim() {
     let harness = &mut *start_unturned();
@@ -238,14 +238,14 @@ fn a_hand_that_jumps_or_hurries_turns_it_no_faster_than_a_stick() {
     turn_back(harness);
     go_round(harness, RIGHT, 0.0, PI, TICK_RATE);
     assert!((stool_turn(harness) - FRAC_PI_2).abs() < 0.02, "{}", stool_turn(harness));
-    // Over the axis it has no bearing; on the other side it goes on from there.
+    // Over the axis the hand has no bearing; beyond it the turn resumes.
     turn_back(harness);
     for step in -20..=20 {
         let place = STOOL_TOP + Vec3::X * (STOOL_RADIUS * step as f32 / 20.0);
         harness.step(&input_with_hand(RIGHT, squeezed_at(place)));
     }
     assert!(stool_turn(harness).abs() < 1e-4, "{}", stool_turn(harness));
-    // Lost from sight it has let go, and a squeeze takes hold anew.
+    // A hand that is lost from sight lets go; a new squeeze grabs again.
     go_round(harness, RIGHT, 0.0, 0.3, 30);
     let turned = stool_turn(harness);
     harness.step(&input_with_hand(RIGHT, HandInput { tracked: false, ..squeezed_at(at_rim(0.4)) }));
@@ -269,7 +269,7 @@ fn two_hands_turn_it_by_the_mean_of_their_ways() {
         let turned = stool_turn(harness);
         assert!((turned - expected).abs() < 0.01, "{ways:?}: {turned}");
     }
-    // Together with a stick and the pointer.
+    // The grab combines with a stick and the pointer.
     turn_back(harness);
     harness.step(&input_with_hand(LEFT, squeezed_at(at_rim(PI))));
     let mut input = input_with_hand(LEFT, squeezed_at(at_rim(PI + 0.01)));
@@ -280,8 +280,8 @@ fn two_hands_turn_it_by_the_mean_of_their_ways() {
     assert!((stool_turn(harness) - expected).abs() < 2e-4);
 }
 
-/// What the world says that a squeeze takes is what one takes, wherever the hand is and whatever it holds; a hand with
-/// a tool takes no stool.
+/// A squeeze takes exactly the target that the world announced, wherever the hand is and whatever it holds. A
+/// hand with a tool grabs no stool.
 #[test]
 fn a_squeeze_takes_what_is_told_before() {
     let harness = &mut *lock_harness();
@@ -337,7 +337,7 @@ fn a_hand_that_is_given_a_tool_lets_go_of_the_stool() {
     assert!(!harness.world.hand_state(LEFT).holds_stool);
     harness.step(&input_with_hand(LEFT, squeezed_at(at_rim(PI + 0.01))));
     assert_eq!(stool_turn(harness), 0.0);
-    // By a swap, too.
+    // A swap, too, makes a hand let go.
     turn_back(harness);
     take_item(harness, RIGHT, ROTARY);
     let mut input = command(0);

@@ -1,5 +1,6 @@
-//! The trace that the core's examples replay on a host and on bare metal: a groove drawn through the
-//! solid block, undone and drawn again. `PAROS_GOLDEN=write cargo test -p paros-tests-core groove` writes it.
+//! The trace that the core's examples replay on a host and on bare metal: a groove drawn through the solid
+//! block, undone and drawn again. `PAROS_GOLDEN=write cargo test -p paros-tests-core groove` writes the
+//! trace.
 
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
@@ -10,10 +11,10 @@ use paros_core::session::{BenchItem, PointerCommand, SessionMode, Tool, commands
 use paros_core::{HandInput, RangeMaps, StartVolumes, TickInput, World};
 use paros_shell::tick_runner::TickRunner;
 
-/// Ticks of the stroke.
+/// Length of the stroke, in ticks.
 const STROKE: u16 = 72;
 
-/// What the hand does in a tick.
+/// Returns the hand's input in a tick.
 fn input_at(world: &World<128>, tick: u16) -> TickInput {
     let mut input = TickInput::default();
     match tick {

@@ -1,4 +1,5 @@
-//! Hands, bench and stool: items are taken, dropped and turned, and none of that cuts a swept volume.
+//! Hands, bench and stool: items are taken, dropped and turned, and none of these actions cuts a swept
+//! volume.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -39,23 +40,23 @@ fn each_hand_takes_exchanges_and_returns_tools() {
         assert_eq!(events, [WorldEvent::Took { hand: hand as u8, item: rotary }]);
         assert_eq!(harness.world.held_tool(hand), Some((Tool::Rotary, ToolBit::MediumBall)));
         assert_eq!(harness.world.workbench().pose_of(rotary), None);
-        // Another tool in reach: the first goes home.
+        // Another tool is in reach: the first returns to its place.
         squeeze_and_release(&mut harness, hand, gun.home_position());
         assert_eq!(harness.world.held_tool(hand), Some((Tool::FillGun, ToolBit::Nozzle)));
         assert_eq!(harness.world.workbench().place_of(rotary), ToolPlace::Home);
-        // What one hand holds, the other can't find on the bench.
+        // A tool in one hand isn't on the bench for the other hand.
         assert_eq!(squeeze_and_release(&mut harness, other, gun.home_position()), []);
-        // By the pointer it changes hands.
+        // The pointer moves it to the other hand.
         take_item(&mut harness, other, gun);
         assert_eq!(
             (harness.world.held_tool(hand), harness.world.held_tool(other)),
             (None, Some((Tool::FillGun, ToolBit::Nozzle)))
         );
-        // Let go at its own place.
+        // The tool is released at its own place.
         let events = squeeze_and_release(&mut harness, other, gun.home_position());
         assert_eq!(events, [WorldEvent::Released { hand: other as u8, tool: Tool::FillGun }]);
         assert_eq!(harness.world.workbench().place_of(gun), ToolPlace::Home);
-        // Out of reach of everything, nothing is taken.
+        // Out of reach of every item, a squeeze takes nothing.
         assert_eq!(squeeze_and_release(&mut harness, hand, STOOL_TOP), []);
     }
 }
@@ -82,7 +83,7 @@ fn bits_are_mounted_on_their_own_tool() {
         ToolPlace::Home
     );
     assert_eq!(harness.world.workbench().place_of(grinder), ToolPlace::Mounted);
-    // It stays mounted on the bench.
+    // The bit stays mounted while its tool is on the bench.
     harness
         .step(&TickInput { pointer: PointerCommand::Return { hand: 1 }, ..TickInput::default() });
     assert_eq!(harness.world.events(), [WorldEvent::Returned { hand: 1, tool: Tool::Rotary }]);
@@ -143,10 +144,10 @@ fn the_stool_turns_and_takes_contact_and_edits_along<const K: usize>(
         });
         take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
         let before = volume_of(harness);
-        // A place in the room, the same for every turn.
+        // A fixed place in the room, whatever the stool's rotation.
         let tip = STOOL_TOP + Vec3::new(0.1, 31.0 / 64.0 * BOX_SIDE, -0.05);
         let grip = tip + Vec3::Z * Tool::Rotary.length_um() as f32 * 1e-6;
-        // From above: the push-out is in the room, up.
+        // The hand comes from above: the push-out points up in the room.
         harness.step(&input_with_hand(RIGHT, hand_input_at(grip + Vec3::Y * 0.1)));
         harness.step(&input_with_hand(RIGHT, hand_input_at(grip)));
         let out = harness.world.push_out_metres(RIGHT);
@@ -183,7 +184,7 @@ fn a_stick_turns_the_stool_a_quarter_turn_a_second() {
     let quarter = Quat::from_rotation_y(std::f32::consts::FRAC_PI_2);
     let (_, turned) = harness.world.stool_frame().to_room(&Pose::ZERO);
     assert!(turned.angle_between(quarter) < 0.02, "{turned}");
-    // Not by a hand that is out of sight, nor by a stick at rest.
+    // Neither an untracked hand nor a stick at rest turns the stool.
     let still = harness.world.stool_frame();
     harness.step(&input_with_hand(
         LEFT,
@@ -195,7 +196,7 @@ fn a_stick_turns_the_stool_a_quarter_turn_a_second() {
     assert_ne!(still, zero);
 }
 
-/// A stone held against a turning stool is turned as on a lathe: the tool stands, the edit sweeps.
+/// A stone that turns against a resting tool is cut as on a lathe: the tool stands, and the edit sweeps.
 fn a_tool_at_rest_carves_the_turning_stone<const K: usize>(harness: &mut WorldHarness<64, K>) {
     start_from_floor(harness, 30);
     take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
@@ -217,7 +218,7 @@ fn a_tool_at_rest_carves_the_turning_stone<const K: usize>(harness: &mut WorldHa
     assert!(harness.world.volume().count_voxels() < full);
 }
 
-/// Asserts that a tick removed voxels within the bit's current pose only, none of its path.
+/// Asserts that a tick removed only voxels within the bit's current pose, not along its path.
 fn assert_no_sweep<const K: usize>(
     harness: &WorldHarness<64, K>,
     hand: usize,
@@ -243,14 +244,14 @@ fn a_grab_a_tool_change_and_a_gap_never_sweep<const K: usize>(harness: &mut Worl
         take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
         (0..3).for_each(|_| step_with_bit_at(harness, RIGHT, a, true));
     };
-    // The other way round: a plain stroke does sweep.
+    // For comparison, a plain stroke does sweep.
     start(harness);
     let just_touching = |place: Vec3| Vec3::new(place.x, 31.4, place.z);
     step_with_bit_at(harness, RIGHT, just_touching(a), true);
     (0..4).for_each(|_| step_with_bit_at(harness, RIGHT, just_touching(b), true));
     let middle = [32, 29, 32];
     assert!(!volume_of(harness).contains(middle), "a fast stroke leaves no dots");
-    // Tracking is lost for a tick; trigger held all the while.
+    // Tracking is lost for a tick while the trigger stays pulled.
     start(harness);
     step_with_bit_at(harness, RIGHT, just_touching(a), true);
     harness.step(&input_with_hand(
@@ -260,7 +261,7 @@ fn a_grab_a_tool_change_and_a_gap_never_sweep<const K: usize>(harness: &mut Worl
     let before = volume_of(harness);
     step_with_bit_at(harness, RIGHT, just_touching(b), true);
     assert_no_sweep(harness, RIGHT, ToolBit::MediumBall, &before, "gap");
-    // Another bit, another tool, put back and taken again: in the tick of the jump.
+    // Another bit, another tool, or put back and taken again, all in the tick of the jump.
     let jumps: [(&str, BenchItem, ToolBit); 3] = [
         ("bit", BenchItem::Bit(ToolBit::LargeBall), ToolBit::LargeBall),
         ("tool", BenchItem::Tool(Tool::Impact), ToolBit::PointChisel),
@@ -280,7 +281,7 @@ fn a_grab_a_tool_change_and_a_gap_never_sweep<const K: usize>(harness: &mut Worl
             RIGHT,
             HandInput { trigger: 255, ..harness.world.hand_with_bit_at(RIGHT, &pose) },
         );
-        // Where the new tool's length has the bit.
+        // At the place where the new tool's length puts the bit.
         let tool = match item {
             BenchItem::Tool(tool) => tool,
             BenchItem::Bit(bit) => bit.spec().tool,
@@ -296,7 +297,7 @@ fn a_grab_a_tool_change_and_a_gap_never_sweep<const K: usize>(harness: &mut Worl
     }
 }
 
-/// Both hands cut sideways from within a tunnel each, where a column of one interval keeps nothing empty.
+/// Both hands cut sideways from inside tunnels, where a column of one interval can't keep anything empty.
 #[test]
 fn each_hand_is_told_what_closure_brought_back() {
     let mut harness = lock_harness();

@@ -1,17 +1,16 @@
-//! Island removal against the model's flood fill, with no edits meanwhile; `islands_in_flight` tests it with
-//! edits.
+//! Island removal against the model's flood fill, without edits during a pass; `islands_in_flight` tests it
+//! with edits.
 //!
-//! Planted faults, one line each, and what catches them (tried by hand; `at_rest` and
-//! `while_visitors_edit` where nothing else is said):
-//! - `queue_neighbours`: never the row below, or before; `visit_queued_rows`: a row never becomes open, or open
-//!   rows below, or above, are forgotten; `visit_row`: the row itself gives no seeds.
+//! Planted faults, and what catches each (tried by hand; `at_rest` and `while_visitors_edit` unless noted):
+//! - `queue_neighbours`: never the row below, or before; `visit_queued_rows`: a row never becomes open, or
+//!   open rows below, or above, are forgotten; `visit_row`: the row itself gives no seeds.
 //! - `mark_added_as_reached`: the row, or its neighbours, not queued; the voxels not reached ->
 //!   `while_visitors_edit`. Voxels reached before queued again -> `one_voxel_for_ever`.
-//! - `open_rows_around`: no look across the border of a word -> `across_words`.
+//! - `open_rows_around`: neighbours across a word border not checked -> `across_words`.
 //! - `begin_pass`: the mask, or the ground, forgotten -> `at_rest`, `mask_holds`.
-//! - `advance_pass`: no look at the ground at the end -> `ground_goes_in_flight`; edits in flight
+//! - `advance_pass`: the ground not checked at the end -> `ground_goes_in_flight`; edits in flight
 //!   forgotten -> `while_visitors_edit`.
-//! - `remove_islands`: a map not tightened, rows not closed -> `at_rest`; kept told again ->
+//! - `remove_islands`: a map not tightened, rows not closed -> `at_rest`; kept voxels reported again ->
 //!   `kept_is_told_once`.
 
 use std::sync::{Mutex, PoisonError};
@@ -40,7 +39,7 @@ where
     let mut harness = harness.lock().unwrap_or_else(|e| e.into_inner());
     harness.set_volume(volume, mask);
     let expected = clear_islands(volume, mask);
-    // All zero: no kept voxels remembered from another case.
+    // All zero bytes: forgets the kept voxels of an earlier case.
     prop_assert_eq!(harness.islands.load(&mut ByteReader::new(&[0; 17])), Ok(()));
     let report = harness.run_pass(budget)?.report;
     prop_assert!(
@@ -117,8 +116,8 @@ fn kept_is_told_once() {
     assert_eq!((report.removed, report.kept), (0, 0));
 }
 
-/// Kept voxels are reported wherever they lie: the hash of a single one near the end of its row, whose bit
-/// the even keys of some layers shift out, isn't taken for that of none.
+/// Kept voxels are reported wherever they lie: the hash of a single voxel near the end of its row differs
+/// from the hash of no voxels, although the even keys of some layers shift its bit out.
 #[test]
 fn kept_is_told_near_the_end_of_a_row() {
     const N: i32 = 64;
@@ -134,7 +133,8 @@ fn kept_is_told_near_the_end_of_a_row() {
     }
 }
 
-/// A loose voxel at `c` amid the ends of six arms, which stand on the ground and shield it on all axes.
+/// Returns a loose voxel at `c` between the ends of six arms, which stand on the ground and shield it on all
+/// axes.
 fn pinwheel_volume(side: i32, c: [i32; 3]) -> DenseVolume {
     let mut dense = DenseVolume::empty(side as usize);
     let mut bar = |a: [i32; 3], b: [i32; 3]| {
@@ -161,7 +161,7 @@ fn pinwheel_volume(side: i32, c: [i32; 3]) -> DenseVolume {
     dense.closure()
 }
 
-/// Sheets in series need about N^3 / 2 row visits, one after the other: many ticks, no island.
+/// Sheets in series need about N^3 / 2 sequential row visits: many ticks, and no island.
 #[test]
 fn comb_of_sheets() {
     const N: usize = 128;
@@ -187,7 +187,7 @@ fn comb_of_sheets() {
     assert!((900_000..1_300_000).contains(&visits), "{visits} row visits");
 }
 
-/// Walls across x, two voxels apart, joined to the next at the bottom and at the top in turn.
+/// Writes walls across x, two voxels apart, each joined to the next at the bottom and at the top alternately.
 fn write_comb<const N: usize>(volume: &mut Volume<N>)
 where
     Grid<N>: Size,
@@ -209,7 +209,7 @@ where
                     | if y == N - 1 { high } else { <Grid<N> as Size>::Row::EMPTY };
             }
         }
-        // Only the first wall stands.
+        // Only the first wall stands on the ground.
         for z in 0..N {
             let mut first = <Grid<N> as Size>::Row::EMPTY;
             first.insert(0);
@@ -218,7 +218,7 @@ where
     });
 }
 
-/// A beam that is reached late, at its far end and from above, passes the queue's word border.
+/// A beam that is reached late, at its far end and from above, crosses a word border of the queue.
 #[test]
 fn across_words() {
     const N: usize = 128;
@@ -241,7 +241,8 @@ fn across_words() {
     }
 }
 
-/// Neither ground nor mask: nothing goes, and that is said, after each edit anew.
+/// With neither ground nor mask, nothing is removed, and every pass after an edit reports the missing
+/// support.
 #[test]
 fn nothing_to_stand_on() {
     static HARNESS: Mutex<IslandHarness<16>> = Mutex::new(IslandHarness::new());
@@ -258,14 +259,14 @@ fn nothing_to_stand_on() {
 
 proptest! {
     #![proptest_config(random_cases(30))]
-    /// All of the volume masked: all of it stands.
+    /// A mask over the whole volume supports all of it.
     #[test]
     fn mask_holds(volume in closed_volumes(16)) {
         check_at_rest(&AT_REST_16, &MaskedVolume { mask: volume.clone(), volume }, 50)?;
     }
 }
 
-/// A mask costs no tick of its own: each row's part of it is looked at when the row is visited.
+/// The mask costs no extra tick: each row's part of it is read when the row is visited.
 #[test]
 fn the_mask_takes_no_tick() {
     let mut harness = AT_REST_16.lock().unwrap_or_else(|e| e.into_inner());
@@ -279,8 +280,8 @@ fn the_mask_takes_no_tick() {
     }
 }
 
-/// A block that floats in a well: columns along x and z hold all of it, too much to ask for voxel
-/// by voxel, but none along y.
+/// A block that floats in a well: columns along x and z can represent it whole, so it is too large to test
+/// voxel by voxel, but no column along y can.
 #[test]
 fn a_block_in_a_well() {
     let wall = |i: i32| i == 0 || i == 15;

@@ -1,5 +1,5 @@
-//! Island passes in flight: edits, saves and aborts between two ticks, against connected components
-//! of plain booleans. The faults planted are listed in `islands`.
+//! Island passes in flight: edits, saves and aborts between two ticks, against connected components of plain
+//! booleans. The planted faults are listed in `islands`.
 
 use std::sync::Mutex;
 
@@ -39,9 +39,9 @@ proptest! {
     }
 }
 
-/// Edits on every tick. No pass removes what is supported in that tick; what was an island when a
-/// pass began, and was let be, is gone when it ends, but for what closure keeps of it; and the
-/// volume comes to rest as the definition says.
+/// Edits on every tick. No pass removes voxels that are supported in that tick. An island that exists when a
+/// pass begins and isn't edited is gone when the pass ends, except for voxels that closure keeps. The volume
+/// ends up as the definition requires.
 fn check_while_edited(
     volume: &DenseVolume,
     mask: &DenseVolume,
@@ -82,7 +82,7 @@ fn check_while_edited(
             prop_assert!(after.is_within(&rest.closure()), "an island is still there");
         }
     }
-    // Hands off: one more pass may be needed for what happened during the one in flight.
+    // Edits stop: one more pass may be needed for changes made during the pass in flight.
     let mut passes = 0;
     while harness.islands.is_busy() {
         passes += u32::from(harness.advance_checked(budget)?.is_some());
@@ -129,7 +129,7 @@ fn check_saved(
     Ok(())
 }
 
-/// Cut short or with bytes changed: an error and no pass, or a state, but no panic.
+/// Loads truncated or changed bytes: the result is an error without a pass, or a valid state, but no panic.
 #[test]
 fn bad_bytes() {
     static HARNESS: Mutex<IslandHarness<16>> = Mutex::new(IslandHarness::new());
@@ -163,7 +163,7 @@ fn bad_bytes() {
     assert!(refused > bytes.len(), "rows of 16 voxels in words of 64 leave most flips detectable");
 }
 
-/// A visitor who for ever carves and fills the same voxel doesn't keep a pass from ending.
+/// Carving and filling the same voxel for ever doesn't keep a pass from ending.
 #[test]
 fn one_voxel_for_ever() {
     static HARNESS: Mutex<IslandHarness<16>> = Mutex::new(IslandHarness::new());
@@ -179,7 +179,7 @@ fn one_voxel_for_ever() {
     }
 }
 
-/// In flight every tick moves the digest; at rest none does.
+/// The digest changes on every tick while a pass is in flight, and on none at rest.
 #[test]
 fn digest_moves() {
     static HARNESS: Mutex<IslandHarness<16>> = Mutex::new(IslandHarness::new());
@@ -200,7 +200,7 @@ fn digest_moves() {
     assert_eq!(harness.islands.digest(), rest);
 }
 
-/// The ground goes while a pass is in flight: at its end nothing is left to stand on.
+/// The ground is removed while a pass is in flight, so at its end nothing is supported.
 #[test]
 fn ground_goes_in_flight() {
     static HARNESS: Mutex<IslandHarness<16>> = Mutex::new(IslandHarness::new());
@@ -218,7 +218,7 @@ fn ground_goes_in_flight() {
     assert!(harness.to_dense() == before);
 }
 
-/// Aborted, a pass leaves nothing behind.
+/// An aborted pass leaves no trace.
 #[test]
 fn aborted() {
     static HARNESS: Mutex<IslandHarness<16>> = Mutex::new(IslandHarness::new());
@@ -237,8 +237,8 @@ fn aborted() {
     assert!(!harness.islands.is_busy());
 }
 
-/// A loose voxel beside a pillar, and another pillar whose rows are visited last. What is filled in between
-/// while the pass is anywhere joins the loose one, whose row has perhaps been visited.
+/// A loose voxel stands beside a pillar; another pillar's rows are visited last. Voxels filled in between, at
+/// any point of the pass, connect the loose voxel, even if its row has already been visited.
 #[test]
 fn what_joins_a_visited_row_is_reached() {
     static HARNESS: Mutex<IslandHarness<16>> = Mutex::new(IslandHarness::new());

@@ -1,5 +1,5 @@
-//! The ledger of a tick, through the world: islands fall in time whatever hands do, and when they may fall after
-//! an undo.
+//! The ledger of a tick's work, tested through the world: islands fall in time whatever the hands do, and
+//! after an undo only when they may.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -57,8 +57,8 @@ where
         grid.write_closure(maps);
     }
 
-    /// Writes the start volumes once: a floor whose rows take a tick's visits, and a block on a thin stem. The figure
-    /// is the floor's middle.
+    /// Writes the start volumes once: a floor whose rows need a whole tick's visits, and a block on a thin
+    /// stem. The figure is the floor's middle.
     fn make(&mut self) {
         if std::mem::replace(&mut self.is_made, true) {
             return;
@@ -81,8 +81,8 @@ fn take(hand: usize, item: BenchItem) -> PointerCommand {
     PointerCommand::Take { hand: hand as u8, item: item.number() as u8 }
 }
 
-/// Has both hands take their tools with their bits, and the right one return its tool: it takes it again in the
-/// tick of the cut, when its bit is at the stem.
+/// Puts both tools with their bits into the hands, and returns the right hand's tool. It is taken again in
+/// the tick of the cut, when its bit is at the stem.
 fn take_tools<const N: usize>(runner: &mut TickRunner<'_, N, 2>, works: [(ToolBit, HardWork); 2])
 where
     Grid<N>: Size,
@@ -95,7 +95,8 @@ where
     run_pointer(PointerCommand::Return { hand: RIGHT as u8 });
 }
 
-/// Cuts the block's stem in tick `cut_at` of hands at work, and returns for how many ticks it then hangs.
+/// Cuts the block's stem in tick `cut_at` while both hands work, and returns the number of ticks until the
+/// block falls.
 fn count_ticks_until_fall<const N: usize>(
     scene: &'static Mutex<Scene<N>>,
     is_masked: bool,
@@ -150,7 +151,8 @@ where
     panic!("it hangs for ever: {works:?}");
 }
 
-/// Twelve ticks from the edit; twice as many with a mask. At 256 a third of the works, at night all.
+/// Asserts a fall within twelve ticks of the edit, or 24 with a mask. At 256 a third of the works is tested;
+/// the nightly run tests all.
 fn check_falls<const N: usize>(scene: &'static Mutex<Scene<N>>)
 where
     Grid<N>: Size,
@@ -191,7 +193,8 @@ fn islands_fall_in_time_at_256() {
 
 static HARNESS: Mutex<WorldHarness<64>> = Mutex::new(WorldHarness::new());
 
-/// A floor between two combs of sheets, over which a pass takes some ticks, and on it a block on a stem.
+/// Returns `true` inside a floor between two combs of sheets, over which a pass takes several ticks, with a
+/// block on a stem.
 fn is_stone([x, y, z]: [usize; 3]) -> bool {
     let near = |reach: usize| x.abs_diff(33) < reach && z.abs_diff(32) < reach;
     match x {
@@ -205,12 +208,13 @@ fn has_block(harness: &WorldHarness<64>) -> bool {
     harness.world.volume().rows().contains([33, 40, 32])
 }
 
-/// A tick in which the left hand's tool cuts the floor, or none.
+/// Runs a tick in which the left hand's tool is on the floor; it cuts if `cuts`.
 fn cut_floor(harness: &mut WorldHarness<64>, cuts: bool) {
     step_with_bit_at(harness, LEFT, Vec3::new(33.0, 10.3, 10.5), cuts);
 }
 
-/// Cuts the stem through with the right hand's tool. The block hangs then, as the pass that runs began before.
+/// Cuts through the stem with the right hand's tool. The block stays for now, because the current pass began
+/// before the cut.
 fn start_and_cut_stem(harness: &mut WorldHarness<64>) {
     harness.start_from_voxels(is_stone);
     take_item(harness, LEFT, BenchItem::Tool(Tool::Impact));
@@ -236,7 +240,7 @@ fn wait(harness: &mut WorldHarness<64>, ticks: u32) {
     (0..ticks).for_each(|_| harness.step(&TickInput::default()));
 }
 
-/// A redo brings back the cut, and with it the pass that it called for.
+/// A redo restores the cut and requests the pass that the cut had requested.
 #[test]
 fn what_a_redo_cuts_loose_falls() {
     let mut harness = HARNESS.lock().unwrap_or_else(PoisonError::into_inner);
@@ -248,14 +252,14 @@ fn what_a_redo_cuts_loose_falls() {
     assert!(has_block(&harness));
     wait(&mut harness, 12);
     assert!(!has_block(&harness), "it hangs for ever");
-    // What fell belongs to the stroke.
+    // The fallen voxels belong to the stroke's undo entry.
     assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 1, redoable: 0 });
     run_command(&mut harness, commands::UNDO);
     assert!(has_block(&harness));
 }
 
-/// An undo leaves the block hanging that the stroke before cut loose. To remove it would drop what can be redone,
-/// so it hangs until that is redone, or until the next edit drops it anyway.
+/// After an undo, the block cut loose by the stroke before still hangs. Removing it would drop the redo
+/// history, so it hangs until the redo, or until the next edit drops that history anyway.
 #[test]
 fn what_hangs_after_an_undo_waits_while_something_can_be_redone() {
     let mut harness = HARNESS.lock().unwrap_or_else(PoisonError::into_inner);
@@ -282,10 +286,11 @@ fn what_hangs_after_an_undo_waits_while_something_can_be_redone() {
 
 static HARNESS_128: Mutex<WorldHarness<128>> = Mutex::new(WorldHarness::new());
 
-/// The bits whose ways cost most, of two tools.
+/// The bits with the most expensive paths, of two tools.
 const CRAWLERS: [ToolBit; 2] = [ToolBit::Grinder, ToolBit::FlatChisel];
 
-/// A floor 60 voxels thick, and above it a block that no edit has touched yet. Each hand has its bit on the floor.
+/// Starts with a floor 60 voxels thick, a block above it that no edit has touched, and each hand's bit on the
+/// floor.
 fn start_crawl(harness: &mut WorldHarness<128>) {
     harness.start_from_voxels(|[x, y, z]| y < 60 || [x, y, z].map(|i| i / 8) == [8, 12, 8]);
     for (hand, bit) in CRAWLERS.into_iter().enumerate() {
@@ -295,8 +300,8 @@ fn start_crawl(harness: &mut WorldHarness<128>) {
     step_to(harness, 15.0, 0);
 }
 
-/// Runs a tick in which both hands lead their bits toward `x`, as deep in the floor as their bites allow: they go
-/// there a step at a time. Returns where they are.
+/// Runs a tick in which both hands move their bits toward `x`, as deep in the floor as their bites allow, so
+/// that the bits advance a step at a time. Returns the bits' x coordinates.
 fn step_to(harness: &mut WorldHarness<128>, x: f32, trigger: u8) -> [f32; 2] {
     let voxel_um = harness.world.stool_frame().voxel_metres() * 1e6;
     let hands = [LEFT, RIGHT].map(|hand| {
@@ -311,8 +316,8 @@ fn step_to(harness: &mut WorldHarness<128>, x: f32, trigger: u8) -> [f32; 2] {
     [LEFT, RIGHT].map(|hand| harness.world.hand_state(hand).frozen_pose.position.x)
 }
 
-/// A bit whose way and edit could cost all of a tick leaves the other hand's its half: both go on in every tick,
-/// whichever begins.
+/// A bit whose path and edit could use up a tick's work leaves the other hand its half: both bits advance in
+/// every tick, whichever hand begins.
 #[test]
 fn each_hand_has_its_half_of_a_tick() {
     let harness = &mut *HARNESS_128.lock().unwrap_or_else(PoisonError::into_inner);
@@ -328,7 +333,7 @@ fn each_hand_has_its_half_of_a_tick() {
     }
 }
 
-/// The islands' share is theirs while both hands spend all that they may.
+/// The island search gets its reserve while both hands spend all of their work.
 #[test]
 fn islands_have_their_share_of_each_tick() {
     let harness = &mut *HARNESS_128.lock().unwrap_or_else(PoisonError::into_inner);

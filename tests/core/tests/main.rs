@@ -1,5 +1,5 @@
-//! Tests of the core. Each module holds one of its parts against a model; all are one binary, so that the generic
-//! core is compiled for them once.
+//! Tests of the core, each module comparing one part with a model. All are one binary, so that the generic
+//! core is compiled only once.
 
 mod alloc;
 mod badge_code;

@@ -1,4 +1,4 @@
-//! The pitching chisel at work: near an edge a blow splits a flake off, elsewhere it chips.
+//! The pitching chisel at work: near an edge a blow splits off a flake, elsewhere it chips.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -19,11 +19,11 @@ static LARGE: Mutex<WorldHarness<256, 2>> = Mutex::new(WorldHarness::new());
 const TOP_MM: f32 = 225.0;
 const EDGE_MM: f32 = 300.0;
 
-/// From the chisel's middle to its tip, and how far a flake reaches.
+/// The distance from the chisel's centre to its tip, and the reach of a flake, in millimetres.
 const TIP_MM: f32 = 14.0;
 const FLAKE_MM: f32 = 40.0;
 
-/// How a chisel is held whose blow leads down toward the edge, so inclined.
+/// Returns the grip of a chisel whose blow points down toward the edge at an inclination.
 fn grip(degrees: f32) -> Quat {
     let (sine, cosine) = degrees.to_radians().sin_cos();
     let blow = Vec3::new(cosine, -sine, 0.0);
@@ -31,10 +31,10 @@ fn grip(degrees: f32) -> Quat {
     Quat::from_mat3(&Mat3::from_cols(up.cross(-blow), up, -blow))
 }
 
-/// What a blow did.
+/// The result of a blow.
 struct Blow {
     removed: DenseVolume,
-    /// Where flakes were told to be split off, and of how many voxels.
+    /// The reported splits: number of voxels and their box.
     splits: Vec<(u32, paros_core::volume::VoxelBox)>,
     report: EditReport,
 }
@@ -65,7 +65,7 @@ where
         harness.step(&input_with_bit_at(harness, place, rotation, trigger));
         harness.world.events().to_vec()
     };
-    // The blow, and the rest of its period.
+    // The blow and the rest of its period.
     let events: Vec<WorldEvent> = (0..6).flat_map(|_| step(255)).collect();
     let mut blow = Blow {
         removed: before.difference(&volume_of(harness)),
@@ -104,7 +104,7 @@ where
         let Blow { removed, splits, report } = strike(&mut harness, tip, grip(degrees));
         let [(count, within)] = splits[..] else { panic!("{N}, {back} mm: {splits:?}") };
         assert_eq!((count, report.removed), (removed.count(), count), "{N}, {back} mm");
-        // The whole wedge to the edge is off, as far as 25 mm along it, and nothing else.
+        // The whole wedge to the edge is removed, as far as 25 mm along it, and nothing else.
         let up = grip(degrees) * Vec3::Y;
         let middle = |at: [i32; 3]| (IVec3::from_array(at).as_vec3() + 0.5) * voxel;
         for at in removed.occupied() {
@@ -138,7 +138,8 @@ fn elsewhere_it_chips() {
     let Blow { removed, splits, report } = strike(&mut harness, tip, grip(35.0));
     assert!(splits.is_empty(), "{splits:?}");
     assert!(report.removed > 0 && removed.count() < 120, "{} chips", removed.count());
-    // Straight down through 30 mm of stone: the blow leaves it, the blade's plane has no side.
+    // Straight down through 30 mm of stone: the blow passes through, and the blade's plane has no thinner
+    // side.
     harness.start_from_voxels(|[_, y, _]| y < 10);
     take_chisel(&mut harness);
     harness.start_from_voxels(|[x, y, z]| (56..64).contains(&y) || y < 56 && (x < 20 || z < 20));
@@ -147,7 +148,7 @@ fn elsewhere_it_chips() {
     assert!(splits.is_empty(), "{splits:?}");
 }
 
-/// A flake in a mirror is two, and one undo takes both back.
+/// With the symmetry mirror, a blow splits two flakes, and one undo restores both.
 #[test]
 fn a_mirrored_flake_is_undone_as_a_whole() {
     let mut harness = LARGE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -164,7 +165,7 @@ fn a_mirrored_flake_is_undone_as_a_whole() {
     assert!(volume_of(&harness) == before, "undo leaves a part");
 }
 
-/// The hidden figure stays where flakes split off about it.
+/// Flakes that split off around the hidden figure leave it whole.
 #[test]
 fn a_flake_leaves_the_mask() {
     let mut harness = SMALL.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,4 +1,4 @@
-//! The rasp at work: what its file leaves of ripples, edges and balls, in millimetres.
+//! The rasp at work: its effect on ripples, edges and balls, in millimetres.
 
 use std::f32::consts::{PI, TAU};
 use std::sync::{Mutex, PoisonError};
@@ -17,7 +17,7 @@ const TICKS_PER_SECOND: f32 = 72.0;
 
 const WAVE_MM: f32 = 85.0;
 
-/// How far a trigger is pulled.
+/// Trigger values: fully and lightly pulled.
 const FULL: u8 = 255;
 const LIGHT: u8 = 150;
 
@@ -30,27 +30,27 @@ impl<'a, const N: usize> Rasp<'a, N>
 where
     Grid<N>: Size,
 {
-    /// Takes the rasp to a stone of all voxels whose middles `is_stone`.
+    /// Holds the rasp at a stone made of all voxels whose centres satisfy `is_stone`.
     fn take(harness: &'a mut WorldHarness<N, 2>, is_stone: impl Fn(Vec3) -> bool) -> Self {
         start_from_stone(harness, is_stone);
         take_item(harness, RIGHT, BenchItem::Tool(Tool::Rasp));
         Rasp(harness)
     }
 
-    /// A tick with the middle of the file at a place.
+    /// Runs a tick with the file's centre at a place.
     fn step_at(&mut self, place: Vec3, rotation: Quat, trigger: u8) {
         let input = input_with_bit_at(self.0, place, rotation, trigger);
         self.0.step(&input);
     }
 
-    /// The top of the stone in a column, in millimetres.
+    /// Returns the top of the stone in a column, in millimetres.
     fn height_at(&self, [x, z]: [usize; 2]) -> f32 {
         let rows = self.0.world.volume().rows();
         let top = (0..N).rev().find(|&y| rows.contains([x, y, z]));
         top.map_or(0.0, |top| (top + 1) as f32 * BOX_MM / N as f32)
     }
 
-    /// The columns between `x` and between `z`.
+    /// Returns the columns within ranges of x and z.
     fn columns_of(x: [f32; 2], z: [f32; 2]) -> Vec<[usize; 2]> {
         let to_voxels = |ends: [f32; 2]| ends.map(|end| (end * N as f32 / BOX_MM).round() as usize);
         let [xs, zs] = [x, z].map(to_voxels);
@@ -62,7 +62,8 @@ where
         columns.iter().map(|&column| self.height_at(column)).sum::<f32>() / columns.len() as f32
     }
 
-    /// Amplitude of the heights' ripple of [`WAVE_MM`] along x, of whole waves; the surface's slope doesn't count.
+    /// Returns the amplitude of the height ripple with wavelength [`WAVE_MM`] along x, over whole waves. The
+    /// surface's slope is ignored.
     fn ripple_of(&self, x: [f32; 2], z: [f32; 2]) -> f32 {
         let columns = Self::columns_of(x, z);
         let places = columns.iter().map(|&column| {
@@ -82,7 +83,7 @@ where
     }
 }
 
-/// The amplitude that is left of ripples of 10 mm, over which the file goes to and fro until it has lain for half a
+/// Returns the amplitude left of 10 mm ripples after the file has moved to and fro until it has spent half a
 /// second at each place.
 fn ripple_after<const N: usize>(harness: &mut WorldHarness<N, 2>, (speed, press): (f32, f32)) -> f32
 where
@@ -91,7 +92,7 @@ where
     let mut rasp = Rasp::take(harness, |p| p.y < 200.0 + 10.0 * (TAU * p.x / WAVE_MM).sin());
     let (xs, zs) = ([145.0, 145.0 + WAVE_MM], [195.0, 225.0]);
     let height = rasp.mean_height_of(xs, zs);
-    // Ways of 180 mm, by a file of 20 mm, in three lanes: a lane alone stays bent between its edges.
+    // Strokes of 180 mm with a file of 20 mm in three lanes: a single lane would stay bent between its edges.
     let ways = 3.0 * f32::ceil(0.5 * speed / 20.0);
     let ticks = (ways * 180.0 / speed * TICKS_PER_SECOND).round() as usize;
     let place_after = |tick: usize| {
@@ -108,7 +109,7 @@ where
     rasp.ripple_of(xs, zs)
 }
 
-/// By a quick hand and by a slow one; at 256 by the slow one at night alone.
+/// Tests a quick hand and a slow hand; at 256 the slow hand runs only in the nightly run.
 fn ripples_fall_to_a_tenth<const N: usize>(harness: &Mutex<WorldHarness<N, 2>>)
 where
     Grid<N>: Size,
@@ -131,8 +132,8 @@ fn ripples_fall_to_a_tenth_at_256() {
     ripples_fall_to_a_tenth(&LARGE);
 }
 
-/// The file lies for half a second across an edge of 90 degrees, at 45 degrees to its faces. Returns the radius of the
-/// fillet that takes as much off the edge.
+/// Holds the file for half a second on an edge of 90 degrees, at 45 degrees to its faces. Returns the radius
+/// of the fillet that would remove as much from the edge.
 fn fillet_of_edge<const N: usize>(harness: &mut WorldHarness<N, 2>, trigger: u8) -> f32
 where
     Grid<N>: Size,
@@ -164,8 +165,8 @@ fn a_light_file_keeps_an_edge() {
     assert!(full.iter().zip(light).all(|(full, light)| *full > 1.5 * light), "{full:?} mm");
 }
 
-/// Rasps a ball of 140 mm radius all over for ten seconds. It keeps its radius within 1.8 mm, and half a voxel for the
-/// grid.
+/// Rasps a ball of 140 mm radius all over for ten seconds. Asserts that the radius changes by at most 1.8 mm,
+/// plus half a voxel for the grid.
 fn ball_keeps_its_radius<const N: usize>(harness: &Mutex<WorldHarness<N, 2>>)
 where
     Grid<N>: Size,
@@ -176,7 +177,7 @@ where
     let mut rasp = Rasp::take(harness, |p| p.distance(middle) < RADIUS);
     let mut turn_to = |angle: f32, height: f32, trigger: u8| {
         let rotation = Quat::from_euler(EulerRot::YXZ, angle, height, 0.0);
-        // The file's wide face, its lower one, lies on the ball.
+        // The file's wide lower face lies on the ball.
         let place = middle + rotation * (RADIUS + 4.0) * Vec3::Y;
         rasp.step_at(place, rotation, trigger);
     };
@@ -214,7 +215,7 @@ fn a_ball_keeps_its_radius() {
     ball_keeps_its_radius(&LARGE);
 }
 
-/// While the file runs it is dithered; some ticks after its release no grain is left on a flat face.
+/// The running file dithers its cut; a few ticks after its release no grain is left on a flat face.
 #[test]
 fn no_grain_is_left() {
     let harness = &mut *LARGE.lock().unwrap_or_else(PoisonError::into_inner);

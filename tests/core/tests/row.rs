@@ -20,7 +20,7 @@ where
     row
 }
 
-/// The lowest `n` bits of a row. Asserts that no bit above them is set.
+/// Returns the lowest `n` bits of a row. Asserts that no higher bit is set.
 fn row_to_bits<R: BitSet>(row: R, n: usize) -> Vec<bool> {
     assert!((n..64 * R::WORDS).all(|i| !row.contains(i)), "a bit above the grid: {row:?}");
     (0..n).map(|i| row.contains(i)).collect()
@@ -91,14 +91,14 @@ where
     );
 }
 
-/// The bits of `a` beyond its lowest run, found bit by bit.
+/// Returns the bits of `a` beyond its lowest run, found bit by bit.
 fn bits_beyond_lowest_run(a: &[bool]) -> Vec<bool> {
     let first = a.iter().position(|&bit| bit).unwrap_or(a.len());
     let end = a[first..].iter().position(|&bit| !bit).map_or(a.len(), |length| first + length);
     a.iter().enumerate().map(|(i, &bit)| bit && i >= end).collect()
 }
 
-/// The runs of `a` that contain a seed, found bit by bit.
+/// Returns the runs of `a` that contain a seed, found bit by bit.
 fn runs_with_seeds(a: &[bool], seeds: &[bool]) -> Vec<bool> {
     let mut found = vec![false; a.len()];
     let mut i = 0;
@@ -112,7 +112,7 @@ fn runs_with_seeds(a: &[bool], seeds: &[bool]) -> Vec<bool> {
     found
 }
 
-/// First and last bit of each run; runs are split at the borders of 64-bit words.
+/// Returns the first and last bit of each run; runs are split at the borders of 64-bit words.
 fn runs_in_words(a: &[bool]) -> Vec<(usize, usize)> {
     let mut runs: Vec<(usize, usize)> = vec![];
     for i in (0..a.len()).filter(|&i| a[i]) {
@@ -124,7 +124,8 @@ fn runs_in_words(a: &[bool]) -> Vec<(usize, usize)> {
     runs
 }
 
-/// Maps with one line of columns; those set in `columns` have intervals with the ends `ends`, the others are empty.
+/// Returns maps with one line of columns: those set in `columns` have intervals with the ends `ends`, the
+/// others are empty.
 fn line_from_columns<const N: usize, const K: usize>(
     columns: &[bool],
     ends: &[[usize; 8]],
@@ -136,7 +137,7 @@ fn line_from_columns<const N: usize, const K: usize>(
     maps
 }
 
-/// A column of as many intervals as these ends, sorted, make without touching.
+/// Builds a column from sorted ends, with as many intervals as don't touch.
 fn column_from_ends<const K: usize>(mut ends: [usize; 8]) -> Column<K> {
     ends.sort_unstable();
     let mut column = Column::EMPTY;

@@ -1,4 +1,4 @@
-//! Saved worlds: a loaded world continues exactly as if uninterrupted, and corrupt bytes are refused.
+//! Saved worlds: a loaded world continues exactly as if uninterrupted, and corrupt bytes are rejected.
 
 use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
@@ -28,7 +28,8 @@ fn save_to_vec<const K: usize>(world: &World<64, K>) -> Vec<u8> {
     bytes
 }
 
-/// A comb of sheets, joined at alternating edges: an island pass over it takes many ticks.
+/// Returns `true` inside a comb of sheets, joined at alternating edges: an island pass over it takes many
+/// ticks.
 fn is_in_sheets([x, _, z]: [usize; 3]) -> bool {
     z % 2 == 0 || x == if z % 4 == 1 { 0 } else { 63 }
 }
@@ -42,7 +43,8 @@ fn start_session_of_kind<const K: usize>(harness: &mut WorldHarness<64, K>, kind
     };
 }
 
-/// The sums of what the bound says it holds: two volumes' maps, undo entries, the newest entry, islands, 1 KiB.
+/// The longest save's length is the sum of its parts: two volumes' maps, undo entries, the newest entry,
+/// islands, and 1 KiB.
 #[test]
 fn the_longest_save_is_the_sum_of_its_parts() {
     let parts = [
@@ -107,7 +109,7 @@ fn after_a_load_everything_is_dirty_until_the_next_tick() {
     assert!(harness.world.dirty_rects().is_empty());
 }
 
-/// What the bound leaves for all that is of one length, beside two sets of maps.
+/// Measures the size of the fixed-length rest of a save beside two sets of maps.
 #[test]
 fn a_world_in_which_nothing_has_happened_is_short() {
     fn rest<const N: usize>(world: &World<N>) -> usize
@@ -213,7 +215,7 @@ fn any_forgeries() -> impl Strategy<Value = Forgery> {
     ]
 }
 
-/// A harness, and saved sessions of each kind.
+/// A harness with saved sessions of each kind.
 struct Lives<const K: usize> {
     harness: WorldHarness<64, K>,
     saves: [Vec<u8>; 3],
@@ -238,7 +240,7 @@ fn load_forged<const K: usize>(
         *save = save_after_visit(harness, 12 + kind);
     }
     let mut bytes = save.clone();
-    // The state comes first, and is where most of what can be wrong is.
+    // The state comes first, and contains most of the values that can be invalid.
     let range = if early { 600 } else { bytes.len() - BODY };
     forgeries.iter().for_each(|forgery| forgery.apply_to(&mut bytes, range));
     write_checksum(&mut bytes);
@@ -268,7 +270,7 @@ fn load_forged<const K: usize>(
 proptest! {
     #![proptest_config(random_cases(40))]
 
-    /// No panic, now or later; what is turned away leaves the empty world.
+    /// Forged bytes cause no panic, neither on loading nor later. A rejected save leaves the empty world.
     #[test]
     fn forged_bytes_never_panic(
         kind in 0..3u64,
@@ -282,7 +284,7 @@ proptest! {
         load_forged(&LIVED_IN_TWO, kind, early, &forgeries, seed)?;
     }
 
-    /// Whatever is saved is part of the digest: what loads from other bytes has another.
+    /// Every saved byte is part of the digest: a changed save that loads has another digest.
     #[test]
     fn each_saved_bit_counts_in_the_digest(
         kind in 0..3u64,

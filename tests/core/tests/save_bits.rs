@@ -1,4 +1,4 @@
-//! Each bit that a save holds is part of the digest: whatever loads with one bit flipped has another digest.
+//! Each bit of a save is part of the digest: a save with one bit flipped is rejected or has another digest.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -25,7 +25,7 @@ where
     bytes
 }
 
-/// Flips these bits of the body's bytes one by one, and loads each save. Returns how many loaded.
+/// Flips the given bits of the body one by one and loads each save. Returns the number of loaded saves.
 fn flip_bits<const N: usize, const K: usize>(
     world: &mut World<N, K>,
     saved: &[u8],
@@ -51,15 +51,15 @@ where
     loaded
 }
 
-/// A session's saves: with a pass in flight over strokes that can be undone, and with one that waits while some
-/// can be redone.
+/// Returns two saves of a session: with a pass in flight over strokes that can be undone, and with a pass
+/// that waits because some strokes can be redone.
 fn play_two_saves<const N: usize, const K: usize>(harness: &mut WorldHarness<N, K>) -> [Vec<u8>; 2]
 where
     Grid<N>: Size,
 {
     harness.reset();
     let idle = harness.world.part_digests()[3];
-    // Sheets joined at alternating edges, over which a pass takes some ticks.
+    // Sheets joined at alternating edges, over which a pass takes several ticks.
     harness.start_from_voxels(|[_, y, z]| y % 2 == 0 || z == if y % 4 == 1 { 0 } else { N - 1 });
     let mut visitor = RandomVisitor::new(5);
     let mut saves = [Vec::new(), Vec::new()];
@@ -78,7 +78,8 @@ where
     saves
 }
 
-/// Of volume and mask a sixteenth of all bits, of the second save a fourth of the others; at night all.
+/// Tests a sixteenth of the bits of volume and mask, and of the second save a fourth of the other bits; the
+/// nightly run tests all bits.
 #[test]
 fn every_bit_of_a_save_at_16_counts_in_the_digest() {
     static HARNESS: Mutex<WorldHarness<16>> = Mutex::new(WorldHarness::new());
@@ -94,8 +95,8 @@ fn every_bit_of_a_save_at_16_counts_in_the_digest() {
     }
 }
 
-/// All but the bits of volume and mask, most of which are refused; of the state, which is that of every size, a
-/// sixty-fourth, at night a third.
+/// Tests all bits except those of volume and mask, most of which are rejected. The state has the same layout
+/// at every size, so only a sixty-fourth of it is tested, and a third in the nightly run.
 #[test]
 fn every_bit_of_a_save_at_32_counts_in_the_digest() {
     static HARNESS: Mutex<WorldHarness<32, 2>> = Mutex::new(WorldHarness::new());
@@ -108,7 +109,8 @@ fn every_bit_of_a_save_at_32_counts_in_the_digest() {
     assert!(state > 60 && rest > 60, "{state} and {rest} of {} bytes", save.len());
 }
 
-/// A row of reached voxels and one of queued rows, at any place of any size: none of their bits vanishes.
+/// Every bit of a row of reached voxels and of a row of queued rows changes the digest, at any place and
+/// size.
 #[test]
 fn each_row_of_a_search_counts_in_the_digest() {
     static SEARCH: Mutex<IslandSearch<256>> = Mutex::new(IslandSearch::new());

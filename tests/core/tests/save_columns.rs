@@ -1,4 +1,4 @@
-//! Saves with a column that no world has, forged with a right checksum: refused with that column.
+//! Saves with an impossible column, forged with a valid checksum, are rejected with that column's place.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -13,7 +13,7 @@ use paros_models::world_harness::WorldHarness;
 
 const N: usize = 64;
 
-/// Offsets of the checksum, of what it covers, and of the volume's columns.
+/// Byte offsets of the checksum, of the bytes that it covers, and of the volume's columns.
 const SUM: usize = 8;
 const BODY: usize = 16;
 const MAPS: usize = BODY + STATE_BYTES;
@@ -29,12 +29,12 @@ fn save_to_vec<const K: usize>(world: &World<N, K>) -> Vec<u8> {
     bytes
 }
 
-/// Where a column lies in maps that begin at `start`.
+/// Returns the offset of a column in maps that begin at `start`.
 fn column_offset<const K: usize>(start: usize, axis: Axis, (line, place): Address) -> usize {
     start + 2 * K * ((axis as usize * N + line) * N + place)
 }
 
-/// The offset of the mask's columns, and that of the undo history.
+/// Returns the offset of the mask's columns, and the offset of the undo history.
 fn mask_offset<const K: usize>() -> usize {
     column_offset::<K>(MAPS, Axis::X, (0, 0)) + 6 * N * N * K
 }
@@ -47,7 +47,7 @@ fn write_column<const K: usize>(bytes: &mut [u8], at: usize, column: Column<K>) 
     bytes[at..at + 2 * K].copy_from_slice(column.to_bytes().as_flattened());
 }
 
-/// Loads the bytes with a checksum that is right.
+/// Writes a valid checksum and loads the bytes.
 fn load_forged<const K: usize>(world: &mut World<N, K>, bytes: &mut [u8]) -> Result<(), BadSave> {
     let sum = checksum(&bytes[BODY..]);
     bytes[SUM..BODY].copy_from_slice(&sum.to_le_bytes());
@@ -62,8 +62,8 @@ fn range(first: usize, last: usize) -> Range {
     if first > last { Range::EMPTY } else { Range::new(first, last) }
 }
 
-/// Two voxels on the ground, at 2 and 6 along x, of which the saved column along x is replaced by each of
-/// these: the errors expected.
+/// Builds two voxels on the ground, at 2 and 6 along x, replaces the saved column along x by each of the
+/// given columns, and compares the errors with the expected ones.
 fn check_volume<const K: usize>(
     harness: &mut WorldHarness<N, K>,
     cases: &[([(usize, usize); K], &'static str)],
@@ -111,7 +111,7 @@ fn a_bad_column_of_the_volume_is_named() {
     assert_eq!(bad.to_string(), text);
 }
 
-/// Changes the saved mask, and the digest of it in the saved state.
+/// Changes the saved mask and its digest in the saved state.
 fn forge_mask<const K: usize>(
     bytes: &mut [u8],
     mask: &RangeMaps<N, K>,
@@ -133,7 +133,7 @@ fn check_mask<const K: usize>(harness: &mut WorldHarness<N, K>) {
     let bytes = save_to_vec(&harness.world);
     let mut mask = RangeMaps::<N, K>::new();
     mask.copy_from(harness.world.mask());
-    // A column whose last voxel moves on by one.
+    // Moves a column's last voxel by one.
     let address = (0..N * N).map(|i| (i / N, i % N)).rfind(|address| {
         let last = mask.column(Axis::Z, *address).hull().last();
         0 < last && last < N - 1
@@ -148,8 +148,8 @@ fn check_mask<const K: usize>(harness: &mut WorldHarness<N, K>) {
     let refused = load_forged(&mut harness.world, &mut forged);
     assert_eq!(refused, Err(bad_column(Axis::Z, address, at, "tight ranges of the mask")));
 
-    // Voxels of its own, where the lump has none: one, and two in one interval along x, which has room for
-    // the gap between them where there may be two.
+    // Adds mask voxels where the lump has none: one voxel, and two in one interval along x, with room for a
+    // gap between them if the format allows a second interval.
     assert_eq!(harness.world.load(&bytes), Ok(()));
     let beyond = "a mask within the volume";
     let unsaturated = "a column of the mask without empty voxels where a gap has room";
@@ -182,7 +182,7 @@ fn a_bad_column_of_the_mask_is_named() {
     check_mask(&mut TWO.lock().unwrap_or_else(PoisonError::into_inner));
 }
 
-/// The offset of the last byte of the newest undo entry, and after it.
+/// Returns the offset of the last byte of the newest undo entry, and the end of the history.
 fn undo_end<const K: usize>(bytes: &[u8]) -> usize {
     let at = undo_offset::<K>();
     let packed = u16::from_le_bytes([bytes[at], bytes[at + 1]]);
@@ -199,13 +199,13 @@ fn check_undo<const K: usize>(harness: &mut WorldHarness<N, K>, bad: Column<K>) 
     while harness.world.undo_counts().undoable < 3 || harness.world.undo_counts().redoable > 0 {
         harness.step(&visitor.next_input());
     }
-    // Hands come to rest.
+    // Waits until the hands are at rest.
     (0..20).for_each(|_| harness.step(&TickInput::default()));
     let bytes = save_to_vec(&harness.world);
     let mut before = RangeMaps::<N, K>::new();
     before.copy_from(harness.world.volume().maps());
     harness.step(&TickInput { commands: commands::UNDO, ..TickInput::default() });
-    // An entry has the columns that it exchanges, in the order of the maps.
+    // An entry contains the columns that it exchanges, in the order of the maps.
     let after = harness.world.volume().maps();
     let mut all =
         Axis::ALL.into_iter().flat_map(|axis| (0..N * N).map(move |i| (axis, i / N, i % N)));

@@ -1,6 +1,6 @@
-//! Saves that were forged with a right checksum: what is loaded keeps every invariant, whatever is done then.
+//! Saves forged with a valid checksum: a save that loads keeps every invariant, whatever is done afterwards.
 //!
-//! `save_trust` has a directed test for each thing that is checked, and the faults planted in it.
+//! `save_trust` has a directed test for each check, and lists the faults planted in it.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -15,7 +15,7 @@ use paros_models::random_visitor::{RandomSource, RandomVisitor};
 use paros_models::save_layout::{BODY, MAPS, SaveLayout, save_to_vec, write_checksum};
 use paros_models::world_harness::WorldHarness;
 
-/// Saves of visits: each mode, at rest and with a search under way, with undone entries and without.
+/// Returns saves of visits: each mode, at rest and during a search, with and without undone entries.
 fn saves_of_visits<const N: usize, const K: usize>(harness: &mut WorldHarness<N, K>) -> Vec<Vec<u8>>
 where
     Grid<N>: Size,
@@ -38,7 +38,7 @@ where
     saves
 }
 
-/// Forges one thing: any byte, or what the history and the search say.
+/// Forges one thing: any byte, or a value of the history or the search.
 fn forge<const N: usize, const K: usize>(bytes: &mut Vec<u8>, dice: &mut RandomSource) {
     let Some(layout) = SaveLayout::of::<N, K>(bytes) else { return };
     let pick = |dice: &mut RandomSource, range: Range<usize>| {
@@ -60,14 +60,14 @@ fn forge<const N: usize, const K: usize>(bytes: &mut Vec<u8>, dice: &mut RandomS
         1 => flip(bytes, BODY..MAPS, dice),
         2 => flip(bytes, layout.islands..end, dice),
         3 => flip(bytes, layout.undo..layout.undo + 5, dice),
-        // A range of an entry is moved by a voxel; its columns lie at the end.
+        // Moves an end of a range in an entry by a voxel; the columns lie at the entry's end.
         4 | 5 => {
             if let Some(entry) = entry(dice) {
                 let at = pick(dice, entry.end - (entry.len() / 2).max(2)..entry.end);
                 bytes[at] = bytes[at].wrapping_add([1, 255][dice.below(2) as usize]);
             }
         }
-        // Two entries are exchanged.
+        // Exchanges two entries.
         6 => {
             if let (Some(one), Some(other)) = (entry(dice), entry(dice))
                 && one.end <= other.start
@@ -80,7 +80,7 @@ fn forge<const N: usize, const K: usize>(bytes: &mut Vec<u8>, dice: &mut RandomS
                 *bytes = all;
             }
         }
-        // Another number of entries is applied.
+        // Changes the number of applied entries.
         _ => {
             let applied = dice.below(layout.entries.len() as u64 + 1) as u16;
             bytes[layout.undo + 2..layout.undo + 4].copy_from_slice(&applied.to_le_bytes());
@@ -88,7 +88,7 @@ fn forge<const N: usize, const K: usize>(bytes: &mut Vec<u8>, dice: &mut RandomS
     }
 }
 
-/// Undoes and redoes all there is, sculpting meanwhile, with the invariants checked on every tick.
+/// Undoes and redoes everything, sculpting in between, and checks the invariants on every tick.
 fn storm<const N: usize, const K: usize>(harness: &mut WorldHarness<N, K>, seed: u64)
 where
     Grid<N>: Size,
@@ -110,7 +110,7 @@ where
     }
 }
 
-/// What became of forgeries.
+/// Counts of what happened to forged saves.
 #[derive(Default, Debug)]
 struct Outcomes {
     loaded: u32,
@@ -173,7 +173,7 @@ fn a_forged_save_is_refused_or_keeps_every_invariant() {
         load_forgeries(&LARGER, scaled_cases(240)),
     ] {
         println!("{outcomes:?}");
-        // Of each sort there are some.
+        // Every kind of outcome occurred.
         assert!(outcomes.loaded > 10 && outcomes.refused["tight ranges"] > 3, "{outcomes:?}");
     }
 }

@@ -1,9 +1,9 @@
-//! A save with a right checksum that breaks one promise of what was saved: refused, with its place.
+//! Saves with a valid checksum that break one invariant are rejected, with the place of the fault.
 //!
-//! Planted faults (tried by hand), each caught by the test of its name: the applied entries aren't walked, or
-//! the undone ones; the rows aren't rebuilt after an entry; the box of its changes lacks a layer; saturation
-//! or the mask isn't looked at; a search may miss ground, mask or a row beside what it reached; a bench may have
-//! two tools in a hand; a frozen pose may lack a rotation.
+//! Planted faults (tried by hand), each caught by the test of its name: the applied or the undone entries
+//! aren't walked; the rows aren't rebuilt after an entry; the box of its changes lacks a layer; saturation or
+//! the mask isn't checked; a search may lack ground, mask or a row beside a reached row; a bench may have two
+//! tools in a hand; a frozen pose may lack a rotation.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -49,8 +49,8 @@ fn sculpt<const K: usize>(harness: &mut WorldHarness<N, K>, mode: SessionMode, s
     (0..20).for_each(|_| harness.step(&TickInput::default()));
 }
 
-/// Forges values of each entry by `change`, one at a time, and counts those that are refused as `expected`
-/// for the column that was changed. No other error may name the entry's own column.
+/// Forges values of each entry by `change`, one at a time, and counts the saves rejected as `expected` for
+/// the changed column. No other error may name the entry's own column.
 fn count_refused<const K: usize>(
     harness: &mut WorldHarness<N, K>,
     expected: &'static str,
@@ -78,7 +78,7 @@ fn count_refused<const K: usize>(
     counts
 }
 
-/// The column with its last voxel one farther.
+/// Returns the column with its last voxel moved one farther.
 fn lengthened<const K: usize>(mut column: Column<K>) -> Option<Column<K>> {
     let (i, last) = column.intervals().enumerate().last()?;
     if last.last() + 1 == N {
@@ -131,7 +131,7 @@ fn an_entry_that_leaves_a_column_unsaturated_is_named() {
     assert!(has_each, "columns whose gap other columns leave empty, by axis: {refused:?}");
 }
 
-/// The present volume becomes the mask: what a redo removes is then a part of it.
+/// Makes the present volume the mask, so that a redo removes a part of the mask.
 #[test]
 fn an_entry_that_takes_the_mask_is_named() {
     static TWO: Harness<2> = Mutex::new(WorldHarness::new());
@@ -158,7 +158,7 @@ fn an_entry_that_takes_the_mask_is_named() {
     let bad = BadBytes { offset: layout.entries[entry].start, expected: "all of the mask" };
     let refused = load_forged(&mut harness.world, &mut bytes);
     assert_eq!(refused, Err(BadSave::Entry { entry, bad, axis: Axis::X, address: taken }));
-    // Where nothing is to be redone, the same is fine if no undo takes of it.
+    // With nothing to redo, the same mask is valid if no undo removes a part of it.
     harness.start_session(SessionMode::FreeForm);
     let mut bytes = save_to_vec(&harness.world);
     bytes.copy_within(MAPS..layout.mask, layout.mask);
@@ -168,13 +168,13 @@ fn an_entry_that_takes_the_mask_is_named() {
     harness.check_invariants();
 }
 
-/// Of a saved search: the offset of each layer's queue, and of each reached row with its place.
+/// Offsets in a saved search: each layer's queue, and each reached row with its place.
 struct SavedSearch {
     queues: Vec<usize>,
     reached: Vec<((usize, usize), usize)>,
 }
 
-/// Sculpts until a search is under way with rows left to visit.
+/// Sculpts until a search is in progress with rows left to visit.
 fn save_in_search(harness: &mut WorldHarness<N, 2>, mode: SessionMode) -> (Vec<u8>, SavedSearch) {
     harness.start_session(mode);
     let mut visitor = RandomVisitor::new(5);
@@ -230,7 +230,7 @@ fn a_search_that_missed_ground_or_mask_or_a_row_is_refused() {
         }
     }
     assert!(tried > 0, "no row of the ground has two voxels");
-    // Nothing is left to visit.
+    // Clears the queue, so that no row is left to visit.
     let mut forged = bytes.clone();
     search.queues.iter().for_each(|at| forged[*at..at + 8].fill(0));
     let expected = "an island search that has queued the rows beside what it reached";
@@ -238,13 +238,13 @@ fn a_search_that_missed_ground_or_mask_or_a_row_is_refused() {
 
     let (bytes, search) = save_in_search(harness, SessionMode::Constrained { figure: 0 });
     let mut tried = 0;
-    // A row that is queued may be visited for the first time yet, and the mask's part of it with it.
+    // A queued row may not have been visited yet, and its part of the mask neither.
     let is_queued = |y: usize, z: usize| bytes[search.queues[y] + z / 8] >> (z % 8) & 1 != 0;
     for &((y, z), at) in search.reached.iter().filter(|((y, z), _)| *y > 0 && !is_queued(*y, *z)) {
         let all = harness.world.volume().rows().row(y, z);
         let masked = harness.world.mask().occupied_among((y, z), all).first();
         let mut forged = bytes.clone();
-        // A row that is queued has its mask looked at when it is visited.
+        // A queued row's mask is read when the row is visited.
         clear_bits(&mut forged, search.queues[y], 1 << z);
         if masked.is_some_and(|x| clear_bits(&mut forged, at, 1 << x)) {
             tried += 1;
@@ -279,7 +279,7 @@ fn a_state_that_no_world_has_is_refused() {
         (vec![mounted(4), mounted(5)], possible),
         (vec![(ITEM + 31 * 4, vec![3, 0, 0])], possible),
         (vec![(HAND + 112, vec![16])], hand),
-        // A trigger that counts and waits; a stool that an open hand holds.
+        // A trigger that both counts and waits; an open hand that holds the stool.
         (vec![(HAND + 112, vec![66])], hand),
         (vec![(HAND + 112, vec![128])], hand),
         (vec![(BODY + 12, vec![41])], "a string's millimetres, 40 at most"),

@@ -1,4 +1,5 @@
-//! The disc saw at work: what it cuts off falls, however it is held; its slot is its own; walls and masks hold it.
+//! The disc saw at work: pieces cut off fall, however the saw is held; a slot is as wide as the blade; walls
+//! and masks stop it.
 
 use std::f32::consts::TAU;
 use std::sync::{Mutex, PoisonError};
@@ -26,12 +27,12 @@ where
     Grid<N>: Size,
 {
     harness: &'a mut WorldHarness<N, 2>,
-    /// Voxels that the island search removed.
+    /// Number of voxels removed by the island search.
     fallen: u32,
 }
 
-/// A straight cut: the blade's middle goes from one place to another, its plane holds its way and reaches towards
-/// `depth`.
+/// A straight cut: the blade's centre moves from one place to another, and its plane contains its path and
+/// points towards `depth`.
 struct Cut {
     from: Vec3,
     to: Vec3,
@@ -42,7 +43,7 @@ impl<'a, const N: usize> Saw<'a, N>
 where
     Grid<N>: Size,
 {
-    /// Takes the saw to a stone of all voxels whose middles `is_stone`.
+    /// Holds the saw at a stone made of all voxels whose centres satisfy `is_stone`.
     fn take(harness: &'a mut WorldHarness<N, 2>, is_stone: impl Fn(Vec3) -> bool) -> Self {
         start_from_stone(harness, is_stone);
         take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
@@ -68,7 +69,7 @@ where
     fn cut(&mut self, Cut { from, to, depth }: &Cut, speed: f32) {
         let (ahead, depth) = ((*to - *from).normalize(), depth.normalize());
         let rotation = Quat::from_mat3(&Mat3::from_cols(depth.cross(ahead), depth, ahead));
-        // From above, where the hand went when it was last lifted.
+        // Comes from above, where the hand was last lifted to.
         (0..4).for_each(|_| self.step_at(*from + Vec3::Y * 250.0, rotation, 0));
         (0..4).for_each(|_| self.step_at(*from, rotation, 0));
         let ticks = (from.distance(*to) / speed * TICKS_PER_SECOND).ceil() as u32;
@@ -91,22 +92,22 @@ where
     }
 }
 
-/// The stone of [`check_two_cuts`]: a drum, which looks alike at any turn of the stool.
+/// The stone of [`check_two_cuts`]: a drum, which looks the same at every rotation of the stool.
 const DRUM_RADIUS: f32 = 150.0;
 const DRUM_HEIGHT: f32 = 225.0;
 
-/// How a hand holds the blade for two cuts, from the side and from above.
+/// The hold of the blade for two cuts, from the side and from above.
 struct Hold {
-    /// Of the stool.
+    /// The stool's rotation.
     turn: f32,
-    /// Of the blade, off level and upright.
+    /// The blade's inclination from level and from upright.
     tilt: f32,
     is_from_side_first: bool,
-    /// In mm/s.
+    /// The speed in mm/s.
     speed: f32,
 }
 
-/// Two cuts free a piece of the drum's rim that is 60 mm wide and high.
+/// Asserts that two cuts free a piece of the drum's rim 60 mm wide and high.
 fn check_two_cuts<const N: usize>(harness: &mut WorldHarness<N, 2>, hold: &Hold)
 where
     Grid<N>: Size,
@@ -116,13 +117,14 @@ where
     let middle = Vec3::new(0.5 * BOX_MM, 0.0, 0.5 * BOX_MM);
     let from_middle = |p: Vec3| (p - middle).with_y(0.0).length();
     let mut saw = Saw::take(harness, |p| p.y < DRUM_HEIGHT && from_middle(p) < DRUM_RADIUS);
-    // In the hand's frame: outward is x, the way is z. Both planes are tilted about the way, and the way itself.
+    // In the hand's frame, x points outward and z along the path. Both planes are tilted about the path, and
+    // so is the path.
     let frame = Quat::from_rotation_y(turn) * Quat::from_rotation_x(0.3 * tilt);
     let place =
         |x: f32, y: f32, z: f32| middle + Vec3::Y * DRUM_HEIGHT + frame * Vec3::new(x, y, z);
     let half_way = DRUM_RADIUS + BLADE_MM;
     let inner = DRUM_RADIUS - PIECE;
-    // Each plane goes through the line where they meet, and reaches beyond it.
+    // Each plane contains the line where the planes meet, and reaches beyond it.
     let reach = BLADE_MM - PIECE - 20.0;
     let down = Quat::from_rotation_z(tilt) * Vec3::NEG_Y;
     let upright = |z: f32| place(inner, -PIECE, z) - frame * down * (PIECE + reach);
@@ -139,7 +141,7 @@ where
     assert!(saw.fallen < 10, "{what}: one cut frees but crumbs");
     saw.cut(second, speed);
     (0..24).for_each(|_| saw.step(&TickInput::default()));
-    // What is clear of both slots is gone.
+    // Everything clear of both slots has fallen.
     let is_piece = |p: Vec3| {
         let here =
             frame.inverse() * (p - middle - Vec3::Y * DRUM_HEIGHT) - Vec3::new(inner, -PIECE, 0.0);
@@ -153,7 +155,8 @@ where
     assert!((0.7..1.1).contains(&fallen), "{what}: {fallen} of the piece fell");
 }
 
-/// At any turn of the stool, by hands ten degrees off. A fourth of the turns, at night all.
+/// Tests all rotations of the stool with hands ten degrees off. A fourth of the rotations is tested; the
+/// nightly run tests all.
 fn check_turns<const N: usize>(harness: &Mutex<WorldHarness<N, 2>>, turns: u32)
 where
     Grid<N>: Size,
@@ -165,7 +168,8 @@ where
         let tilt = [ten_degrees, -ten_degrees, 0.0][i as usize % 3];
         let speed = [300.0, 600.0][i as usize / 3 % 2];
         check_two_cuts(harness, &Hold { turn, tilt, is_from_side_first: true, speed });
-        // On a finer grid two intervals a column don't take a level slot below one from above, at some turns.
+        // On a finer grid, at some rotations, two intervals a column can't represent a level slot below a
+        // slot from above.
         if N == 128 {
             check_two_cuts(harness, &Hold { turn, tilt, is_from_side_first: false, speed });
         }
@@ -183,8 +187,8 @@ fn two_cuts_free_a_block_at_256() {
     check_turns(&LARGE, 12);
 }
 
-/// Sideways a running blade is held by a wall as other bits are: in a tick it takes less than a voxel for each of its
-/// bites, and it never gets through. At rest the wall holds it where it touches.
+/// Sideways, a wall stops a running blade like any other bit: in a tick it removes less than a voxel for each
+/// of its bites, and it never gets through. A blade at rest stops where it touches the wall.
 #[test]
 fn a_blade_is_held_sideways_by_a_wall() {
     let harness = &mut *SMALL.lock().unwrap_or_else(PoisonError::into_inner);
@@ -193,7 +197,7 @@ fn a_blade_is_held_sideways_by_a_wall() {
         let at = |x: f32| Vec3::new(x, 200.0, 225.0);
         saw.step_at(at(150.0), Quat::IDENTITY, 0);
         saw.step_at(at(190.0), Quat::IDENTITY, trigger);
-        // Where it runs, the first two lead it to the wall.
+        // A running blade needs the first two ticks to reach the wall.
         (0..3).for_each(|_| saw.step_at(at(320.0), Quat::IDENTITY, trigger));
         let bit = saw.harness.world.hand_state(RIGHT).frozen_pose.position.x * BOX_MM / 128.0;
         let most = if trigger == 0 { 203.6 } else { 203.6 + 8.0 * 3.6 };
@@ -201,7 +205,7 @@ fn a_blade_is_held_sideways_by_a_wall() {
     }
 }
 
-/// A figure in the stone is as whole after a saw went over it as before.
+/// A saw that passes over a hidden figure leaves it whole.
 #[test]
 fn a_saw_never_takes_the_figure() {
     let harness = &mut *SMALL.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,4 +1,4 @@
-//! What spalls off a hidden figure: all stone near a bit that touches it, and none elsewhere.
+//! Spalling at a hidden figure: all stone near a bit that touches the figure comes off, and none elsewhere.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -11,13 +11,13 @@ use paros_models::world_harness::WorldHarness;
 
 static HARNESS: Mutex<WorldHarness<128, 2>> = Mutex::new(WorldHarness::new());
 
-/// In voxels: the stone's box is 450 mm wide.
+/// A millimetre in voxels: the stone's box is 450 mm wide.
 const MILLIMETRE: f32 = 128.0 / 450.0;
-/// The figure's top, and how much stone lies on it and around it.
+/// The height of the figure's top, and the thickness of the stone on and around it, in voxels.
 const TOP: i32 = 50;
 const COAT: i32 = 9;
 
-/// A block under a coat of stone, and a hand with a bit over it.
+/// Starts with a block under a coat of stone, and a hand with a bit over it.
 fn start(harness: &mut WorldHarness<128, 2>, tool: Tool, bit: ToolBit) -> DenseVolume {
     let block = |grown: i32| {
         let sides = 40 - grown..88 + grown;
@@ -68,7 +68,7 @@ fn stone_spalls_where_a_ball_touches_the_figure_and_nowhere_else() {
         let bit = harness.world.hand_state(RIGHT).frozen_pose.position;
         let touches = harness.world.hand_contact(RIGHT).is_some_and(|contact| contact.on_mask);
         ticks[usize::from(touches)] += 1;
-        // It follows its hand by half a voxel a tick.
+        // The bit follows its hand by half a voxel a tick.
         let most = if touches { spall + 0.01 } else { ball + 0.6 };
         for &voxel in removed {
             assert!(voxel.distance(bit) < most, "{voxel} is too far from the bit at {bit}");
@@ -81,13 +81,13 @@ fn stone_spalls_where_a_ball_touches_the_figure_and_nowhere_else() {
         assert!(left.contains(at) || !figure.contains(at), "the figure lost {at:?}");
         assert!(!(left.contains(at) && is_near) || figure.contains(at), "{at:?} is left");
     }
-    // The whole stroke is undone at once.
+    // One undo reverts the whole stroke.
     step_with_bit_at(harness, RIGHT, Vec3::new(64.0, 100.0, 64.0), false);
     harness.step(&TickInput { commands: commands::UNDO, ..TickInput::default() });
     assert!(volume_of(harness) == whole, "undone, the stone isn't whole");
 }
 
-/// A blade parts the stone and takes none beside it.
+/// A saw blade parts the stone and spalls none beside it.
 #[test]
 fn nothing_spalls_at_a_saw() {
     let harness = &mut *HARNESS.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,4 +1,5 @@
-//! A steadied hand: its running bit is drawn behind it on a string, so that a hand that trembles cuts a smooth groove.
+//! A steadied hand: a string draws the running bit behind the hand, so that a trembling hand cuts a smooth
+//! groove.
 
 use std::f32::consts::TAU;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -17,12 +18,12 @@ use paros_models::world_harness::WorldHarness;
 const N: usize = 256;
 type Harness = WorldHarness<N, 2>;
 
-/// In voxels.
+/// A millimetre in voxels.
 const MM: f32 = N as f32 / (BOX_SIDE * 1e3);
 const FACE: f32 = N as f32 / 2.0;
 const MIDDLE: f32 = N as f32 / 2.0 + 0.3;
 
-/// Half the stone, with the medium ball in the right hand, which is steadied by a string.
+/// Starts with half the stone, and the medium ball in the right hand, which is steadied by a string.
 fn start(string_mm: u8) -> MutexGuard<'static, Harness> {
     static WORLD: Mutex<Harness> = Mutex::new(WorldHarness::new());
     let mut harness = WORLD.lock().unwrap_or_else(PoisonError::into_inner);
@@ -37,13 +38,14 @@ fn steady(harness: &mut Harness, string_mm: u8) {
     harness.step(&TickInput { pointer, ..TickInput::default() });
 }
 
-/// Draws a groove half a ball deep along z at 0.2 m/s with a hand that trembles across it, and returns what is cut.
+/// Draws a groove half a ball deep along z at 0.2 m/s with a hand that trembles across it. Returns the voxels
+/// cut.
 fn cut_trembling(string_mm: u8, amplitude_mm: f32) -> DenseVolume {
     let harness = &mut *start(string_mm);
     let before = volume_of(harness);
     let speed = 200.0 * MM / TICK_RATE as f32;
     for tick in 0..110 {
-        // It is on the line where its trigger is pulled, which takes the string up.
+        // The hand is on the line when the trigger is pulled, which removes the string's slack.
         let seconds = (tick as f32 - 1.0) / TICK_RATE as f32;
         let trembles = (TAU * 8.0 * seconds).sin() * amplitude_mm * MM;
         let at = Vec3::new(MIDDLE + trembles, FACE, 25.0 + speed * tick as f32);
@@ -54,7 +56,7 @@ fn cut_trembling(string_mm: u8, amplitude_mm: f32) -> DenseVolume {
     before.difference(&volume_of(harness))
 }
 
-/// The wobble of a groove's middle line on the face, from one side to the other, in millimetres.
+/// Returns the peak-to-peak wobble of the groove's centre line on the face, in millimetres.
 fn wobble_mm(cut: &DenseVolume) -> f32 {
     let middles = (70..150).map(|z| {
         let open = (0..N as i32).filter(|&x| cut.contains([x, N as i32 / 2 - 1, z]));
@@ -72,19 +74,20 @@ fn a_trembling_hand_on_a_string_cuts_a_groove_that_wobbles_a_quarter_as_much() {
     let wobbles = [&free, &steadied].map(wobble_mm);
     println!("wobbles {wobbles:?} mm");
     assert!(wobbles[0] > 4.0 && wobbles[1] <= wobbles[0] / 4.0, "{wobbles:?}");
-    // Nothing beside: no voxel is farther from the line than a ball's radius and that quarter.
+    // No voxel beside the groove is cut: none is farther from the line than the ball's radius and a quarter
+    // of the amplitude.
     let most = (15.0 + 3.0 / 4.0) * MM;
     for voxel in steadied.occupied() {
         let aside = (voxel[0] as f32 + 0.5 - MIDDLE).abs();
         assert!(aside < most, "{voxel:?} is {} mm from the line", aside / MM);
     }
-    // It goes where the hand went, but for the string's length: 109 ticks of 0.2 m/s.
+    // The bit follows the hand except for the string's length: 109 ticks at 0.2 m/s.
     let ends = |cut: &DenseVolume| cut.occupied().map(|at| at[2]).max().unwrap_or(0);
     let short = (ends(&free) - ends(&steadied)) as f32 / MM;
     assert!((18.0..22.0).contains(&short), "{short} mm shorter");
 }
 
-/// A slack string holds the bit, and a released trigger gives it back to the hand.
+/// A slack string keeps the bit in place, and releasing the trigger moves it back to the hand.
 #[test]
 fn the_bit_stays_while_the_string_is_slack_and_is_the_hands_when_it_is_released() {
     let harness = &mut *start(10);

@@ -1,5 +1,5 @@
-//! `World::step` beside its dense model: everything that a world shows after a tick, its save, its digest and
-//! what its dirty rectangles tell. `PAROS_STEP_CASES` multiplies the sessions.
+//! `World::step` against its dense model: everything visible after a tick, the save, the digest and the dirty
+//! rectangles. `PAROS_STEP_CASES` multiplies the number of sessions.
 
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
@@ -32,7 +32,7 @@ static AT_64_OF_2: Mutex<StepHarness<64, 2>> = Mutex::new(StepHarness::new());
 static AT_128: Mutex<StepHarness<128, 2>> = Mutex::new(StepHarness::new());
 static AT_256: Mutex<StepHarness<256, 1>> = Mutex::new(StepHarness::new());
 
-/// Runs sessions of so many phases. A failure is shrunk and written as a trace, which
+/// Runs sessions of a number of phases. A failure is shrunk and written as a trace, which
 /// `a_failure_can_be_replayed` runs.
 fn check_sessions<const N: usize, const K: usize>(
     harness: &Mutex<StepHarness<N, K>>,
@@ -64,7 +64,7 @@ where
     tally
 }
 
-/// Runs a plan that failed once more, writes its trace, and panics with how to replay it.
+/// Runs a failed plan once more, writes its trace, and panics with instructions for replaying it.
 fn panic_with_trace<const N: usize, const K: usize>(
     harness: &mut StepHarness<N, K>,
     plan: &SessionPlan,
@@ -82,7 +82,7 @@ where
     panic!("{message}\n{phases:#?}\nPAROS_STEP_TRACE={} {test}", path.display());
 }
 
-/// Replays a trace in a world of its size.
+/// Replays a trace in a world of the trace's grid size.
 fn replay(trace: &StepTrace) -> Result<SessionTally, Box<StepFailure>> {
     fn on<const N: usize, const K: usize>(
         harness: &Mutex<StepHarness<N, K>>,
@@ -140,7 +140,7 @@ fn long_sessions_follow_the_model() {
     assert!(tally.ticks > 3000 && tally.edits > 300 && tally.loads > 10, "{tally:?}");
 }
 
-/// Some 100 ticks at 128; at night 300 there and at 256.
+/// Runs some 100 ticks at 128; the nightly run has 300 ticks there and at 256.
 #[test]
 fn sessions_on_large_grids_follow_the_model() {
     let boxes = |side: usize| (0..9u64).prop_map(move |seed| scattered_boxes(side, seed));
@@ -152,7 +152,8 @@ fn sessions_on_large_grids_follow_the_model() {
     assert!(tallies.iter().all(|tally| tally.ticks > 60 && tally.edits > 2), "{tallies:?}");
 }
 
-/// A trace written and read again leads to the same session; or the trace that `PAROS_STEP_TRACE` names runs.
+/// A trace that is written and read again gives the same session. With `PAROS_STEP_TRACE`, replays that trace
+/// instead.
 #[test]
 fn a_failure_can_be_replayed() {
     if let Ok(path) = std::env::var("PAROS_STEP_TRACE") {
@@ -180,7 +181,7 @@ fn a_failure_can_be_replayed() {
 proptest! {
     #![proptest_config(random_cases(20))]
 
-    /// The model's edits look at the brush alone; the definition looks at every voxel.
+    /// The model's edits visit only the brush's voxels; the definition visits every voxel.
     #[test]
     fn the_models_edits_are_those_of_the_definition(
         start in any_voxels(16),
@@ -193,7 +194,7 @@ proptest! {
     }
 }
 
-/// A voxel, a radius in half voxels, an operation and whether it is mirrored.
+/// A voxel, a radius in half voxels, an operation, and `true` if mirrored.
 type BallEdit = ([i32; 3], i32, u8, bool);
 
 fn check_edits<const K: usize>(

@@ -1,4 +1,4 @@
-//! Strokes: what one undo entry holds, and how bits follow hands through gaps, paste and stone.
+//! Strokes: the contents of an undo entry, and how bits follow hands through gaps, paste and stone.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -23,7 +23,7 @@ fn lock<T>(harness: &'static Mutex<T>) -> MutexGuard<'static, T> {
     harness.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The input of two hands with their bits at positions of the grid, triggers pulled or not.
+/// Returns the input of two hands with their bits at positions of the grid, and triggers pulled or not.
 fn input_with_bits_at(harness: &WorldHarness<64>, bits: [(Vec3, bool); 2]) -> TickInput {
     let mut input = TickInput::default();
     for (hand, (position, trigger_down)) in bits.into_iter().enumerate() {
@@ -41,7 +41,7 @@ where
     bit.to_grid_bit(harness.world.stool_frame().voxel_metres() * 1e6)
 }
 
-/// Height of a bit's centre above stone of `thickness` voxels, so deep in it as its bite allows.
+/// Returns the height of a bit's centre above stone of `thickness` voxels, as deep in it as its bite allows.
 fn rest_height(bit: &GridBit, thickness: usize) -> f32 {
     let deep = (bit.inscribed_radius_subunits() - bit.bite) as f32 / SUBUNITS_PER_VOXEL as f32;
     thickness as f32 - 0.47 + deep
@@ -58,10 +58,10 @@ fn start_with_two_tools(harness: &mut WorldHarness<64>) {
     take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
 }
 
-/// Where hands cut, and where they don't.
+/// The places where the hands cut.
 const CUTS: [Vec3; 2] = [Vec3::new(16.0, 30.5, 30.0), Vec3::new(44.0, 30.5, 30.0)];
 
-/// Runs ticks in which hands cut or not, in every tick elsewhere and a little deeper.
+/// Runs ticks in which hands cut or not, each tick at another place and a little deeper.
 fn cut_for(harness: &mut WorldHarness<64>, ticks: u32, cuts: [bool; 2]) {
     for _ in 0..ticks {
         let tick = harness.world.tick() as f32;
@@ -77,7 +77,7 @@ fn what_both_hands_cut_until_neither_does_is_one_stroke() {
     let mut harness = lock(&HARNESS);
     start_with_two_tools(&mut harness);
     let start = maps_digest(harness.world.volume().maps());
-    // The second hand's pull and the first one's release, one after the other, end nothing.
+    // The second hand's pull and then the first hand's release don't end the stroke.
     for cuts in [[false, true], [true, true], [true, false], [true, true], [false, true]] {
         cut_for(&mut harness, 12, cuts);
         assert!(harness.world.is_stroke_open());
@@ -86,7 +86,7 @@ fn what_both_hands_cut_until_neither_does_is_one_stroke() {
     let first = maps_digest(harness.world.volume().maps());
     cut_for(&mut harness, 1, [false, false]);
     assert!(!harness.world.is_stroke_open());
-    // One changes hands in a single tick.
+    // The stroke passes from one hand to the other in a single tick.
     cut_for(&mut harness, 12, [true, false]);
     assert_eq!(counts(&harness), (2, 0));
     cut_for(&mut harness, 12, [false, true]);
@@ -112,7 +112,7 @@ fn an_undo_ends_the_stroke_that_it_falls_into() {
     assert!(again && harness.world.is_stroke_open());
     assert_eq!(counts(&harness), (1, 0), "a new entry, in the place of the undone one");
     cut_for(&mut harness, 1, [false, false]);
-    // A stroke, and one in the air in the middle of which the first is undone and redone.
+    // A stroke, and then a pull in the air, during which the first stroke is undone and redone.
     cut_for(&mut harness, 12, [true, false]);
     let before = maps_digest(harness.world.volume().maps());
     let above = |hand: usize| CUTS[hand] + Vec3::Y * 30.0;
@@ -126,7 +126,7 @@ fn an_undo_ends_the_stroke_that_it_falls_into() {
     assert_eq!(counts(&harness), (3, 0), "what came after the redo is an entry of its own");
 }
 
-/// The floor of a session with a rotary tool that has just lost tracking at `x` = 20 of the floor's middle.
+/// Starts with a floor and a rotary tool that has just lost tracking at `x` = 20 from the floor's middle.
 fn start_with_a_gap(harness: &mut WorldHarness<128>) -> f32 {
     harness.start_from_voxels(|[_, y, _]| y < 20);
     take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
@@ -137,7 +137,7 @@ fn start_with_a_gap(harness: &mut WorldHarness<128>) -> f32 {
     rest
 }
 
-/// The bit walks to its hand in several ticks and edits in none of them but the last, where it is then.
+/// After a gap the bit walks to its hand in several ticks, and edits only in the last, at its place then.
 #[test]
 fn after_a_gap_a_bit_cuts_where_it_has_caught_up() {
     let mut harness = lock(&HARNESS_128);
@@ -163,15 +163,15 @@ fn after_a_gap_a_bit_cuts_where_it_has_caught_up() {
         }
         break;
     }
-    // From there on it sweeps.
+    // From here on the bit sweeps.
     let next = there - Vec3::X * 8.0;
     (0..2).for_each(|_| step_with_bit_at(&mut harness, RIGHT, next, true));
     assert!(!harness.world.volume().rows().contains([106, 19, 64]));
     assert!(harness.world.volume().rows().contains([60, 19, 64]));
 }
 
-/// Presses a running tool's bit so many voxels into a floor and draws it along, at 0.1 m/s. Returns the ticks in
-/// which it stood, and how far it was from its hand at the end.
+/// Presses a running tool's bit `pressed_voxels` into a floor and draws it along at 0.1 m/s. Returns the
+/// number of ticks in which the bit stood, and its distance from the hand at the end.
 fn draw_along_floor<const N: usize>(
     harness: &'static Mutex<WorldHarness<N>>,
     pressed_voxels: f32,
@@ -198,7 +198,7 @@ where
     (stood, harness.world.hand_state(RIGHT).frozen_pose.position.distance(at(173)))
 }
 
-/// Its brush is its own ball: were it held by what it has laid, it would stick in it.
+/// The fill gun's brush equals its own ball: if its paste stopped it, it would stick.
 #[test]
 fn a_fill_gun_does_not_stick_in_its_paste() {
     let presses_mm = [0.0, 10.0, 2.0, 6.0];
@@ -206,14 +206,14 @@ fn a_fill_gun_does_not_stick_in_its_paste() {
         let (stood, lag) = draw_along_floor(&HARNESS_128, pressed_mm * 128.0 / 450.0);
         assert!(stood == 0 && lag < 0.1, "128, {pressed_mm} mm: {stood} ticks, {lag} voxels");
     }
-    // The others at night.
+    // The others run in the nightly run.
     for pressed_mm in sample_cases(presses_mm, 3) {
         let (stood, lag) = draw_along_floor(&HARNESS_256, pressed_mm * 256.0 / 450.0);
         assert!(stood == 0 && lag < 0.1, "256, {pressed_mm} mm: {stood} ticks, {lag} voxels");
     }
 }
 
-/// The mask holds a nozzle that runs, as it holds any bit.
+/// The mask stops a running nozzle, as it stops any bit.
 #[test]
 fn a_nozzle_that_runs_stays_out_of_the_mask() {
     let mut harness = lock(&HARNESS);
@@ -238,7 +238,7 @@ fn a_nozzle_that_runs_stays_out_of_the_mask() {
     assert!(in_stone > 10, "{in_stone} ticks deep in the stone");
 }
 
-/// Asserts that a tick changed voxels within the bit's pose alone.
+/// Asserts that a tick changed only voxels within the bit's pose.
 fn assert_changed_at_bit(harness: &WorldHarness<64>, bit: ToolBit, before: &DenseVolume) {
     let piece = grid_bit(harness, bit).piece_at(&harness.world.hand_state(RIGHT).frozen_pose);
     let after = volume_of(harness);
@@ -251,7 +251,8 @@ fn assert_changed_at_bit(harness: &WorldHarness<64>, bit: ToolBit, before: &Dens
     }
 }
 
-/// Trigger up, the nozzle stands in its paste while its hand is in the stone; pulled again, it is at its hand.
+/// With the trigger released, the nozzle stays in its paste while its hand is in the stone; once the trigger
+/// is pulled again, the nozzle is at its hand.
 #[test]
 fn a_nozzle_that_begins_buried_lays_no_paste_on_the_way() {
     let mut harness = lock(&HARNESS);
@@ -273,8 +274,8 @@ fn a_nozzle_that_begins_buried_lays_no_paste_on_the_way() {
     assert_changed_at_bit(&harness, ToolBit::Nozzle, &before);
 }
 
-/// An undo puts stone around the bit. It stands while its hand is in the stone, and is with it outside, where
-/// it cuts without a sweep.
+/// An undo puts stone around the bit. The bit stays while its hand is in the stone, and joins the hand
+/// outside, where it cuts without a sweep.
 #[test]
 fn a_bit_that_an_undo_buried_stands_and_then_jumps() {
     let mut harness = lock(&HARNESS);
@@ -301,7 +302,7 @@ fn a_bit_that_an_undo_buried_stands_and_then_jumps() {
     assert_changed_at_bit(&harness, ToolBit::MediumBall, &before);
 }
 
-/// A hand that is out of sight for a tick doesn't edit in the ticks in which its bit stands, buried, either.
+/// A hand that is untracked for a tick doesn't edit while its bit stays buried either.
 #[test]
 fn a_hand_in_the_stone_moves_no_bit() {
     let mut harness = lock(&HARNESS);

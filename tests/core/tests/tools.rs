@@ -1,4 +1,4 @@
-//! The table of bits: the properties that the rest relies on, and each bit's haptic pulse train.
+//! The table of bits: the properties that other code relies on, and each bit's haptic pulse train.
 
 use std::f32::consts::PI;
 
@@ -12,12 +12,12 @@ use paros_core::session::{BitSize, Tool, ToolBit};
 use paros_models::cases::random_cases;
 use proptest::prelude::*;
 
-/// Both grid sizes, with their voxels' side in micrometres.
+/// Returns both grid sizes with the side of their voxels in micrometres.
 fn grid_sizes() -> [(usize, f32); 2] {
     [128, 256].map(|n| (n, BOX_SIDE / n as f32 * 1e6))
 }
 
-/// Each bit of each size that it comes in.
+/// Returns each bit in each of its sizes.
 fn all_sizes() -> impl Iterator<Item = (ToolBit, ToolBitSpec)> {
     ToolBit::ALL.into_iter().flat_map(|bit| {
         let sizes = (i8::MIN..=i8::MAX).filter_map(move |steps| BitSize::of_bit(bit, steps));
@@ -41,14 +41,14 @@ fn half_extents(bit: &GridBit) -> Vec3 {
     }
 }
 
-/// The centre of a bit that sits no deeper than its bite at two poses a quarter voxel apart is then
-/// never in a voxel between them.
+/// If a bit is no deeper than its bite at two poses a quarter voxel apart, its centre isn't in a voxel
+/// between them.
 #[test]
 fn no_bit_can_jump_a_wall() {
     for (bit, n, grid) in all_grid_bits() {
         if let GridShape::Disc { half_thickness, .. } = grid.shape {
-            // What may not enter stone is five eighths of it: more than a layer of voxels, which neither slips past
-            // it nor is leapt by a step across its plane.
+            // The part of a disc that may not enter stone is five eighths of it: thicker than a layer of
+            // voxels, so a wall neither slips past it nor fits between two steps across its plane.
             assert!(2 * half_thickness * 5 / 8 > SUBUNITS_PER_VOXEL, "{bit:?} at {n}");
             continue;
         }
@@ -71,7 +71,7 @@ fn the_shell_is_as_deep_as_the_bite() {
     }
 }
 
-/// Half a turn is the most there is, as the shorter way round is taken.
+/// Half a turn is the maximum, because the shorter way round is taken.
 #[test]
 fn half_a_turn_fits_the_pieces_of_a_sweep() {
     for (bit, n, grid) in all_grid_bits() {
@@ -93,7 +93,7 @@ fn half_a_turn_fits_the_pieces_of_a_sweep() {
 proptest! {
     #![proptest_config(random_cases(2000))]
 
-    /// Where it stands a rasp fits the scratch, however it is turned.
+    /// A standing rasp fits the scratch memory at any rotation.
     #[test]
     fn a_rasp_fits_the_lines_of_a_smoothing_edit(
         turn in [-1.0f32..1.0, -1.0f32..1.0, -1.0f32..1.0, -1.0f32..1.0],
@@ -145,7 +145,7 @@ fn contact_on(on_mask: bool) -> Contact {
     Contact { overlap: 7, depth: 100, normal: Vec3::Y, on_mask }
 }
 
-/// Two periods of each bit at 20 mm a tick: running in stone, running on the mask, and at rest.
+/// Two periods of each bit at 20 mm a tick: in stone, on the mask, and at rest.
 const PULSES: &str = "\
 small ball burr: 112 75 112 75 / 180 120 180 120 / 40
 medium ball burr: 125 87 125 87 / 200 140 200 140 / 40

@@ -1,5 +1,5 @@
-//! A running bit follows its hand's own way, bite by bite, and finishes it after the trigger is released. A chisel
-//! shows it best: it stands between two blows.
+//! A running bit follows its hand's own path, bite by bite, and finishes it after the trigger is released.
+//! Tested with a chisel, which stands between two blows.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -19,7 +19,7 @@ use paros_models::world_harness::WorldHarness;
 const N: usize = 128;
 type Harness = WorldHarness<N, 2>;
 
-/// Half the stone, with a chisel or a burr in the right hand.
+/// Starts with half the stone, and a chisel or a burr in the right hand.
 fn start(bit: ToolBit) -> MutexGuard<'static, Harness> {
     static WORLD: Mutex<Harness> = Mutex::new(WorldHarness::new());
     let mut harness = WORLD.lock().unwrap_or_else(PoisonError::into_inner);
@@ -29,7 +29,8 @@ fn start(bit: ToolBit) -> MutexGuard<'static, Harness> {
     harness
 }
 
-/// Where a chisel is pressed three voxels into the face, so many voxels along x and z from where its way begins.
+/// Returns the place of a chisel pressed three voxels into the face, `along` and `aside` voxels along x and z
+/// from the path's start.
 fn place(along: f32, aside: f32) -> Vec3 {
     Vec3::new(40.3 + along, N as f32 / 2.0 - 1.0, 40.3 + aside)
 }
@@ -45,7 +46,7 @@ fn step_at(harness: &mut Harness, position: Vec3, is_trigger_down: bool) {
     harness.step(&input);
 }
 
-/// Presses the point chisel for the three ticks of a blow, and moves on in the three until the next.
+/// Presses the point chisel for a blow's three ticks, and moves it in the three ticks until the next blow.
 fn strike_and_move_on(harness: &mut Harness) {
     step_at(harness, place(0.0, 0.0) + Vec3::Y * 20.0, false);
     step_at(harness, place(0.0, 0.0), false);
@@ -59,7 +60,7 @@ fn trail_length(harness: &Harness) -> usize {
     harness.world.hand_state(RIGHT).trail.poses().len()
 }
 
-/// Rests for so many ticks where the way ended. Returns what is removed meanwhile.
+/// Rests for some ticks at the path's end. Returns the number of voxels removed meanwhile.
 fn rest_and_count(harness: &mut Harness, ticks: u32) -> u32 {
     let before = volume_of(harness).count();
     (0..ticks).for_each(|_| step_at(harness, place(16.0, 0.0), false));
@@ -83,7 +84,8 @@ fn what_is_left_is_cut_after_the_release_and_undone_with_the_stroke() {
     assert!(whole.difference(&volume_of(harness)).is_empty(), "all of it is undone");
 }
 
-/// Undo, redo, finish, a gap in tracking, another bit, and putting the tool back.
+/// Undo, redo, finish, a gap in tracking, another bit, and putting the tool back all leave the rest of a path
+/// uncut.
 #[test]
 fn the_rest_of_a_way_is_left_uncut_by_all_that_ends_it() {
     let command = |commands| TickInput { commands, ..TickInput::default() };
@@ -134,7 +136,7 @@ fn a_new_pull_begins_a_new_way() {
     assert!(before.contains(last) && !cut.contains(last), "where the old way ended");
 }
 
-/// Round a corner: not along the chord.
+/// A path round a corner is cut along the path, not along its chord.
 #[test]
 fn the_way_is_the_hands_own() {
     let harness = &mut *start(ToolBit::PointChisel);
@@ -152,7 +154,7 @@ fn the_way_is_the_hands_own() {
     assert!(!cut.contains([43, top, 47]), "beside the chord");
 }
 
-/// A hand at 10 m/s through stone: what lies too far back is left, and told.
+/// A hand at 10 m/s through stone: the oldest part of a path that is too long is left uncut, and reported.
 #[test]
 fn a_way_that_is_too_long_is_shortened_and_told() {
     for bit in [ToolBit::LargeBall, ToolBit::FlatChisel] {
@@ -194,7 +196,8 @@ fn on_the_mask_a_bit_keeps_up_with_its_hand() {
                     most_behind.max(hand.raw_pose.position.x - hand.frozen_pose.position.x);
                 stood += u32::from(before == hand.frozen_pose);
             }
-            // It stands in the tick in which the hand does, and lags by about as much as it is pressed.
+            // The bit stands in the same tick as its hand, and lags by about the depth to which it is
+            // pressed.
             let does_keep_up = most_behind < pressed + 2.0 && stood <= 1;
             assert!(
                 does_keep_up,

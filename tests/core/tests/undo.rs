@@ -1,4 +1,4 @@
-//! Undo and redo against whole copies of the maps, with island removals in between.
+//! Undo and redo against complete copies of the maps, with island removals in between.
 
 use std::sync::Mutex;
 
@@ -12,7 +12,8 @@ use proptest::prelude::*;
 
 #[derive(Clone, Debug)]
 enum UndoAction {
-    /// A stroke: edits, with islands cleared after some of them, perhaps after the next began.
+    /// A stroke: edits, with islands cleared after some of them, perhaps only after the next stroke has
+    /// begun.
     Stroke {
         edits: Vec<SphereEdit>,
         clear: IslandClearing,
@@ -106,7 +107,7 @@ proptest! {
     }
 }
 
-/// A stroke that changes nothing leaves no entry, and doesn't drop what was undone.
+/// A stroke that changes nothing adds no entry and keeps the redo history.
 #[test]
 fn idle_stroke() {
     static HARNESS: Mutex<UndoHarness<16>> = Mutex::new(UndoHarness::new());
@@ -126,7 +127,7 @@ fn idle_stroke() {
     assert_eq!(harness.undo.undo_counts(), UndoCounts { undoable: 1, redoable: 0 });
 }
 
-/// What a hand edits after an undo or a redo, in the same pull of the trigger, is an entry of its own.
+/// Edits after an undo or a redo in the same pull of the trigger form a separate entry.
 #[test]
 fn undo_and_redo_end_the_stroke() {
     static HARNESS: Mutex<UndoHarness<16>> = Mutex::new(UndoHarness::new());

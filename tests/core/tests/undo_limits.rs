@@ -1,4 +1,4 @@
-//! How much the undo ring holds, and what it makes of bytes that are no ring.
+//! Capacity of the undo ring, and its handling of invalid bytes.
 
 use std::sync::Mutex;
 
@@ -11,7 +11,7 @@ use paros_core::volume::{Grid, Size};
 use paros_models::save_to_bytes;
 use paros_models::undo_harness::{IslandClearing, SphereEdit, UndoHarness, apply_stroke};
 
-/// Each stroke changes every column. Two are always there to be undone.
+/// Each stroke changes every column. Asserts that at least two strokes can be undone.
 fn check_worst_case<const N: usize>(harness: &Mutex<UndoHarness<N>>)
 where
     Grid<N>: Size,
@@ -59,7 +59,7 @@ fn worst_case_256() {
     check_worst_case(&HARNESS);
 }
 
-/// Usual strokes, a dent each: dozens can be undone, and never more than the table holds.
+/// Typical strokes, a dent each: dozens can be undone, and never more than the table's length.
 #[test]
 fn dents() {
     static HARNESS: Mutex<UndoHarness<128>> = Mutex::new(UndoHarness::new());
@@ -79,7 +79,7 @@ fn dents() {
     }
 }
 
-/// Single voxels: the table's length is the limit.
+/// Strokes of a single voxel: the table's length is the limit.
 #[test]
 fn full_table() {
     static HARNESS: Mutex<UndoHarness<32>> = Mutex::new(UndoHarness::new());
@@ -94,7 +94,7 @@ fn full_table() {
     harness.check_save_round_trip().unwrap();
 }
 
-/// Cut short or with bytes changed: an error and no entries, or a ring that can be walked.
+/// Loads truncated or changed bytes: the result is an error without entries, or a ring that can be walked.
 #[test]
 fn bad_bytes() {
     static HARNESS: Mutex<UndoHarness<16>> = Mutex::new(UndoHarness::new());

@@ -36,7 +36,7 @@ fn modes_start_from_their_volumes<const K: usize>(harness: &mut WorldHarness<64,
         (SessionMode::Constrained { figure: 1 }, true),
         (SessionMode::Creative, false),
     ] {
-        // Whatever went on before.
+        // The earlier session doesn't matter.
         let mut visitor = RandomVisitor::new(3);
         (0..60).for_each(|_| harness.step(&visitor.next_input()));
         harness.start_session(mode);
@@ -87,12 +87,12 @@ fn a_start_that_is_not_there_changes_nothing<const K: usize>(harness: &mut World
         harness.step(&TickInput { start: mode, ..TickInput::default() });
         assert_eq!(harness.world.events(), [WorldEvent::NoSuchStart], "{mode:?}");
         assert_eq!(harness.world.part_digests(), still, "{mode:?}");
-        // The clock goes on.
+        // The clock advances.
         assert_ne!(parts[0], still[0]);
         parts[0] = still[0];
         assert_eq!(parts, still);
     }
-    // Before any session, there is nothing to take.
+    // Before the first session, nothing can be taken.
     harness.reset();
     take_item(harness, LEFT, BenchItem::Tool(Tool::Rotary));
     assert_eq!(
@@ -104,7 +104,7 @@ fn a_start_that_is_not_there_changes_nothing<const K: usize>(harness: &mut World
 fn a_stroke_is_one_entry_with_the_islands_it_cut_off<const K: usize>(
     harness: &mut WorldHarness<64, K>,
 ) {
-    // A mushroom: its cap is an island once the stem is cut.
+    // A mushroom, whose cap is an island once the stem is cut.
     harness.start_from_voxels(|[x, y, z]| {
         y < 10
             || y < 20 && (30..34).contains(&x) && (30..34).contains(&z)
@@ -137,7 +137,7 @@ fn a_stroke_is_one_entry_with_the_islands_it_cut_off<const K: usize>(
         harness.step(&TickInput { commands: command, ..TickInput::default() });
         assert_eq!(harness.world.events(), [event]);
         assert_eq!(maps_digest(harness.world.volume().maps()), expected);
-        // No pass comes after it.
+        // No pass follows.
         (0..5).for_each(|_| harness.step(&TickInput::default()));
         assert_eq!(maps_digest(harness.world.volume().maps()), expected);
         harness.check_invariants();
@@ -146,7 +146,7 @@ fn a_stroke_is_one_entry_with_the_islands_it_cut_off<const K: usize>(
     assert_eq!(harness.world.events(), []);
 }
 
-/// A bit that is exchanged while the trigger is pulled goes on with the stroke.
+/// Exchanging the bit while the trigger is pulled continues the stroke.
 fn another_bit_goes_on_with_the_stroke<const K: usize>(harness: &mut WorldHarness<64, K>) {
     start_from_floor(harness, 30);
     take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
@@ -178,7 +178,7 @@ fn buttons_act_once_a_press<const K: usize>(harness: &mut WorldHarness<64, K>) {
     };
     press(harness, buttons::LOWER);
     assert_eq!(harness.world.undo_counts(), UndoCounts { undoable: 2, redoable: 1 });
-    // Both at once are neither.
+    // Both buttons at once have no effect.
     press(harness, buttons::LOWER | buttons::UPPER);
     assert_eq!(
         (harness.world.undo_counts(), harness.world.events()),
@@ -211,7 +211,7 @@ fn symmetry_is_the_exact_mirror<const K: usize>(harness: &mut WorldHarness<64, K
         assert!(after == after.mirrored_in_x(), "{tool:?}");
         let changes = before != after;
         assert!(tool == Tool::Rasp || changes, "{tool:?} did nothing");
-        // Both halves are one stroke.
+        // Both halves belong to one stroke.
         let command = |commands| TickInput { commands, ..TickInput::default() };
         harness.step(&command(commands::UNDO));
         assert!(volume_of(harness) == before, "{tool:?} leaves a half");
@@ -234,7 +234,7 @@ fn the_end_takes_no_more_edits<const K: usize>(harness: &mut WorldHarness<64, K>
         assert_eq!(harness.world.events(), []);
     }
     assert_eq!(maps_digest(harness.world.volume().maps()), done);
-    // In the very tick of the end, nothing is carved either.
+    // In the tick of the end itself, nothing is carved.
     start_from_floor(harness, 30);
     take_item(harness, RIGHT, BenchItem::Tool(Tool::Rotary));
     let pose = Pose { position: Vec3::new(30.0, 31.0, 30.0), rotation: Quat::IDENTITY };
@@ -245,8 +245,8 @@ fn the_end_takes_no_more_edits<const K: usize>(harness: &mut WorldHarness<64, K>
     assert_eq!(harness.world.session_state(), SessionState::Sculpting);
 }
 
-/// Under random carving, a bit's penetration never exceeds its bite, the hidden figure stays whole, what is cut is felt,
-/// and each tick removes voxels of the bit's swept volume only.
+/// Under random carving, a bit's penetration never exceeds its bite, the hidden figure stays whole, every cut
+/// is felt, and each tick removes only voxels of the bit's swept volume.
 fn the_hidden_figure_outlasts_any_carving<const K: usize>(harness: &mut WorldHarness<64, K>) {
     let (mut on_mask, mut carved, mut felt_alone) = (0, 0, 0);
     let checked_every = scaled_step(16);
@@ -259,7 +259,7 @@ fn the_hidden_figure_outlasts_any_carving<const K: usize>(harness: &mut WorldHar
         assert_eq!(bit.spec().action, BitAction::Carve);
         let mut visitor = RandomVisitor::new(seed + 70);
         visitor.restless = false;
-        // From outside: the bit has a place that isn't too deep.
+        // The bit starts outside, so that it has a last place within its limits.
         step_with_bit_at(harness, RIGHT, Vec3::new(32.0, 90.0, 32.0), false);
         let mask = maps_digest(harness.world.mask());
         let grid = bit.to_grid_bit(harness.world.stool_frame().voxel_metres() * 1e6);
@@ -304,7 +304,8 @@ fn the_hidden_figure_outlasts_any_carving<const K: usize>(harness: &mut WorldHar
     );
 }
 
-/// A volume with an unsupported voxel between the ends of six rods, which closure adds again.
+/// Returns `true` inside a volume whose rods leave one voxel unsupported between six of their ends; closure
+/// adds that voxel again.
 fn is_voxel_between_rods([x, y, z]: [usize; 3]) -> bool {
     let along_x = y == 20 && z == 32 && ((14..=30).contains(&x) || (34..=50).contains(&x));
     let along_z = y == 20 && x == 32 && ((14..=30).contains(&z) || (34..=50).contains(&z));

@@ -1,4 +1,4 @@
-//! What the parts of a tick owe one another: what one changes, another is told.
+//! The connections between the parts of a tick: each change reaches the other parts.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -15,17 +15,17 @@ fn lock_harness() -> MutexGuard<'static, WorldHarness<64>> {
     HARNESS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Ticks after which a pass that needs few row visits has ended, whatever hands do.
+/// Number of ticks after which a pass with few row visits has ended, whatever the hands do.
 const SHORT_PASS: usize = 24;
 
-/// A floor, and a block high above it, which no edit has touched yet.
+/// Starts with a floor, and a block high above it that no edit has touched.
 fn start_with_hovering_block(harness: &mut WorldHarness<64>) {
     harness.start_from_voxels(|[x, y, z]| {
         y < 10 || (30..36).contains(&y) && (28..36).contains(&x) && (50..58).contains(&z)
     });
 }
 
-/// Voxels removed by an island pass in the last tick.
+/// Returns the number of voxels removed by an island pass in the last tick.
 fn count_fallen_voxels(harness: &WorldHarness<64>) -> u32 {
     let fallen = harness.world.events().iter().map(|event| match event {
         WorldEvent::Islands(report) => report.removed,

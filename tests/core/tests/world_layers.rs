@@ -1,4 +1,4 @@
-//! Worlds of several intervals a column: the invariants of every tick, save and load, their size.
+//! Worlds of several intervals a column: the invariants after every tick, save and load, and size.
 
 use std::mem::size_of;
 use std::sync::{Mutex, PoisonError};
@@ -11,7 +11,7 @@ use paros_core::volume::{Grid, Size};
 use paros_models::random_visitor::RandomVisitor;
 use paros_models::world_harness::WorldHarness;
 
-/// Random visitors in every mode; each session is saved once, and goes on alike in another world.
+/// Runs random visitors in every mode. Each session is saved once and continues identically in another world.
 fn check_sessions<const N: usize, const K: usize>(harnesses: &Mutex<[WorldHarness<N, K>; 2]>)
 where
     Grid<N>: Size,
@@ -80,7 +80,7 @@ fn sessions_of_four_intervals() {
     check_sessions(&HARNESSES);
 }
 
-/// A save names its number of intervals, and isn't read with another.
+/// A save states its number of intervals, and a world with another number rejects it.
 #[test]
 fn a_save_of_other_intervals_is_refused() {
     static ONE: World<16, 1> = World::new();

@@ -1,4 +1,4 @@
-//! A world in memory: all zero bytes at first, a cleared one like a new one, and of a known size.
+//! A world's memory: all zero bytes at first, like new after a clear, and of a known size.
 
 use std::mem::size_of;
 use std::sync::{Mutex, PoisonError};

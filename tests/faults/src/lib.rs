@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use ash::vk;
 
-/// Groups of calls that a fault can hit.
+/// The groups of calls that a fault can hit.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum CallGroup {
     /// Memory allocations.
@@ -21,9 +21,9 @@ pub enum CallGroup {
 /// A planned fault.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct PlannedFault {
-    /// Which calls fail.
+    /// The calls that fail.
     pub calls: CallGroup,
-    /// Number of such calls that succeed before.
+    /// Number of such calls that succeed first.
     pub skipped_calls: u32,
     /// Number of such calls that then fail.
     pub failing_calls: u32,
@@ -67,19 +67,19 @@ fn lock_state() -> MutexGuard<'static, FaultState> {
     FAULT_STATE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Sets the fault of the latest device, or none; resets the count of injected failures.
+/// Sets or clears the fault of the latest device, and resets the count of injected failures.
 pub fn set_planned_fault(fault: Option<PlannedFault>) {
     let mut state = lock_state();
     (state.fault, state.failed) = (fault, 0);
 }
 
-/// Number of calls failed by the latest plan.
+/// Returns the number of calls failed by the latest plan.
 #[must_use]
 pub fn injected_failure_count() -> u32 {
     lock_state().failed
 }
 
-/// The device with a function table whose calls can fail.
+/// Returns the device with a function table whose calls can fail.
 #[must_use]
 #[allow(clippy::needless_pass_by_value)] // as the hook hands it over
 pub fn wrap_device(device: ash::Device) -> ash::Device {
@@ -106,7 +106,7 @@ enum CallKind {
 }
 
 impl FaultState {
-    /// The result to return instead of carrying a call out; None carries it out.
+    /// Returns the result to report instead of carrying a call out, or `None` to carry it out.
     fn injected_result(&mut self, kind: CallKind) -> Option<vk::Result> {
         if self.lost {
             let reaches_device =
@@ -133,7 +133,10 @@ impl FaultState {
     }
 }
 
-/// The driver's own function table. Panics before the first `wrap_device`.
+/// Returns the driver's own function table.
+///
+/// # Panics
+/// [`wrap_device`] hasn't been called yet.
 fn driver_table() -> ash::DeviceFnV1_0 {
     lock_state().real.clone().expect("a device with these functions was made")
 }

@@ -1,4 +1,4 @@
-//! What must hold of a mesh that is baked, whichever it is.
+//! Invariants of every baked mesh.
 
 use std::sync::Mutex;
 
@@ -12,10 +12,10 @@ use paros_shell::statics::Resident;
 
 use crate::shapes::with_holes_closed;
 
-/// Bakes a mesh that stands upright.
+/// Bakes an upright mesh.
 ///
 /// # Panics
-/// It is no solid.
+/// The mesh isn't a solid.
 pub fn bake<const M: usize, const K: usize, W: Windings<M>>(
     mesh: &Mesh,
     baker: &Mutex<Baker<M, W>>,
@@ -29,10 +29,10 @@ where
     mesh.bake_into_maps(UpAxis::Y, &mut baker, &mut maps, &mut bits.lock().unwrap()).unwrap()
 }
 
-/// An open mesh and the same with its hole closed bake to nearly the same voxels.
+/// Asserts that an open mesh and the same mesh with its hole closed bake to nearly the same voxels.
 ///
 /// # Panics
-/// They don't.
+/// The voxels differ by more.
 pub fn assert_open_base_bakes_alike(open: &Mesh) {
     static BAKER: Mutex<Baker<128>> = Mutex::new(Baker::new());
     static MAPS: Mutex<RangeMaps<128>> = Mutex::new(RangeMaps::new());
@@ -42,7 +42,7 @@ pub fn assert_open_base_bakes_alike(open: &Mesh) {
     let whole_report = bake(&whole, &BAKER, &MAPS, &PLANES[1]);
     let report = bake(open, &BAKER, &MAPS, &PLANES[0]);
     assert!(!report.flipped, "{report:?}");
-    // A fan may cut through the surface beside its hole, hence not zero.
+    // Not zero, because the fan that closes a hole may cut through the surface beside it.
     assert!(
         whole_report.opened_columns * 20 < report.opened_columns,
         "{report:?} {whole_report:?}"
@@ -54,10 +54,10 @@ pub fn assert_open_base_bakes_alike(open: &Mesh) {
     assert!(apart * 200 < b.count_voxels(), "{apart} of {} voxels differ", b.count_voxels());
 }
 
-/// A mesh bakes as the dense model has it, and so does the same inside out.
+/// Asserts that a mesh bakes as in the dense model, and so does the mesh turned inside out.
 ///
 /// # Panics
-/// It doesn't.
+/// A result differs.
 pub fn assert_bakes_as_model_also_inside_out(mesh: &Mesh) {
     let MeshBounds { min, max } = mesh.bounding_box().unwrap();
     let placement = MeshPlacement::stand_bounds_on_floor(min, max, UpAxis::Y, N).unwrap();
@@ -68,7 +68,7 @@ pub fn assert_bakes_as_model_also_inside_out(mesh: &Mesh) {
     check_bake(&inside_out).unwrap();
 }
 
-/// The voxels of a mesh at a grid's side M, in columns of two intervals, as `paros bake` makes them.
+/// Returns a mesh's voxels at grid side M, in columns of two intervals, as `paros bake` makes them.
 ///
 /// # Panics
 /// The mesh has no extent.
@@ -84,7 +84,7 @@ where
     bits
 }
 
-/// The voxels that two grids have in common, as a share of those that either has (intersection over union).
+/// Returns the intersection over union of two grids.
 #[must_use]
 pub fn share_in_common<const M: usize>(a: &BitGrid<M>, b: &BitGrid<M>) -> f64
 where

@@ -1,6 +1,5 @@
-//! What the tests of mesh files share: meshes of the project's own, and what must hold of one that is baked.
-//! They take and give meshes.
-//! They know no file outside the project: `tests/real-meshes` has the tests that need one.
+//! Shared parts of the tests of mesh files: the project's own meshes, and the invariants of a baked mesh.
+//! They need no file from outside the project; tests that do are in `tests/real-meshes`.
 pub mod baked;
 pub mod mesh_samples;
 pub mod shapes;

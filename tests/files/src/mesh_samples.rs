@@ -1,4 +1,4 @@
-//! One box as a file of every kind.
+//! One box, encoded in every supported mesh format.
 
 use paros_shell::mesh::{Mesh, MeshFormat};
 use std::fmt::Write;
@@ -15,26 +15,26 @@ pub const CORNERS: [[f32; 3]; 8] = [
     [1.5, 2.5, -3.25],
 ];
 
-/// Its sides, as corners counter-clockwise seen from outside.
+/// The box's sides, as corners counter-clockwise seen from outside.
 pub const SIDES: [[u32; 4]; 6] =
     [[0, 1, 3, 2], [5, 4, 6, 7], [4, 0, 2, 6], [1, 5, 7, 3], [2, 3, 7, 6], [4, 5, 1, 0]];
 
-/// Each side as the fan a reader makes of it.
+/// Returns the triangle fans that readers make of the sides.
 pub fn sample_triangles() -> Vec<[u32; 3]> {
     SIDES.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect()
 }
 
-/// The corners of a mesh's triangles.
+/// Returns the corners of a mesh's triangles.
 pub fn triangle_points(mesh: &Mesh) -> Vec<[[f32; 3]; 3]> {
     mesh.triangles.iter().map(|t| t.map(|i| mesh.positions[i as usize])).collect()
 }
 
-/// The corners of the box's triangles, as every file has them.
+/// Returns the corners of the box's triangles, in the order of every file.
 pub fn expected_points() -> Vec<[[f32; 3]; 3]> {
     sample_triangles().iter().map(|t| t.map(|i| CORNERS[i as usize])).collect()
 }
 
-/// As OBJ, with indices counted from the start and from the end.
+/// Encodes the box as OBJ, with indices counted from the start and from the end.
 pub fn obj_file() -> Vec<u8> {
     let mut text = String::from("# caf\u{e9}\nmtllib none.mtl\no box\n");
     CORNERS.iter().for_each(|[x, y, z]| writeln!(text, "v {x} {y} {z}").unwrap());
@@ -51,7 +51,7 @@ pub fn obj_file() -> Vec<u8> {
     text.into_bytes()
 }
 
-/// As STL in text, in two solids.
+/// Encodes the box as ASCII STL, in two solids.
 pub fn stl_text() -> Vec<u8> {
     let mut text = String::new();
     for (name, part) in [("a part", &expected_points()[..5]), ("", &expected_points()[5..])] {
@@ -66,7 +66,7 @@ pub fn stl_text() -> Vec<u8> {
     text.into_bytes()
 }
 
-/// As binary STL.
+/// Encodes the box as binary STL.
 pub fn stl_binary() -> Vec<u8> {
     let mut bytes = vec![b' '; 80];
     bytes.extend(12u32.to_le_bytes());
@@ -78,7 +78,7 @@ pub fn stl_binary() -> Vec<u8> {
     bytes
 }
 
-/// As PLY of a format: `ascii`, `binary_little_endian` or `binary_big_endian`.
+/// Encodes the box as PLY of a format: `ascii`, `binary_little_endian` or `binary_big_endian`.
 pub fn ply_file(format: &str) -> Vec<u8> {
     let header = format!(
         "ply\nformat {format} 1.0\ncomment a box\nelement vertex 8\nproperty float x\n\
@@ -114,14 +114,14 @@ pub fn ply_file(format: &str) -> Vec<u8> {
     bytes
 }
 
-/// Positions, then indices of two bytes.
+/// Returns the glTF buffer: positions, then indices of two bytes.
 pub fn gltf_buffer() -> Vec<u8> {
     let positions = CORNERS.iter().flatten().flat_map(|c| c.to_le_bytes());
     let indices = sample_triangles().into_iter().flatten().flat_map(|i| (i as u16).to_le_bytes());
     positions.chain(indices).collect()
 }
 
-/// The JSON of a glTF: `uri` of its buffer with a comma behind it, and its nodes.
+/// Returns a glTF JSON with its nodes. `uri` is the buffer's URI property, followed by a comma.
 pub fn gltf_json(uri: &str, nodes: &str) -> String {
     format!(
         r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{nodes}],
@@ -135,7 +135,7 @@ pub fn gltf_json(uri: &str, nodes: &str) -> String {
     )
 }
 
-/// As glTF, its buffer in the text.
+/// Encodes the box as glTF with an embedded buffer.
 pub fn gltf_file() -> Vec<u8> {
     let mut text = String::new();
     for chunk in gltf_buffer().chunks(3) {
@@ -149,13 +149,13 @@ pub fn gltf_file() -> Vec<u8> {
     gltf_json(&uri, r#"{"mesh":0}"#).into_bytes()
 }
 
-/// As binary glTF.
+/// Encodes the box as binary glTF.
 pub fn glb_file() -> Vec<u8> {
     let json = gltf_json("", r#"{"mesh":0}"#).into_bytes();
     glb_of(json, &gltf_buffer())
 }
 
-/// Binary glTF of a JSON and its buffer.
+/// Encodes a JSON and its buffer as binary glTF.
 pub fn glb_of(mut json: Vec<u8>, buffer: &[u8]) -> Vec<u8> {
     json.resize(json.len().next_multiple_of(4), b' ');
     let mut bytes = b"glTF".to_vec();
@@ -169,7 +169,7 @@ pub fn glb_of(mut json: Vec<u8>, buffer: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// A file of every kind: its name, its format and its bytes.
+/// Returns a file of every format: name, format and bytes.
 pub fn all_samples() -> Vec<(&'static str, MeshFormat, Vec<u8>)> {
     vec![
         ("obj", MeshFormat::Obj, obj_file()),

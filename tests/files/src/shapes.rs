@@ -1,15 +1,15 @@
-//! Meshes to bake, of the project's own.
+//! The project's own meshes for baking.
 
 use paros_shell::mesh::Mesh;
 use std::collections::HashMap;
 
-/// A surface of revolution of 120 x 90 quads, closed at the top and open at the bottom.
+/// Returns a surface of revolution of 120 x 90 quads, closed at the top and open at the bottom.
 #[must_use]
 pub fn vase() -> Mesh {
     vase_of_quads(120, 90)
 }
 
-/// The vase of so many quads around and so many levels.
+/// Returns the vase with the given quads around and levels.
 #[must_use]
 pub fn vase_of_quads(around: u32, levels: u32) -> Mesh {
     let mut mesh = Mesh::default();
@@ -36,7 +36,7 @@ pub fn vase_of_quads(around: u32, levels: u32) -> Mesh {
     mesh
 }
 
-/// The mesh and a fan from the middle of each loop of edges that only one triangle uses.
+/// Returns the mesh with every hole closed by a fan from the middle of its boundary loop.
 #[must_use]
 pub fn with_holes_closed(mesh: &Mesh) -> Mesh {
     let mut next: HashMap<u32, Vec<u32>> = HashMap::new();

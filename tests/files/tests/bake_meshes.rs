@@ -1,4 +1,4 @@
-//! Meshes of the project's own, baked against the dense model. `tests/real-meshes` has the same of others.
+//! The project's own meshes, baked against the dense model. Other meshes are baked in `tests/real-meshes`.
 
 use std::sync::Mutex;
 
@@ -15,8 +15,8 @@ use paros_tests_files::baked::{
 };
 use paros_tests_files::shapes::{vase, vase_of_quads, with_holes_closed};
 
-/// A vase for the dense model, whose time grows with the triangles. Its quads are smaller than a voxel; at night they
-/// are as small as those of [`vase`].
+/// Returns a vase for the dense model, whose time grows with the number of triangles. Its quads are smaller
+/// than a voxel; in the nightly run they are as small as those of [`vase`].
 fn vase_for_model() -> Mesh {
     if scaled_cases(1) > 1 { vase() } else { vase_of_quads(48, 36) }
 }

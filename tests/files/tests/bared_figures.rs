@@ -1,5 +1,5 @@
-//! What of the hidden figures can be bared: the ends that show where a ball of 15 mm took all that it reaches from
-//! above.
+//! The share of the hidden figures that can be bared: the column ends that show once a ball of 15 mm has
+//! removed everything that it reaches from above.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -11,7 +11,7 @@ use paros_models::world_harness::WorldHarness;
 use paros_shell::figures::Figure;
 
 const SIDE: usize = 128;
-/// Points of the lattice on which the ball's middle is tried, along a side: two a voxel.
+/// Points along a side of the lattice of positions for the ball's centre: two a voxel.
 const POINTS: usize = 2 * SIDE;
 /// The radius of the ball in steps of the lattice: the stone's box is 450 mm wide.
 const RADIUS: f64 = 15.0 / 450.0 * POINTS as f64;
@@ -23,25 +23,25 @@ type Row = <Grid<POINTS> as Size>::Row;
 /// A set of lattice points: rows along x, by y and z.
 type Lattice = Box<BitGrid<POINTS>>;
 
-/// The rows of the lattice, by y and z.
+/// Returns the rows of the lattice, by y and z.
 fn all_rows() -> impl Iterator<Item = (usize, usize)> {
     (0..POINTS * POINTS).map(|i| (i / POINTS, i % POINTS))
 }
 
-/// The rows beside one, by y and z.
+/// Returns the rows adjacent to a row, by y and z.
 fn rows_beside(y: usize, z: usize) -> impl Iterator<Item = (usize, usize)> {
     let beside = [(y + 1, z), (y.wrapping_sub(1), z), (y, z + 1), (y, z.wrapping_sub(1))];
     beside.into_iter().filter(|&(y, z)| y < POINTS && z < POINTS)
 }
 
-/// The point at the centre of a voxel.
+/// Returns the lattice point at a voxel's centre.
 fn point_of([x, y, z]: [i32; 3]) -> [usize; 3] {
     [x, y, z].map(|i| 2 * i as usize + 1)
 }
 
-/// The points within the ball's radius of a point of a set: the union of balls, which are unions of rows.
+/// Returns the points within the ball's radius of a set: a union of balls, which are unions of rows.
 fn within_radius(points: &Lattice) -> Lattice {
-    // For each half length, the offsets (y, z) from the ball's middle of its rows that are so long.
+    // Maps each half length to the offsets (y, z) of the ball's rows with that half length.
     let most = (RADIUS * RADIUS) as usize;
     let reach = most.isqrt();
     let mut offsets = vec![Vec::new(); reach + 1];
@@ -70,7 +70,7 @@ fn within_radius(points: &Lattice) -> Lattice {
     within
 }
 
-/// The free points that are joined with free ones of the top layer by steps between free ones.
+/// Returns the free points connected to free points of the top layer by steps between free points.
 fn reach_from_above(is_free: impl Fn(usize, usize) -> Row) -> Lattice {
     let mut reached: Lattice = Box::new(BitGrid::new());
     let top = POINTS - 1;
@@ -91,7 +91,7 @@ fn reach_from_above(is_free: impl Fn(usize, usize) -> Row) -> Lattice {
     reached
 }
 
-/// The points of a set that have one beside them that is not in it, and those at the ends of rows.
+/// Returns the points of a set that are adjacent to a point outside it, and those at the ends of rows.
 fn boundary_of(points: &Lattice) -> Lattice {
     let mut boundary: Lattice = Box::new(BitGrid::new());
     for (y, z) in all_rows() {
@@ -103,7 +103,8 @@ fn boundary_of(points: &Lattice) -> Lattice {
     boundary
 }
 
-/// What is left of a block when a ball took all that it can reach without a voxel of the figure.
+/// Returns the rest of a block after a ball has removed everything that it can reach without touching the
+/// figure.
 fn carve_with_ball(figure: &DenseVolume) -> DenseVolume {
     let mut points: Lattice = Box::new(BitGrid::new());
     for [x, y, z] in figure.occupied().map(point_of) {
@@ -111,13 +112,13 @@ fn carve_with_ball(figure: &DenseVolume) -> DenseVolume {
     }
     let taken = within_radius(&points);
     let reached = reach_from_above(|y, z| !taken.row(y, z));
-    // A point that is not reached is nearest to one of the boundary.
+    // The reached point that is nearest to an unreached point lies on the boundary.
     let carved = within_radius(&boundary_of(&reached));
     let is_left = |point| !reached.contains(point) && !carved.contains(point);
     DenseVolume::from_fn(SIDE, |voxel| is_left(point_of(voxel)))
 }
 
-/// The least bared part, in percent: what is left are hollows that are too narrow for the ball.
+/// The least bared share, in percent: the rest lies in hollows too narrow for the ball.
 const LEAST_PERCENT: u32 = 97;
 
 #[test]

@@ -1,4 +1,4 @@
-//! What the demo leaves is what its chapters say.
+//! Checks that the demo's result matches the descriptions of its chapters.
 
 use std::ops::ControlFlow;
 
@@ -10,7 +10,7 @@ use paros_shell::demo::{Chapter, DemoScript, play_demo};
 use paros_shell::statics::Resident;
 use paros_shell::tick_runner::with_fresh_world;
 
-/// No crumb stands beside the figure, and all the paste of the cord is at the neck.
+/// No crumb is left beside the figure, and all the paste of the cord is at the neck.
 #[test]
 fn the_owl_stands_alone_with_a_cord_at_its_neck() {
     leaves_the_owl_alone::<128, INTERVALS>();
@@ -22,14 +22,14 @@ fn the_owl_of_fine_voxels_stands_alone_with_a_cord_at_its_neck() {
     leaves_the_owl_alone::<256, INTERVALS>();
 }
 
-/// The digest at this `CORE_VERSION`: what raises that changes it.
+/// The digest at this `CORE_VERSION`: raising the version changes it.
 #[test]
 #[ignore = "nightly: 52 s"]
 fn with_one_interval_the_demo_keeps_its_digest() {
     assert_eq!((leaves_the_owl_alone::<256, 1>(), CORE_VERSION), (0xb1f0_04d0_9910_65cb, 13));
 }
 
-/// Returns the last digest.
+/// Plays the demo and checks its result. Returns the last digest.
 fn leaves_the_owl_alone<const N: usize, const K: usize>() -> u64
 where
     Grid<N>: Resident<N, K>,
@@ -56,10 +56,10 @@ where
     let cord = finished.difference(after(Chapter::Undone));
     let count = cord.count() as usize;
     assert!(count > 5000 * N.pow(3) / 256_usize.pow(3), "{count} voxels of paste");
-    // As far as the file reaches, which evens out the neck beside the cord too.
+    // As far as the file reaches, because it also evens out the neck beside the cord.
     let neck = 108 * N as i32 / 256..164 * N as i32 / 256;
     let off: Vec<_> = cord.occupied().filter(|[_, y, _]| !neck.contains(y)).collect();
-    // With one interval, and in coarse voxels, closure fills a few on the beams of the paste.
+    // With one interval, and in coarse voxels, closure fills a few voxels in line with the paste.
     let most = match (N, K) {
         (256, 1) => 8,
         (256, _) => 0,

@@ -1,4 +1,4 @@
-//! The start volumes: solid, standing, printable, hidden in the lump, and the same bits everywhere.
+//! The start volumes: solid, standing, printable, hidden in the lump, and bit-identical on every platform.
 
 use std::sync::Mutex;
 
@@ -52,7 +52,7 @@ fn every_figure_is_the_same_bits_as_ever() {
     assert_eq!(found, GOLDENS, "found {found:#x?}");
 }
 
-/// The closure of a set of voxels, by looking along every column.
+/// Computes the closure of a set of voxels by scanning every column.
 fn dense_closure<const N: usize>(set: &[bool]) -> Vec<bool> {
     let at = |[x, y, z]: [usize; 3]| set[x + N * (y + N * z)];
     let between = |voxel: [usize; 3], axis: usize| {
@@ -95,7 +95,7 @@ fn blocks_settled_whole_are_those_of_voxels_asked_one_by_one() {
 #[test]
 fn full_size_figures_are_their_shapes() {
     for_each_figure(&Figure::ALL, |figure, plane, _| {
-        // Closure only adds; a voxel that the shape covers is there, and few others are.
+        // Closure only adds voxels: every voxel that the shape covers is set, and few others are.
         let (mut covered, mut missing) = (0, 0);
         for voxel in all_voxels::<128>().filter(|&voxel| figure.contains_voxel_centre::<128>(voxel))
         {
@@ -109,7 +109,7 @@ fn full_size_figures_are_their_shapes() {
     });
 }
 
-/// Voxels of the six-connected part that holds `start`.
+/// Returns the number of voxels in the six-connected part that contains `start`.
 fn connected_count(plane: &BitGrid<128>, start: [usize; 3]) -> u64 {
     let mut seen = vec![false; 128 * 128 * 128];
     let index = |[x, y, z]: [usize; 3]| x + 128 * (y + 128 * z);
@@ -171,7 +171,8 @@ fn hidden_figures_lie_within_the_lump() {
     });
 }
 
-/// Voxels that lie in no 2 x 2 x 2 block of the figure: crests, and walls and rods one voxel thick.
+/// Returns the voxels that lie in no 2 x 2 x 2 block of the figure: crests, and walls and rods one voxel
+/// thick.
 fn thin_voxels(plane: &BitGrid<128>) -> Vec<[usize; 3]> {
     let row = |y: usize, z: usize| {
         if y < 128 && z < 128 { plane.row(y, z) } else { BitSet::EMPTY }
@@ -196,7 +197,7 @@ fn thin_voxels(plane: &BitGrid<128>) -> Vec<[usize; 3]> {
     thin
 }
 
-/// Size of the largest group of voxels that touch, corners included.
+/// Returns the size of the largest group of voxels connected by faces, edges or corners.
 fn largest_group(mut voxels: Vec<[usize; 3]>) -> usize {
     let mut largest = 0;
     while let Some(first) = voxels.pop() {

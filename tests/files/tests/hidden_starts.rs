@@ -1,4 +1,5 @@
-//! The stones that hide figures: each around its figure, within the lump, and as thick as it says.
+//! The stones that hide figures: each surrounds its figure, lies within the lump, and is as thick as
+//! specified.
 
 use std::sync::Mutex;
 
@@ -32,8 +33,8 @@ where
         }
     }
 
-    /// Rasterizes the lump and each figure once, each with its stones of some thicknesses. Calls `check` with a start
-    /// and its rasters, the starts of a figure one after the other.
+    /// Rasterizes the lump, and each figure with its stones of several thicknesses. Calls `check` with each
+    /// start and its rasters, all starts of a figure in a row.
     fn for_each_start(
         &mut self,
         thicknesses: &[StoneThickness],
@@ -52,7 +53,7 @@ where
     }
 }
 
-/// Whether one set of voxels lies within another.
+/// Returns `true` if one set of voxels lies within another.
 fn is_within<const N: usize>(inner: &BitGrid<N>, outer: &BitGrid<N>) -> bool
 where
     Grid<N>: Size,
@@ -95,19 +96,19 @@ fn each_stone_of_fine_voxels_lies_between_its_figure_and_the_lump() {
     stones_lie_between_figure_and_lump(&mut RASTERS.lock().unwrap());
 }
 
-/// Millimetres from each voxel to a set of voxels at 128, by a chamfer distance of 3, 4 and 5 (Borgefors
-/// 1986), which is within a twelfth of the Euclidean one.
+/// Returns the distance in millimetres from each voxel to a set of voxels at 128, by a 3-4-5 chamfer distance
+/// (Borgefors 1986), which is within a twelfth of the Euclidean distance.
 fn distances_mm(set: &BitGrid<128>) -> Vec<f32> {
     const N: usize = 128;
-    // A voxel of margin on all sides, which is far from the set.
+    // One voxel of margin on all sides, which is far from the set.
     const M: usize = N + 2;
     const FAR: u16 = u16::MAX / 2;
     let mut field = vec![FAR; M * M * M];
     let index = |[x, y, z]: [usize; 3]| x + 1 + M * (y + 1 + M * (z + 1));
     let voxels = || (0..N * N * N).map(|i| [i % N, i / N % N, i / (N * N)]);
     voxels().filter(|&voxel| set.contains(voxel)).for_each(|voxel| field[index(voxel)] = 0);
-    // Half of a voxel's neighbours, those that come before it in the order of the field: how far back they stand,
-    // and their distance.
+    // The half of a voxel's neighbours that come before it in scan order: their offsets backwards, and their
+    // distances.
     let before: Vec<(usize, u16)> = (0..27)
         .map(|i| [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1])
         .filter(|&[x, y, z]: &[isize; 3]| (z, y, x) < (0, 0, 0))

@@ -1,4 +1,4 @@
-//! Tests of what is read and written: one binary, so that the core is instantiated once.
+//! Tests of reading and writing files. All are one binary, so that the core is instantiated only once.
 
 mod bake_meshes;
 mod bared_figures;

@@ -1,4 +1,4 @@
-//! Dialects of mesh files: the box of the samples as other programs write it, with data that nothing uses.
+//! Dialects of mesh files: the sample box as other programs write it, with additional unused data.
 
 use paros_shell::mesh::{Mesh, MeshFormat};
 use paros_tests_files::mesh_samples::*;
@@ -58,7 +58,7 @@ fn texts_have_any_line_end_mark_and_encoding() {
     }
 }
 
-/// Each vertex line ends in one of `tails`, each corner in one of `corners`.
+/// Returns the box as OBJ with `tail` after each vertex and `corner` after each corner.
 fn obj_with(tail: &str, corner: &str) -> String {
     let mut text = String::new();
     CORNERS.iter().for_each(|[x, y, z]| writeln!(text, "v {x} {y} {z}{tail}").unwrap());
@@ -83,7 +83,7 @@ fn obj_lines_hold_more_than_is_used() {
     assert_is_box(MeshFormat::Obj, obj_with("", "").replace("v ", "V ").replace("f ", "F "));
     assert_is_box(MeshFormat::Obj, obj_with("", "").replace("f ", "fo "));
     assert_is_box(MeshFormat::Obj, obj_with("", "").replace("1.5", "1,5").replace("2.5", "2.5D0"));
-    // Every line of a face goes on over two ends.
+    // Every line of a face continues over two line ends.
     assert_is_box(MeshFormat::Obj, obj_with("", "").replace("f ", "f \\\n  \\\r\n"));
     assert_is_box(MeshFormat::Obj, obj_with("", " \\\n").replace("\\\n\n", "\n"));
 }
@@ -93,7 +93,7 @@ fn obj_faces_may_stand_above_their_vertices_and_count_back() {
     let text = obj_with("", "");
     let (vertices, faces) = text.split_at(text.find('f').unwrap());
     assert_is_box(MeshFormat::Obj, format!("{faces}{vertices}"));
-    // Each face has vertices of its own, counted back.
+    // Each face has its own vertices, with indices counted back from the end.
     let mut own = String::new();
     for side in SIDES {
         for [x, y, z] in side.map(|i| CORNERS[i as usize]) {
@@ -103,7 +103,7 @@ fn obj_faces_may_stand_above_their_vertices_and_count_back() {
     }
     assert_is_box(MeshFormat::Obj, &own);
     assert_eq!(read(MeshFormat::Obj, own.as_bytes()).positions.len(), 8, "they are welded");
-    // What is no facet is dropped and counted.
+    // Invalid facets are dropped and counted.
     let mesh = read(MeshFormat::Obj, format!("{own}f 1 2\nf\nf 1 1 2\n").as_bytes());
     assert_eq!((mesh.triangles.len(), mesh.findings.dropped_facets), (12, 3));
 }
@@ -120,11 +120,11 @@ fn stl_texts_have_any_case_and_layout() {
     assert_is_box(MeshFormat::Stl, format!(" \r\n\t{text}"));
     assert_is_box(MeshFormat::Stl, text.replace("endsolid a part\n", "").replace("endsolid", ""));
     assert_is_box(MeshFormat::Stl, text.trim_end().trim_end_matches("endsolid"));
-    // A facet in one line, and words between facets.
+    // A facet in one line, and extra words between facets.
     let lines = text.replace("\n  outer", " outer").replace("\n   v", " v").replace("\n  e", " e");
     assert_is_box(MeshFormat::Stl, lines.replace("\n e", " e"));
     assert_is_box(MeshFormat::Stl, format!("{text}\n# made by a program\ncolor 1 0 0\n"));
-    // Whole faces of four corners.
+    // Faces with four corners.
     let mut quads = String::from("solid\n");
     for side in SIDES {
         quads.push_str("facet normal 0 0 0\nouter loop\n");
@@ -163,7 +163,7 @@ fn a_binary_stl_is_one_by_its_length() {
     }
     let mut bytes = stl_binary();
     bytes[..6].copy_from_slice(b"solid ");
-    // Normals and attributes that are no numbers, and bytes behind the last facet.
+    // Normals and attributes that aren't numbers, and bytes after the last facet.
     for facet in 0..12 {
         bytes[84 + 50 * facet..][..12].fill(0xff);
         bytes[84 + 50 * facet + 48..][..2].fill(0xff);
@@ -172,7 +172,7 @@ fn a_binary_stl_is_one_by_its_length() {
     assert_is_box(MeshFormat::Stl, [&bytes[..], b"\0\0\0"].concat());
 }
 
-/// A PLY text of the box: its header after the format, and the rows of its elements.
+/// Returns a PLY text of the box from its header after the format, and the rows of its elements.
 fn ply_with(header: &str, rows: &str) -> String {
     format!("ply\nformat ascii 1.0\n{header}end_header\n{rows}")
 }
@@ -215,7 +215,7 @@ fn ply_headers_and_rows_hold_more_than_is_used() {
             + &rows_of_faces("", ".0").replace('\n', " x\n")),
     );
     assert_is_box(MeshFormat::Ply, unused);
-    // Columns that the header doesn't name, blank lines, all in one line, and faces first.
+    // Columns that the header doesn't name, blank lines, everything in one line, and faces first.
     let more = ply_with(
         &format!("{PLY_VERTICES}{PLY_FACES}"),
         &(rows_of_vertices(" 1 2 3\n") + &rows_of_faces("", "").replace('\n', " 255\n\n")),
@@ -270,7 +270,7 @@ fn ply_lists_are_of_any_type() {
     }
 }
 
-/// Strips end at -1, in one list and in several, and each starts with its first side outwards.
+/// Strips end at -1, in one list or several, and each starts with its first side outwards.
 #[test]
 fn ply_strips_are_split() {
     let strip = |[a, b, c, d]: &[u32; 4]| format!("{a} {b} {d} {c}");

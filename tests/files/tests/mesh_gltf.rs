@@ -1,10 +1,10 @@
-//! glTF of the box in every way to write it: components, sparse data, instances, skins, extensions.
+//! The box in every variant of glTF: component types, sparse data, instances, skins, extensions.
 
 use paros_shell::mesh::{Mesh, MeshFault, MeshFormat};
 use paros_tests_files::mesh_samples::*;
 use std::path::Path;
 
-/// A file under construction: accessors over one buffer.
+/// A glTF file under construction: accessors over one buffer.
 #[derive(Default)]
 struct GltfFile {
     buffer: Vec<u8>,
@@ -89,7 +89,7 @@ fn assert_is_box(bytes: &[u8]) {
     assert_eq!(triangle_points(&read(bytes)), expected_points());
 }
 
-/// The box's triangles, each corner moved by a function.
+/// Returns the box's triangles, with each corner mapped by a function.
 fn moved(by: impl Fn([f32; 3]) -> [f32; 3]) -> Vec<[[f32; 3]; 3]> {
     expected_points().into_iter().map(|t| t.map(&by)).collect()
 }
@@ -140,7 +140,7 @@ fn quantized_positions_are_fractions_where_they_are_normalised() {
         let more = r#","extensionsRequired":["KHR_mesh_quantization"]"#;
         assert_is_box(&file.encode(scaled, PRIMITIVE, more));
     }
-    // Of unsigned numbers, 0 and the greatest are 0 and 1.
+    // For unsigned types, 0 and the maximum decode to 0 and 1.
     for (component, greatest) in [(UBYTE, &[0xff][..]), (USHORT, &[0xff, 0xff])] {
         let bit = |on: bool| if on { greatest.to_vec() } else { vec![0; greatest.len()] };
         let mut bytes = Vec::new();
@@ -174,7 +174,7 @@ fn sparse_elements_replace_those_of_a_view_or_zeros() {
     file.add_accessor(&format!(r#""bufferView":{base},{plain},{sparse}"#));
     file.add_indices();
     assert_is_box(&file.encode(NODE, PRIMITIVE, ""));
-    // Without a view all other corners lie at the zero.
+    // Without a buffer view, all other corners are at the origin.
     file.accessors[0] = format!("{{{plain},{sparse}}}");
     let mesh = read(&file.encode(NODE, PRIMITIVE, ""));
     assert_eq!(mesh.positions.len(), 4);
@@ -214,11 +214,11 @@ fn instances_have_any_part_of_a_transform() {
         let all = format!(r#""TRANSLATION":{places},"ROTATION":{turns},"SCALE":{scales}"#);
         check(&all, [10.0, 0.0, 0.0], -1.0, 2.0);
     }
-    // Without any there is one.
+    // Without any instance attribute the count is one.
     assert_eq!(read(&file.encode(&node(r#""_ID":0"#), PRIMITIVE, "")).triangles.len(), 12);
 }
 
-/// The joint moves by (1, 2, 3), its inverse bind matrix by (-1, 0, 0); the mesh's own node doesn't count.
+/// The joint moves by (1, 2, 3), its inverse bind matrix by (-1, 0, 0); the mesh's own node is ignored.
 #[test]
 fn a_skin_places_its_mesh_and_the_node_does_not() {
     let mut file = GltfFile::with_box();
@@ -248,9 +248,9 @@ fn a_skin_places_its_mesh_and_the_node_does_not() {
         let mesh = read(&file.encode(nodes, &primitive(weights), &skin("")));
         assert_eq!(triangle_points(&mesh), moved(|[x, y, z]| [x + 1.0, y + 2.0, z + 3.0]));
     }
-    // Without weights the first joint counts.
+    // Without weights the first joint has full weight.
     assert!(parse(&file.encode(nodes, &primitive(none), &with)).is_ok());
-    // A mesh without joints stands where its node is.
+    // A mesh without joints is placed by its node.
     let mesh = read(&file.encode(nodes, PRIMITIVE, &with));
     assert_eq!(triangle_points(&mesh), moved(|p| [9.0 * p[0], 9.0 * p[1], 9.0 * p[2] + 3.0]));
 }
@@ -348,7 +348,7 @@ fn faults_of_a_container_name_the_byte_or_the_line() {
         let fault = parse(&bytes).unwrap_err().to_string();
         assert!(fault.contains(expected), "{fault}");
     }
-    // The stated length doesn't matter where the chunks are whole.
+    // The stated length is ignored if the chunks are complete.
     assert_is_box(&with(8, 0));
     assert_is_box(&[&good[..], b"\0\0\0"].concat());
 }

@@ -1,4 +1,4 @@
-//! The number of triangles of a mesh file is bounded, before memory is allocated for them.
+//! The number of triangles of a mesh file is limited before memory is allocated for them.
 
 use std::fs::{self, File};
 use std::path::Path;
@@ -10,7 +10,7 @@ fn refusal(kind: MeshFormat, bytes: &[u8]) -> MeshFault {
     Mesh::from_bytes(kind, bytes, Path::new("nowhere")).expect_err("a bad mesh was taken")
 }
 
-/// The file becomes `count` triangles, too many.
+/// Asserts that a file is rejected because it would have `expected` triangles.
 fn assert_too_large(kind: MeshFormat, bytes: &[u8], expected: usize) {
     let fault = refusal(kind, bytes);
     let MeshFault::TooManyTriangles { count } = fault else { panic!("{kind}: {fault}") };
@@ -35,7 +35,7 @@ fn an_index_of_a_vertex_out_of_range_is_refused() {
         let said = refusal(MeshFormat::Obj, &with(line)).to_string();
         assert!(said.contains("line 21: ") && said.contains(found), "{line}: {said}");
     }
-    // Texture coordinates and normals are never looked at.
+    // Texture coordinates and normals are ignored.
     for line in ["f 1/-2/99 2/1/nan 3", "f 1// 2/ 3//x", "l 1/-2 99", "vn 1.#IND - x", "vt"] {
         assert!(Mesh::from_bytes(MeshFormat::Obj, &with(line), Path::new("")).is_ok(), "{line}");
     }
@@ -50,7 +50,7 @@ fn an_obj_has_at_most_so_many() {
 #[test]
 fn an_stl_has_at_most_so_many() {
     let count = MAX_TRIANGLES + 1;
-    // Nothing of it is touched but the header.
+    // Only the header is written, so the rest of the allocation stays untouched.
     let mut bytes = vec![0; 84 + 50 * count];
     bytes[80..84].copy_from_slice(&(count as u32).to_le_bytes());
     assert_too_large(MeshFormat::Stl, &bytes, count);
@@ -80,7 +80,8 @@ fn a_ply_has_at_most_so_many() {
     assert_too_large(MeshFormat::Ply, &bytes, MAX_TRIANGLES + 1);
 }
 
-/// Binary glTF of primitives that share a list of positions, all the same, and one of corners, all the first.
+/// Returns a binary glTF whose primitives share a list of equal positions, and a list of indices that are all
+/// 0.
 fn glb_of_shared_accessors(points: usize, corners: usize, primitives: usize) -> Vec<u8> {
     let (start, length) = (12 * points, 12 * points + corners);
     let primitive = r#"{"attributes":{"POSITION":0},"indices":1}"#;
@@ -117,7 +118,7 @@ fn a_file_has_at_most_so_many_bytes() {
         let said = said(name);
         assert!(said.contains(name) && said.contains("expected at most 2147483648"), "{said}");
     }
-    // A buffer beside the file, and the file whole.
+    // A separate buffer file that is too long.
     fs::rename(folder.join("long.stl"), folder.join("long.bin")).unwrap();
     let json = gltf_json(r#""uri":"long.bin","#, r#"{"mesh":0}"#);
     fs::write(folder.join("a.gltf"), json).unwrap();

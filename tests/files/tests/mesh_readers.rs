@@ -1,4 +1,4 @@
-//! Mesh files of every kind: read alike, and refused with a reason when they are not whole.
+//! Mesh files of every kind: all give the same mesh, and incomplete files are rejected with a reason.
 
 use paros_models::cases::scaled_cases;
 use paros_shell::mesh::{self, Mesh, MeshBounds, MeshFault, MeshFormat};
@@ -10,7 +10,7 @@ fn parse_mesh(kind: MeshFormat, bytes: &[u8]) -> Result<Mesh, MeshFault> {
     Mesh::from_bytes(kind, bytes, Path::new("nowhere"))
 }
 
-/// What the error says, which must be the kind of error asked for.
+/// Parses a bad mesh and returns the error's text. Asserts that the error is of the expected kind.
 fn parse_refusal(kind: MeshFormat, bytes: &[u8], like: impl Fn(&MeshFault) -> bool) -> String {
     let fault = parse_mesh(kind, bytes).expect_err("a bad mesh was taken");
     assert!(like(&fault), "{fault:?}");
@@ -65,12 +65,12 @@ fn names_tell_the_kind_and_errors_name_the_file() {
 #[test]
 fn a_file_cut_anywhere_is_refused_or_whole() {
     for (name, kind, bytes) in all_samples() {
-        // The last line break of a text may go.
+        // The last line break of a text may be missing.
         let spare = bytes.iter().rev().take_while(|b| b.is_ascii_whitespace()).count();
         for end in 0..bytes.len() - spare {
             let result = parse_mesh(kind, &bytes[..end]);
             let lenient = match name {
-                // It gives no length.
+                // OBJ states no length, so any prefix may be valid.
                 "obj" => true,
                 // A text may end after any facet.
                 "stl text" => String::from_utf8_lossy(&bytes[..end])
@@ -136,7 +136,7 @@ fn coordinates_that_are_no_place_are_refused() {
     }
     let at_the_bound = replace_text(&obj_file(), "v 1.5 2.5 0", "v 1.5 1e12 0");
     assert!(parse_mesh(MeshFormat::Obj, &at_the_bound).is_ok());
-    // A vertex that no facet uses may be anywhere.
+    // A vertex that no facet uses may have any coordinates.
     let unused = [obj_file(), b"v nan -inf 1e300\n".to_vec()].concat();
     assert_eq!(triangle_points(&parse_mesh(MeshFormat::Obj, &unused).unwrap()), expected_points());
 }
@@ -170,7 +170,7 @@ fn a_count_beyond_the_file_is_refused() {
         is_malformed,
     );
     assert!(said.contains("99999999999"), "{said}");
-    // Without properties a binary element is no bytes long.
+    // A binary element without properties takes no bytes.
     let binary = ply_file("binary_little_endian");
     let hollow =
         replace_text(&binary, "element seam 1", "element hollow 99999999999\nelement seam 1");
@@ -253,8 +253,7 @@ fn an_obj_may_start_with_a_byte_order_mark() {
 
 #[test]
 fn gltf_strips_and_fans_are_split() {
-    // The first indices of the box are 0, 1, 3, 0.
-    // The second facet of the fan has no area.
+    // The first indices of the box are 0, 1, 3, 0. The fan's second facet has no area.
     for (mode, split) in [(5, &[[0, 1, 3], [3, 1, 0]][..]), (6, &[[0, 1, 3]])] {
         let text =
             replace_text(&gltf_file(), r#""indices":1"#, &format!(r#""indices":1,"mode":{mode}"#));
@@ -268,7 +267,7 @@ fn gltf_strips_and_fans_are_split() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(scaled_cases(6000)) })]
 
-    /// Whatever the bytes: a mesh that keeps its promises, or an error with something to say.
+    /// Any bytes give either a mesh that keeps its invariants, or an error with a message.
     #[test]
     fn spoilt_bytes_never_panic(
         sample in 0..8usize,

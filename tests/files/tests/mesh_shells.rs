@@ -20,7 +20,7 @@ enum Winding {
 }
 use Winding::{In, Out};
 
-/// Facets as corners of a box: bit k of a corner is its place along axis k.
+/// Facets as corners of a box: bit k of a corner is its side along axis k.
 const FACETS: [[usize; 3]; 12] = [
     [0, 2, 1],
     [1, 2, 3],
@@ -100,7 +100,7 @@ fn a_shell_wound_inwards_inside_an_outward_one_is_a_cavity() {
     let hollow = read(&obj_of(&[outer, inner([1.0; 3], In)]));
     assert_eq!((hollow.findings.cavities, hollow.findings.turned_shells), (1, 0));
     assert!(hollow.findings.describe().join("\n").contains("1 cavity inside another part"));
-    // The same inside out, which was read before too.
+    // The same shape inside out is read as before.
     let Block(low, size, _) = outer;
     let turned = read(&obj_of(&[Block(low, size, In), inner([1.0; 3], Out)]));
     assert!(turned.findings.is_inside_out && turned.findings.cavities == 1);
@@ -108,7 +108,7 @@ fn a_shell_wound_inwards_inside_an_outward_one_is_a_cavity() {
     let [solid, hollow] = [&[outer][..], &[outer, inner([1.0; 3], In)]]
         .map(|blocks| bake_voxels::<128>(&read(&obj_of(blocks)), UpAxis::Y).count_voxels());
     assert!(hollow < solid * 99 / 100, "{hollow} of {solid}");
-    // Beside the outer one, and through its side, it is a part that was turned.
+    // Beside the outer box, or through its side, the inner box is a part with reversed winding.
     for low in [[5.0, 0.0, 0.0], [3.5, 1.0, 1.0]] {
         let mesh = read(&obj_of(&[outer, inner(low, In)]));
         assert_eq!((mesh.findings.cavities, mesh.findings.turned_shells), (0, 1), "{low:?}");
@@ -116,7 +116,7 @@ fn a_shell_wound_inwards_inside_an_outward_one_is_a_cavity() {
     }
 }
 
-/// Holes, turned facets and turned parts each have a message of their own.
+/// Holes, reversed facets and reversed parts each have their own message.
 #[test]
 fn facets_wound_against_the_rest_are_turned_over() {
     let vase = with_holes_closed(&vase_of_quads(24, 18));
@@ -168,7 +168,7 @@ fn facets_without_area_and_unused_vertices_do_not_count_for_the_fit() {
 
 #[test]
 fn a_facet_without_area_stays_where_it_closes_a_gap() {
-    // The middle of an edge of the first block is a corner of one of its two facets only.
+    // The middle of an edge of the first block is a corner of only one of the edge's two facets.
     let text = "v 0 0 0\nv 2 0 0\nv 1 2 0\nv 1 1 2\nv 1 0 0\nf 1 3 2\nf 1 5 4\nf 5 2 4\nf 2 3 4\nf 3 1 4\nf 1 2 5\n";
     let mesh = read(text);
     assert_eq!((mesh.triangles.len(), mesh.findings.dropped_facets), (6, 0));
@@ -186,7 +186,7 @@ fn a_small_part_far_away_is_named_with_its_size() {
     assert!(said.contains(expected), "{said}");
 }
 
-/// The same figure at the zero, in a zone of UTM, and in millimetres there.
+/// The same figure at the origin, at UTM coordinates, and there in millimetres.
 #[test]
 fn far_coordinates_keep_their_details() {
     let place = |far: [f64; 3], scale: f64| {

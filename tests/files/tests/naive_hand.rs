@@ -1,5 +1,5 @@
-//! Whether a newcomer finds the hidden figures: a hand that knows nothing of them, and strokes the stone row by row
-//! from four sides and from above.
+//! Simulates a newcomer who searches for hidden figures: a hand without knowledge of them, which strokes the
+//! stone row by row from four sides and from above.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -17,15 +17,15 @@ static HARNESS_128: Mutex<WorldHarness<128, 2>> = Mutex::new(WorldHarness::new()
 static HARNESS_256: Mutex<WorldHarness<256, 2>> = Mutex::new(WorldHarness::new());
 
 const TICKS_PER_SECOND: u32 = 72;
-/// Of the hand while it works.
+/// Speed of the working hand, in millimetres a tick.
 const MM_PER_TICK: f32 = 500.0 / TICKS_PER_SECOND as f32;
 
-/// A side of the stone from which it is stroked.
+/// A side from which the stone is stroked.
 #[derive(Clone, Copy)]
 struct Side {
-    /// Along which the hand looks.
+    /// The axis along which the hand looks.
     axis: Axis,
-    /// Whether it looks along the axis, not against it.
+    /// `true` if it looks in the axis's positive direction.
     is_from_below: bool,
 }
 
@@ -37,23 +37,24 @@ const SIDES: [Side; 5] = [
     Side { axis: Axis::Y, is_from_below: false },
 ];
 
-/// How a side is stroked. Lengths are in millimetres.
+/// Parameters for stroking a side. Lengths are in millimetres.
 struct Stroke {
     bit: ToolBit,
-    /// Of the bit.
+    /// The bit's radius.
     radius: f32,
-    /// Between rows.
+    /// The distance between rows.
     spacing: f32,
-    /// How far the bit is pushed into what is seen.
+    /// The depth to which the bit is pressed into the visible stone.
     press: f32,
 }
 
-/// First the stone is taken off, then what is left of it in the hollows. A hand that is sure to touch presses deep.
+/// The first stroke removes the stone, the second what is left in the hollows. A newcomer presses deep to be
+/// sure to touch.
 const LARGE: Stroke = Stroke { bit: ToolBit::LargeBall, radius: 24.0, spacing: 36.0, press: 32.0 };
 const MEDIUM: Stroke =
     Stroke { bit: ToolBit::MediumBall, radius: 15.0, spacing: 26.0, press: 22.0 };
 
-/// A hand that works for two seconds and pauses for one. Lengths are in millimetres, of the stone's box.
+/// A hand that works for two seconds and pauses for one. Lengths are in millimetres of the stone's box.
 struct NaiveHand<'a, const N: usize, const K: usize>
 where
     Grid<N>: Size,
@@ -73,7 +74,7 @@ where
 
     fn take(&mut self, item: BenchItem) {
         take_item(self.harness, RIGHT, item);
-        // To look at the bench and back.
+        // A pause to look at the bench and back.
         (0..TICKS_PER_SECOND).for_each(|_| self.step(0));
     }
 
@@ -84,7 +85,7 @@ where
         self.ticks += 1;
     }
 
-    /// Moves on to a place with the trigger pulled, and pauses when it is time to.
+    /// Moves to a place with the trigger pulled, with pauses.
     fn stroke_to(&mut self, target: Vec3) {
         while self.place != target && !self.is_found {
             while self.ticks % (3 * TICKS_PER_SECOND) >= 2 * TICKS_PER_SECOND {
@@ -100,7 +101,8 @@ where
         }
     }
 
-    /// How far the stone reaches toward the hand at a place across a side; `None` where there is none.
+    /// Returns how far the stone reaches toward the hand at a place across a side; `None` if there is no
+    /// stone.
     fn height(&self, side: Side, across: [f32; 2]) -> Option<f32> {
         let others = [1, 2].map(|i| (side.axis as usize + i) % 3);
         let mut voxel = [0; 3];
@@ -114,8 +116,8 @@ where
         (!hull.is_empty()).then_some(voxels * Self::VOXEL_MM)
     }
 
-    /// Where the bit is pressed into what is seen of the stone at a place across a side; `None` where there is
-    /// none, or where it is seen so much aslant that one would turn the stone first.
+    /// Returns the bit's place when pressed into the visible stone at a place across a side. Returns `None`
+    /// if there is no stone, or if its surface is so oblique that a visitor would turn the stone first.
     fn place_on_stone(&self, side: Side, across: [f32; 2], stroke: &Stroke) -> Option<Vec3> {
         let &Stroke { radius, press, .. } = stroke;
         let reach = 0.7 * radius;
@@ -134,11 +136,11 @@ where
         let mut place = [0.0; 3];
         place[axis] = if side.is_from_below { -height } else { height };
         (place[(axis + 1) % 3], place[(axis + 2) % 3]) = (across[0], across[1]);
-        // No deeper than the stool allows.
+        // The stool limits the depth.
         Some(Vec3::from_array(place).max(Vec3::new(f32::MIN, 0.3 * radius, f32::MIN)))
     }
 
-    /// Strokes a side in rows, to and fro.
+    /// Strokes a side in rows, back and forth.
     fn stroke_side(&mut self, side: Side, stroke: &Stroke) {
         let rows = (BOX_MM / stroke.spacing) as usize;
         let steps = (BOX_MM / 10.0) as usize;
@@ -146,7 +148,7 @@ where
             for step in 0..=steps {
                 let step = if row % 2 == 0 { step } else { steps - step };
                 let (along, aside) = (step as f32 * 10.0, row as f32 * stroke.spacing);
-                // Level rows, seen from a side.
+                // Level rows, if seen from a side.
                 let across = match side.axis {
                     Axis::X => [aside, along],
                     Axis::Y | Axis::Z => [along, aside],
@@ -158,8 +160,8 @@ where
         }
     }
 
-    /// Saws off the four upright edges of the block: a level cut near the ground, then an upright one, in rows of
-    /// the blade's width.
+    /// Saws off the four upright edges of the block: a level cut near the ground and then an upright cut, in
+    /// rows of the blade's width.
     fn saw_edges_off(&mut self) {
         const BLADE: f32 = 70.0;
         const FROM_AXIS: f32 = 205.0;
@@ -176,7 +178,7 @@ where
         self.rotation = Quat::IDENTITY;
     }
 
-    /// Saws through the middle of a row, in a blade's plane of this normal.
+    /// Saws through the middle of a row, with the blade's plane of normal `normal`.
     fn saw(&mut self, middle: Vec3, aside: Vec3, normal: Vec3) {
         const HALF_ROW: f32 = 300.0;
         let pointing = -aside;
@@ -188,7 +190,8 @@ where
     }
 }
 
-/// Seconds until a figure is found, from its stone, and the percents that were bared when a bit had been all around.
+/// Returns the seconds until a figure is found in its stone, and the bared percentages after a bit has been
+/// all around it.
 fn find<const N: usize, const K: usize>(
     harness: &mut WorldHarness<N, K>,
     start: HiddenStart,
@@ -243,7 +246,7 @@ fn hidden(thickness: StoneThickness) -> impl Iterator<Item = HiddenStart> {
     HiddenStart::ALL.into_iter().filter(move |start| start.thickness == thickness)
 }
 
-/// One figure in the check, all of them at night.
+/// Tests one figure; the nightly run tests all of them.
 #[test]
 fn a_naive_hand_finds_figures_near_their_surface_in_three_minutes() {
     find_in_time(&HARNESS_128, hidden(StoneThickness::Near).take(scaled_cases(1) as usize), 180);

@@ -1,4 +1,4 @@
-//! Meshes in their place: fitted, turned, and with their winding looked at.
+//! Placement of meshes: scale, rotation and winding.
 
 use paros_core::convert::{MeshPlacement, UpAxis};
 use paros_core::internals::BAKE_UNITS_PER_VOXEL;
@@ -41,7 +41,7 @@ fn z_up_is_a_turn_and_not_a_mirror() {
     assert_eq!((o.y, z.y), (0, 63 * BAKE_UNITS_PER_VOXEL - 1));
 }
 
-/// Up is z, so the mesh's y becomes the grid's -z, and its ends change places.
+/// Up is z, so the mesh's y becomes the grid's -z, and its ends are swapped.
 #[test]
 fn a_mesh_longest_along_the_axis_that_turns_over_fits_too() {
     let placement =

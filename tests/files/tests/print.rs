@@ -1,4 +1,5 @@
-//! Prints made beside the ticks: the same ticks, the same bytes, never more work than agreed.
+//! Prints exported during ticks: they don't change the ticks, their bytes equal those of one export, and no
+//! call exceeds its budget.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -12,7 +13,7 @@ use paros_shell::stl_export::{
     DEFAULT_HEIGHT_MM, FinishedStl, MAX_BYTES_PER_STEP, StlBuffers, StlExporter, UNITS_PER_STEP,
 };
 
-/// The file, made in one call.
+/// Exports the file in one call.
 fn export_at_once(
     exporter: &mut Exporter<64>,
     rows: &BitGrid<64>,
@@ -41,8 +42,8 @@ fn lock_shop() -> MutexGuard<'static, Shop> {
     SHOP.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What the ticks of a session are given: it starts, is sculpted, is finished after 150 ticks, and
-/// `pause` ticks later the next one starts.
+/// Returns the inputs of two sessions: the first is sculpted, finished after 150 ticks, and followed `pause`
+/// ticks later by the second.
 fn two_sessions(pause: usize) -> Vec<TickInput> {
     let start = |mode| TickInput { start: mode, ..TickInput::default() };
     let finish = TickInput { commands: commands::FINISH, ..TickInput::default() };
@@ -59,7 +60,7 @@ fn two_sessions(pause: usize) -> Vec<TickInput> {
     inputs
 }
 
-/// Steps an empty world through inputs; its digests, and what `each` made of the ticks.
+/// Steps an empty world through inputs. Returns the digests, and the results of `each`.
 fn run_inputs<T>(
     studio: &mut WorldHarness<64>,
     inputs: &[TickInput],
@@ -75,7 +76,8 @@ fn run_inputs<T>(
     (digests, made)
 }
 
-/// Without an exporter: digests, and the files of what was finished, drained at once.
+/// Runs inputs without an exporter. Returns the digests, and the files of finished sculptures, each exported
+/// at once.
 fn run_without_printer(shop: &mut Shop, inputs: &[TickInput]) -> (Vec<u64>, Vec<Vec<u8>>) {
     let Shop { studio, exporter, .. } = shop;
     run_inputs(studio, inputs, |world| {
@@ -84,7 +86,7 @@ fn run_without_printer(shop: &mut Shop, inputs: &[TickInput]) -> (Vec<u64>, Vec<
     })
 }
 
-/// With one: digests, prints, and the most ticks that one took.
+/// Runs inputs with an exporter. Returns the digests, the prints, and the most ticks that a print took.
 fn run_with_printer(shop: &mut Shop, inputs: &[TickInput]) -> (Vec<u64>, Vec<FinishedStl>, u32) {
     let mut stl_exporter = StlExporter::new(&mut shop.press, DEFAULT_HEIGHT_MM).unwrap();
     let (mut busy, mut most) = (0, 0);
@@ -131,7 +133,7 @@ fn a_new_session_leaves_the_print_alone() {
 fn no_finished_sculpture_is_lost() {
     let mut shop = lock_shop();
     let mut inputs = two_sessions(0);
-    // The second session is finished in the tick after its start.
+    // Finishes the second session in the tick after its start.
     let finish = inputs.remove(inputs.len() - 61);
     inputs.insert(153, finish);
     assert_eq!(
@@ -150,7 +152,7 @@ fn each_step_stays_in_its_budget() {
     let Shop { studio, press, exporter } = shop;
     studio.start_session(SessionMode::Constrained { figure: 0 });
     let (rows, mask) = (studio.world.volume().rows(), studio.world.mask());
-    // Bytes that there are after each unit of work.
+    // Number of bytes available after each unit of work.
     let mut units = vec![0];
     let mut buffer = vec![0; Exporter::<64>::MIN_BUFFER];
     exporter.start_export(DEFAULT_HEIGHT_MM).unwrap();

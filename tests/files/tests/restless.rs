@@ -1,6 +1,6 @@
-//! Sessions of restless visitors, and of those whose work is hard, are recorded and lead to the same digests
-//! when they are played again. With `PAROS_STEP_CASES=10` they have the lengths that `.ci/run` plays in the other builds
-//! and shells, and on Android's library.
+//! Sessions of random visitors, and of visitors with expensive actions, are recorded, and their replay gives
+//! the same digests. With `PAROS_STEP_CASES=10` they have the lengths that `.ci/run` replays in the other
+//! builds and shells, and in the Android library.
 
 use std::fs;
 use std::path::Path;
@@ -17,7 +17,7 @@ use paros_shell::replay::write_replay_digests;
 use paros_shell::statics::Resident;
 use paros_shell::tick_runner;
 
-/// The trace of a session of so many ticks of a restless visitor, and the last tick's digest.
+/// Records a session of a random visitor. Returns its trace and the last digest.
 fn record_restless<const N: usize, const K: usize>(ticks: u32) -> (Vec<u8>, u64)
 where
     Grid<N>: Size + Resident<N, K>,
@@ -35,7 +35,7 @@ where
     })
 }
 
-/// The trace of visits of both hands that do what costs a tick most.
+/// Returns the trace of visits in which both hands do the most expensive actions of a tick.
 fn record_hard_work<const N: usize>(visits: usize) -> Vec<u8>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
@@ -56,8 +56,8 @@ where
     })
 }
 
-/// Writes a trace for `.ci/run` to play. In the plain check, whose traces are short, plays it here and returns the
-/// digests.
+/// Writes a trace for `.ci/run` to replay. In the plain check, where traces are short, also replays it here
+/// and returns the digests.
 fn write_and_replay(name: &str, trace: &[u8]) -> Option<String> {
     let is_short = scaled_cases(1) == 1;
     let name = if is_short { format!("{name}-short") } else { name.into() };
@@ -71,7 +71,7 @@ fn write_and_replay(name: &str, trace: &[u8]) -> Option<String> {
     })
 }
 
-/// Returns the last tick's digest.
+/// Records and replays a session. Returns the last digest.
 fn check_restless<const N: usize, const K: usize>(name: &str, seconds: u32) -> u64
 where
     Grid<N>: Size + Resident<N, K>,
@@ -97,7 +97,8 @@ fn restless_seconds_at_256_lead_to_the_same_digests() {
     check_restless::<256, INTERVALS>("restless-256", 6);
 }
 
-/// Digests at this `CORE_VERSION`, of the check's length and of `.ci/run`'s: what raises that changes them.
+/// Asserts the last digest at this `CORE_VERSION`, for the check's length and for `.ci/run`'s. Raising the
+/// version changes both.
 fn assert_keeps_digest(last_digest: u64, of_check: u64, ten_times_as_long: u64) {
     let expected = match scaled_cases(1) {
         1 => of_check,
@@ -120,7 +121,8 @@ fn restless_seconds_of_one_interval_at_256_keep_their_digest() {
     assert_keeps_digest(last_digest, 0xd2de_be22_0717_9135, 0x8ef3_b144_e67f_41f1);
 }
 
-/// Visits of hard work: five in the check, 48 for `.ci/run`, which counts their ticks' instructions.
+/// Returns the number of expensive visits: five in the check, 48 for `.ci/run`, which counts the ticks'
+/// instructions.
 fn hard_visits() -> usize {
     scaled_cases(5).min(48) as usize
 }

@@ -1,5 +1,5 @@
-//! The `.rmap` file: read back as written, refused when anything in it is wrong; and files that
-//! appear whole or not at all.
+//! The `.rmap` file: a round trip preserves it, every corruption is rejected, and files are written
+//! atomically.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use paros_shell::figures::Figure;
 use paros_shell::rmap::{self, RmapError, RmapFault, RmapFaultAt};
 use proptest::prelude::*;
 
-/// Bytes before the columns and after them, and of the columns at 16.
+/// Bytes before the columns, after them, and of the columns at 16.
 const HEADER: usize = 12;
 const CHECKSUM: usize = 4;
 const COLUMNS: usize = 3 * 16 * 16 * 2;
@@ -33,7 +33,7 @@ fn lock_buffers() -> MutexGuard<'static, Buffers> {
     BUFFERS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A folder of this test's own, empty.
+/// Creates an empty folder for one test.
 fn make_folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("rmap-{name}"));
     let _ = fs::remove_dir_all(&folder);
@@ -41,26 +41,26 @@ fn make_folder(name: &str) -> PathBuf {
     folder
 }
 
-/// The bytes of a volume with something in it: the toy.
+/// Encodes a sample volume: the toy.
 fn encode_toy() -> Vec<u8> {
     encode_toy_of(&mut lock_buffers())
 }
 
-/// The toy's bytes, whose maps stay in `buffers`.
+/// Encodes the toy and leaves its maps in `buffers`.
 fn encode_toy_of(buffers: &mut Buffers) -> Vec<u8> {
     let Buffers { maps, plane, .. } = buffers;
     Figure::Toy.rasterize_into(maps, plane);
     rmap::encode(maps)
 }
 
-/// Makes the checksum right again after a change.
+/// Updates the checksum after a change.
 fn update_checksum(bytes: &mut [u8]) {
     let at = bytes.len() - CHECKSUM;
     let sum = bitwise_crc32(&bytes[..at]);
     bytes[at..].copy_from_slice(&sum.to_le_bytes());
 }
 
-/// CRC-32 as IEEE 802.3 has it, bit by bit.
+/// Computes the CRC-32 of IEEE 802.3 bit by bit.
 fn bitwise_crc32(bytes: &[u8]) -> u32 {
     let step = |crc: u32| crc >> 1 ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 };
     !bytes.iter().fold(!0, |crc, &byte| (0..8).fold(crc ^ u32::from(byte), |crc, _| step(crc)))
@@ -146,7 +146,7 @@ fn a_loose_end_is_named_with_its_voxel() {
     for axis in Axis::ALL {
         b.maps.set_column(axis, axis.column_address([3, 4, 5]), Column::new([Range::new(0, 0)]));
     }
-    // One voxel at (3, 4, 5), but for the column along z, which runs on to 6.
+    // One voxel at (3, 4, 5), except that the column along z extends to 6.
     for (axis, hi) in [(Axis::X, 3), (Axis::Y, 4), (Axis::Z, 6)] {
         let lo = [3, 4, 5][axis as usize];
         b.maps.set_column(axis, axis.column_address([3, 4, 5]), Column::new([Range::new(lo, hi)]));
@@ -212,8 +212,7 @@ fn files_come_back_and_errors_name_them() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(scaled_cases(3000)))]
 
-    /// Whatever ranges a file holds, it is read exactly when they are the hulls of their own
-    /// intersection.
+    /// A file is accepted exactly if its ranges are the hulls of their own intersection.
     #[test]
     fn ranges_are_read_when_tight(
         voxels in prop::collection::vec(prop::array::uniform3(0usize..16), 0..40),
@@ -244,7 +243,7 @@ proptest! {
         }
     }
 
-    /// Bytes from anywhere are refused or read, never more.
+    /// Arbitrary bytes are rejected or read, without a panic.
     #[test]
     fn any_columns_are_no_reason_to_panic(
         mut columns in prop::collection::vec(any::<u8>(), COLUMNS),
@@ -267,7 +266,7 @@ proptest! {
     }
 }
 
-/// What a folder holds, by name.
+/// Lists the file names in a folder.
 fn file_names(folder: &Path) -> Vec<String> {
     let name = |entry: fs::DirEntry| entry.file_name().into_string().unwrap();
     let mut names: Vec<_> =

@@ -1,5 +1,5 @@
-//! The `.rmap` file of several intervals a column: read back as written, refused with the column that is
-//! wrong, and read into maps of more or of fewer intervals.
+//! The `.rmap` file with several intervals a column: a round trip preserves it, a wrong column is named in
+//! the error, and maps with more or fewer intervals can read it.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -24,7 +24,8 @@ fn all_columns() -> impl Iterator<Item = (Axis, Address)> {
     Axis::ALL.into_iter().flat_map(|axis| (0..N * N).map(move |i| (axis, (i / N, i % N))))
 }
 
-/// Maps after a history: first the closure of a volume, then in turn what others take away and add.
+/// Returns the maps after a history: the closure of the first volume, with the other volumes alternately
+/// removed and added.
 fn maps_of_history<const K: usize>(history: &[DenseVolume]) -> RangeMaps<N, K> {
     let mut model = LayeredVolume::new(&history[0], K);
     for (i, voxels) in history[1..].iter().enumerate() {
@@ -44,7 +45,7 @@ fn voxels_of<const K: usize>(maps: &RangeMaps<N, K>) -> DenseVolume {
     DenseVolume::from_fn(N, |voxel| maps.contains(voxel.map(|i| i as usize)))
 }
 
-/// Whether maps hold no range that is loose, and no column that could hold another gap.
+/// Returns `true` if no range of the maps is loose, and no column has room for another gap.
 fn are_tight_and_saturated<const K: usize>(maps: &RangeMaps<N, K>) -> bool {
     let mut volume = Volume::<N, K>::new();
     volume.set_maps(maps);
@@ -60,7 +61,7 @@ fn update_checksum(bytes: &mut [u8]) {
     bytes[at..].copy_from_slice(&sum.to_le_bytes());
 }
 
-/// Maps that a refused file must leave alone.
+/// Returns maps that a rejected file must leave unchanged.
 fn marked_maps<const K: usize>() -> RangeMaps<N, K> {
     maps_of_history(&[DenseVolume::from_fn(N, |[x, y, z]| x + y + z < 9)])
 }
@@ -93,7 +94,7 @@ fn check_round_trip<const K: usize>(history: &[DenseVolume]) {
     assert!(read == maps);
 }
 
-/// A file of F intervals in maps of more: the same voxels, and every gap that was held.
+/// Reads a file of F intervals into maps of more: voxels and gaps stay the same.
 fn check_widened<const F: usize, const K: usize>(history: &[DenseVolume]) {
     let file = maps_of_history::<F>(history);
     let mut maps = marked_maps::<K>();
@@ -113,7 +114,7 @@ fn check_widened<const F: usize, const K: usize>(history: &[DenseVolume]) {
     }
 }
 
-/// A file of F intervals in maps of fewer: refused, or closed where that is asked for.
+/// Reads a file of F intervals into maps of fewer: it is rejected, or closed on request.
 fn check_narrowed<const F: usize, const K: usize>(history: &[DenseVolume]) {
     let file = maps_of_history::<F>(history);
     let bytes = rmap::encode(&file);
@@ -126,7 +127,7 @@ fn check_narrowed<const F: usize, const K: usize>(history: &[DenseVolume]) {
     assert_eq!(added, u64::from(voxels_of(&maps).count() - voxels.count()));
 }
 
-/// Bytes of a file that were changed: refused, or read as valid maps that are written alike.
+/// Changes bytes of a file: it is rejected, or read as valid maps that encode to the same bytes.
 fn check_forged<const K: usize>(history: &[DenseVolume], changes: &[Change]) {
     let mut bytes = rmap::encode(&maps_of_history::<K>(history));
     let columns = bytes.len() - HEADER - CHECKSUM;
@@ -226,7 +227,7 @@ proptest! {
     }
 }
 
-/// A block of N voxels a side after edits by balls at random places.
+/// Returns a block of N voxels a side after edits by balls at random places.
 fn edited_block<const N: usize, const K: usize>(seed: u64) -> Box<Volume<N, K>>
 where
     Grid<N>: Size,
@@ -249,7 +250,7 @@ where
     volume
 }
 
-/// Sizes whose rows are a word or more; the core's own closure is the model.
+/// Tests sizes whose rows have a word or more; the core's own closure is the model.
 fn check_edited_block<const N: usize>(seed: u64)
 where
     Grid<N>: Size,
@@ -280,8 +281,8 @@ fn edited_blocks_of_all_widths_come_back() {
     (0..2).for_each(check_edited_block::<128>);
 }
 
-/// A bar of which a voxel was cut first, and then two longer runs that its column along x had no room for. Read
-/// into three intervals, that column has room for one of them, beside the gap that it had.
+/// In a bar, a voxel was cut first, and then two longer runs, for which the column along x had no room. Read
+/// into three intervals, that column has room for one of them beside its first gap.
 #[test]
 fn a_short_gap_of_a_file_is_held_in_more_intervals() {
     let of_bar =
@@ -297,7 +298,7 @@ fn a_short_gap_of_a_file_is_held_in_more_intervals() {
 /// The column along x of the volume of [`encode_two_voxels`].
 const ALONG_X: (Axis, Address) = (Axis::X, (5, 5));
 
-/// Two voxels, at 2 and 6 along x, of which a file's column along x is replaced.
+/// Encodes two voxels, at 2 and 6 along x, with the column along x replaced.
 fn encode_two_voxels(column: [(usize, usize); 2]) -> Vec<u8> {
     let occupied = |voxel| [[2, 5, 5], [6, 5, 5]].contains(&voxel);
     let mut maps = maps_of_history::<2>(&[DenseVolume::from_fn(N, occupied)]);
@@ -366,8 +367,8 @@ fn versions_hold_their_numbers_of_intervals() {
     assert_eq!(fault.to_string(), "expected columns of 1 interval, found columns of 2");
 }
 
-/// The maps of a block with two holes in a line along x, which the columns across hold both: the column along
-/// x holds one of them.
+/// Tests a block with two holes in a line along x. The columns across represent both holes, the column along
+/// x only one.
 #[test]
 fn the_checksum_names_maps_and_not_voxels() {
     static MAPS: Mutex<[RangeMaps<N, 2>; 2]> = Mutex::new([const { RangeMaps::new() }; 2]);

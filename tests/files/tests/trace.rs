@@ -1,4 +1,4 @@
-//! Traces: bytes there and back, what is turned away, and where a replay parts from its trace.
+//! Traces: round trip, rejected bytes, and the tick at which a replay diverges.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -19,7 +19,7 @@ use paros_shell::trace::{ReplayDivergence, Trace, TraceError, TraceFault};
 static STUDIO: Mutex<WorldHarness<128>> = Mutex::new(WorldHarness::new());
 const TICKS: usize = 80;
 
-/// Puts an empty world on stage, with these start volumes.
+/// Runs a function on an empty world with these start volumes.
 fn on_stage<T>(
     studio: &mut WorldHarness<128>,
     change: impl FnOnce(&mut World<128>),
@@ -32,7 +32,7 @@ fn on_stage<T>(
     act(&mut TickRunner::new(world, StartVolumes { lump, figures: &figures, creative, own: None }))
 }
 
-/// A session on the lump, as the bytes of a trace.
+/// Records a session on the lump and returns the trace's bytes.
 fn record_trace(studio: &mut WorldHarness<128>) -> Vec<u8> {
     on_stage(
         studio,
@@ -69,7 +69,7 @@ fn decode_trace(bytes: &[u8]) -> Trace {
     Trace::decode(bytes).expect("a trace")
 }
 
-/// The bytes of the record of a tick.
+/// Returns the bytes of a tick's record.
 fn record_of(bytes: &mut [u8], tick: usize) -> &mut [u8] {
     &mut bytes[HEADER_BYTES + tick * RECORD_BYTES..][..RECORD_BYTES]
 }
@@ -83,7 +83,7 @@ fn a_replay_makes_the_recorded_digests() {
     assert_eq!((trace.header().side, trace.header().ticks), (128, TICKS as u32));
     assert_eq!(trace.records().len(), TICKS);
     assert_eq!(replay_trace(&mut studio, &trace), (TICKS, Ok(())));
-    // And it is recorded alike again.
+    // A second recording is identical.
     let again = on_stage(
         &mut studio,
         |_| {},
@@ -135,7 +135,7 @@ fn traces_of_other_volumes_states_and_sizes_part_before_the_first_tick() {
     let trace = decode_trace(&record_trace(&mut studio));
     studio.reset();
     let WorldAndStarts { world, lump, figure, creative } = studio.world_and_start_volumes();
-    // The figure and the toy have changed places.
+    // Figure and toy are swapped.
     let figures = [HiddenFigure { figure: creative, stone: lump }];
     let starts = StartVolumes { lump, figures: &figures, creative: figure, own: None };
     let played = TickRunner::new(world, starts)
@@ -195,7 +195,7 @@ fn traces_cut_short_name_the_tick() {
     }
     for tick in [0, 1, 33, TICKS - 1] {
         let start = HEADER_BYTES + tick * RECORD_BYTES;
-        // At a record's very start, in its input and in its digest.
+        // Cut at a record's start, in its input and in its digest.
         for len in [start, start + 1, start + TickInput::BYTES, start + RECORD_BYTES - 1] {
             let TraceFault { tick: at, bad } =
                 Trace::decode(&bytes[..len]).expect_err("a record cut short");
@@ -277,7 +277,7 @@ fn inputs_are_of_a_fixed_width_there_and_back() {
         input.write(&mut to);
         assert_eq!(to.len(), TickInput::BYTES);
     }
-    // The eighth button's bit is taken by "tracked", and is not to be mistaken for it.
+    // The eighth button's bit stands for "tracked", and must not be mistaken for a button.
     let hand = HandInput { buttons: 0x80, ..HandInput::default() };
     let mut bytes = [0; TickInput::BYTES];
     TickInput { hands: [hand; 2], ..TickInput::default() }.write(&mut ByteWriter::new(&mut bytes));

@@ -1,4 +1,4 @@
-//! Traces name the intervals of a column, and are replayed with as many.
+//! Traces store the number of intervals a column, and are replayed with that number.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -10,7 +10,7 @@ use paros_core::{RangeMaps, StartVolumes, TickInput, World};
 use paros_shell::tick_runner::TickRunner;
 use paros_shell::trace::{ReplayDivergence, Trace};
 
-/// The bytes of a header of this many intervals a column.
+/// Returns a header with this many intervals a column.
 fn write_header(intervals: u16) -> [u8; HEADER_BYTES] {
     let mut bytes = [0; HEADER_BYTES];
     TraceHeader { side: 128, intervals, ticks: 0, starts_digest: 1, first_digest: 2 }
@@ -59,7 +59,7 @@ fn record_trace<const K: usize>(stage: &Stage<K>) -> Vec<u8> {
     })
 }
 
-/// The ticks played, and where the replay parts from the trace.
+/// Replays a trace. Returns the number of ticks played, and the divergence from the trace, if any.
 fn replay_trace<const K: usize>(
     stage: &Stage<K>,
     trace: &[u8],

@@ -1,29 +1,29 @@
-//! What code a run reached, where the compiler was told to count it (`.ci/nightly` tells it): LLVM's inline
-//! 8-bit counters, as libFuzzer reads them. Without, there is none, and only outcomes guide the fuzzer.
+//! Code coverage of a run by LLVM's inline 8-bit counters, as libFuzzer uses them, if the compiler was set to
+//! emit them (as in `.ci/nightly`). Without them only outcomes guide the fuzzer.
 
 use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
 
 static COUNTERS: AtomicPtr<u8> = AtomicPtr::new(std::ptr::null_mut());
 static LENGTH: AtomicUsize = AtomicUsize::new(0);
 
-/// Called by each module that was compiled to count, with the counters of the whole program.
+/// Registers the counters of the whole program. Called by each module that was compiled with counters.
 ///
 /// # Safety
-/// `first..end` must be the program's counters: one allocation, which stays.
+/// `first..end` must be the program's counters: one allocation that is never freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn __sanitizer_cov_8bit_counters_init(first: *mut u8, end: *mut u8) {
     COUNTERS.store(first, Ordering::Relaxed);
     LENGTH.store(end as usize - first as usize, Ordering::Relaxed);
 }
 
-/// What runs have reached so far.
+/// The coverage of all runs so far.
 #[derive(Debug, Default)]
 pub struct CoverageMap {
-    /// For each counter the sets of counts that were seen, a bit each.
+    /// For each counter, the set of count classes seen, one bit each.
     seen: Vec<u8>,
 }
 
-/// The number of counters in the program; 0 where it doesn't count.
+/// Returns the number of counters in the program; 0 if it was compiled without them.
 #[must_use]
 pub fn counter_count() -> usize {
     LENGTH.load(Ordering::Relaxed)
@@ -35,7 +35,7 @@ pub fn reset() {
 }
 
 impl CoverageMap {
-    /// Notes what was reached since [`reset`]. Returns whether any of it is new.
+    /// Adds the coverage since [`reset`]. Returns `true` if any of it is new.
     pub fn note(&mut self) -> bool {
         let counters = counters();
         self.seen.resize(counters.len(), 0);
@@ -48,14 +48,14 @@ impl CoverageMap {
         is_new
     }
 
-    /// How many counters were reached.
+    /// Returns the number of counters reached.
     #[must_use]
     pub fn reached(&self) -> usize {
         self.seen.iter().filter(|seen| **seen != 0).count()
     }
 }
 
-/// How often some code ran, roughly: 1, 2, 3, 4, 8, 16, 32 or 128 times and more.
+/// Returns the class of a count as a bit: 1, 2, 3, 4, 8, 16, 32 or 128 times and more.
 const fn bit_of_count(count: u8) -> u8 {
     match count {
         0 => 0,

@@ -1,9 +1,9 @@
-//! The loop of the fuzzer: make an input, run the target, keep the input if it led somewhere new.
+//! The fuzzing loop: makes an input, runs the target, and keeps the input if it reached something new.
 //!
-//! As a test it makes a fixed number of runs from a fixed seed. By the environment:
-//! - `PAROS_FUZZ_SECONDS`: it runs for so long instead, from a seed that it prints, and keeps its corpus in
-//!   `target/tmp/fuzz/NAME/` from one time to the next;
-//! - `PAROS_FUZZ_SEED`: from that seed;
+//! As a test it makes a fixed number of runs from a fixed seed. Environment variables:
+//! - `PAROS_FUZZ_SECONDS`: runs for this time instead, from a seed that it prints, and keeps its corpus in
+//!   `target/tmp/fuzz/NAME/` between runs;
+//! - `PAROS_FUZZ_SEED`: the seed;
 //! - `PAROS_FUZZ_INPUT`: a file, on which the target is run once.
 
 use std::collections::HashSet;
@@ -20,35 +20,35 @@ use paros_models::random_visitor::RandomSource;
 use crate::coverage::{self, CoverageMap};
 use crate::mutation::mutate;
 
-/// What is fuzzed.
+/// A target to fuzz.
 #[derive(Clone, Copy, Debug)]
 pub struct FuzzTarget {
-    /// Its name, of letters.
+    /// Its name, made of letters.
     pub name: &'static str,
-    /// Inputs to begin with.
+    /// Returns the initial inputs.
     pub seeds: fn() -> Vec<Vec<u8>>,
-    /// Words that inputs are made of.
+    /// Dictionary of tokens for building inputs.
     pub words: &'static [&'static [u8]],
-    /// Bytes of an input at most.
+    /// Maximum length of an input, in bytes.
     pub longest: usize,
-    /// Runs of the target as a test.
+    /// Number of runs as a test.
     pub runs: u64,
-    /// Panics where a promise is broken, and says how the input ended. Numbers in it don't count.
+    /// Runs an input and returns its outcome; digits in it are ignored. Panics if an invariant is broken.
     pub run: fn(&[u8]) -> String,
 }
 
-/// What a fuzzer did.
+/// The summary of a fuzzer's work.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct FuzzSummary {
-    /// Runs of the target.
+    /// Number of runs.
     pub runs: u64,
-    /// Different outcomes.
+    /// Number of different outcomes.
     pub outcomes: usize,
-    /// Inputs kept, the seeds among them.
+    /// Number of inputs kept, seeds included.
     pub kept: usize,
 }
 
-/// Makes a test of each of some targets, in their order; and one that none is left out.
+/// Makes one test of each target, in their order, and a test that none is left out.
 #[macro_export]
 macro_rules! fuzz_tests {
     ($targets:expr => $($name:ident)*) => {
@@ -58,7 +58,7 @@ macro_rules! fuzz_tests {
             let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
             let summary = $crate::engine::fuzz(target.expect("a target"), folder);
             let $crate::engine::FuzzSummary { runs, outcomes, kept } = summary;
-            // What all inputs lead to alike isn't looked at.
+            // With equal outcomes for all inputs, the target would test nothing.
             assert!(runs == 1 || outcomes > 1 && kept > 1, "{outcomes} outcomes, {kept} inputs kept");
         })*
 
@@ -69,15 +69,15 @@ macro_rules! fuzz_tests {
     };
 }
 
-/// A run that took longer is reported as a fault.
+/// Timeout of a run: a longer run is reported as a fault.
 const LONGEST_RUN: Duration = Duration::from_secs(20);
 
 struct Fuzzer<'a> {
     target: &'a FuzzTarget,
-    /// Where failures are written.
+    /// The folder for failures.
     folder: PathBuf,
-    /// The input that runs, where the corpus is kept. What can't be caught, a stack that overflows, leaves
-    /// it behind.
+    /// A file with the current input, in runs that keep a corpus. It remains after failures that can't be
+    /// caught, such as a stack overflow.
     running: Option<File>,
     coverage: CoverageMap,
     outcomes: HashSet<u64>,
@@ -85,12 +85,12 @@ struct Fuzzer<'a> {
     runs: u64,
 }
 
-/// Runs a target as the environment says; files go below `folder`.
+/// Runs a target as the environment variables specify, with files below `folder`.
 ///
 /// # Panics
-/// The target fails. The input is written to a file, which the message names.
+/// The target fails. The message names the file with the input.
 pub fn fuzz(target: &FuzzTarget, folder: &Path) -> FuzzSummary {
-    // The counters of the program's code are there once.
+    // The program has only one set of counters.
     static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
     let _alone = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     let setting = |name: &str| std::env::var(format!("PAROS_FUZZ_{name}")).ok();
@@ -141,7 +141,7 @@ impl<'a> Fuzzer<'a> {
         }
     }
 
-    /// Runs the target's seeds, which are all kept, and what was kept before.
+    /// Runs the target's seeds, which are all kept, and the stored corpus.
     fn run_seeds(&mut self) {
         for seed in (self.target.seeds)() {
             self.corpus.push(seed.clone());
@@ -155,7 +155,7 @@ impl<'a> Fuzzer<'a> {
         }
     }
 
-    /// Runs an input, and keeps it if it is the first of its outcome or reached new code.
+    /// Runs an input, and keeps it if its outcome is new or it reached new code.
     fn run(&mut self, input: Vec<u8>) {
         self.note_running(&input);
         self.runs += 1;
@@ -176,13 +176,13 @@ impl<'a> Fuzzer<'a> {
 
     fn note_running(&mut self, input: &[u8]) {
         if let Some(file) = &mut self.running {
-            // In place: some file systems sync what is cut to nothing and written again.
+            // Writes in place, because some file systems sync files that are truncated and rewritten.
             let written = file.rewind().and_then(|()| file.write_all(input));
             written.and_then(|()| file.set_len(input.len() as u64)).expect("room for an input");
         }
     }
 
-    /// The target's outcome; `None` where it panics.
+    /// Returns the target's outcome; `None` if it panics.
     fn run_caught(&self, input: &[u8]) -> Option<String> {
         panic::catch_unwind(AssertUnwindSafe(|| (self.target.run)(input))).ok()
     }
@@ -198,7 +198,7 @@ impl<'a> Fuzzer<'a> {
         );
     }
 
-    /// Leaves out stretches, ever shorter ones, as long as the target still fails.
+    /// Removes shorter and shorter stretches as long as the target still fails.
     fn shrink(&self, mut input: Vec<u8>) -> Vec<u8> {
         let mut length = input.len() / 2;
         while length > 0 {
@@ -228,7 +228,7 @@ impl<'a> Fuzzer<'a> {
     }
 }
 
-/// The same for texts that differ in digits alone, or in what is quoted.
+/// Returns the hash of an outcome without its digits and quoted parts.
 fn hash_of_outcome(outcome: &str) -> u64 {
     let unquoted = outcome.split(['`', '"', '\'']).step_by(2);
     let text: String = unquoted.flat_map(str::chars).filter(|c| c.is_alphabetic()).collect();

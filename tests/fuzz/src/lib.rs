@@ -1,8 +1,8 @@
-//! A fuzzer and its targets: functions of bytes that panic where a promise is broken.
+//! A fuzzer and its targets: functions of bytes that panic if an invariant is broken.
 //!
-//! [`engine`] runs a target on inputs that [`mutation`] makes of its seeds, and keeps those that led
-//! somewhere new: to another outcome or, where the build counts that, to other code ([`coverage`]).
-//! Targets know what must hold; nothing here knows what is wrong.
+//! [`engine`] runs a target on inputs that [`mutation`] derives from its seeds, and keeps those with a new
+//! outcome or, if the build counts it, with new code coverage ([`coverage`]). Targets check invariants;
+//! nothing here classifies inputs as right or wrong.
 
 pub mod coverage;
 pub mod engine;

@@ -1,12 +1,13 @@
-//! How inputs are made of others: a few random changes, of bits, numbers, words and stretches.
+//! Mutation of inputs: a few random changes of bits, numbers, words and stretches.
 
 use paros_models::random_visitor::RandomSource;
 
-/// Numbers that are at some edge.
+/// Boundary values of integers.
 const EDGES: [i64; 12] =
     [0, 1, -1, 2, 127, 128, 255, 256, i32::MAX as i64, i32::MIN as i64, u32::MAX as i64, i64::MAX];
 
-/// Makes a new input of a corpus, of at most `longest` bytes. `words` are what inputs are made of.
+/// Returns a new input derived from a corpus, of at most `longest` bytes. `words` is the dictionary of
+/// tokens.
 pub fn mutate(
     dice: &mut RandomSource,
     corpus: &[Vec<u8>],
@@ -36,7 +37,7 @@ fn pick<'a, T>(dice: &mut RandomSource, from: &'a [T]) -> Option<&'a T> {
     if from.is_empty() { None } else { from.get(dice.below(from.len() as u64) as usize) }
 }
 
-/// A number below one of the first powers of two, small ones as often as large ones.
+/// Returns a number below a random power of two, so that small numbers are as likely as large ones.
 fn below_power_of_two(dice: &mut RandomSource, powers: u64) -> u64 {
     let power = dice.below(powers);
     dice.below(1 << power)
@@ -46,7 +47,7 @@ fn place(dice: &mut RandomSource, bytes: &[u8]) -> usize {
     dice.below(bytes.len() as u64 + 1) as usize
 }
 
-/// A stretch of bytes, short ones as often as long ones.
+/// Returns a range of bytes; short ranges are as likely as long ones.
 fn stretch(dice: &mut RandomSource, bytes: &[u8]) -> std::ops::Range<usize> {
     let start = place(dice, bytes);
     let length = below_power_of_two(dice, 9) as usize + 1;
@@ -67,7 +68,7 @@ fn flip_bit(dice: &mut RandomSource, bytes: &mut [u8]) {
     }
 }
 
-/// Adds a little to a number of one, two, four or eight bytes.
+/// Adds a small value to a number of one, two, four or eight bytes.
 fn add_to_number(dice: &mut RandomSource, bytes: &mut [u8]) {
     let (at, width) = (place(dice, bytes), 1 << dice.below(4));
     if let Some(number) = bytes.get_mut(at..at + width) {
@@ -89,7 +90,7 @@ fn write_edge(dice: &mut RandomSource, bytes: &mut [u8]) {
     }
 }
 
-/// Replaces a number in decimal digits.
+/// Replaces a decimal number.
 fn replace_written_number(dice: &mut RandomSource, bytes: &mut Vec<u8>) {
     let from = place(dice, bytes);
     let Some(start) = bytes[from..].iter().position(u8::is_ascii_digit).map(|i| from + i) else {
@@ -104,7 +105,7 @@ fn replace_written_number(dice: &mut RandomSource, bytes: &mut Vec<u8>) {
 fn insert_word(dice: &mut RandomSource, bytes: &mut Vec<u8>, words: &[&[u8]]) {
     let at = place(dice, bytes);
     let word = pick(dice, words).map_or_else(|| vec![dice.next_bits() as u8], |word| word.to_vec());
-    // Inserted, or written over what is there.
+    // Inserts the word, or overwrites bytes with it.
     let over = if dice.one_in(2) { word.len().min(bytes.len() - at) } else { 0 };
     bytes.splice(at..at + over, word);
 }
@@ -126,7 +127,7 @@ fn copy_within(dice: &mut RandomSource, bytes: &mut [u8]) {
     bytes.copy_within(range, to);
 }
 
-/// Puts the end of another input behind a beginning of this one.
+/// Joins a prefix of this input with a suffix of another.
 fn join_with(dice: &mut RandomSource, bytes: &mut Vec<u8>, corpus: &[Vec<u8>]) {
     if let Some(other) = pick(dice, corpus) {
         bytes.truncate(place(dice, bytes));

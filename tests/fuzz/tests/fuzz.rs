@@ -1,6 +1,6 @@
-//! Each target, on as many inputs as take a second or two; `.ci/nightly` gives them a minute each.
+//! Runs each target on as many inputs as take a second or two; `.ci/nightly` gives each target a minute.
 //!
-//! That a fault is found is tried by `a_fault_is_found_shrunk_and_kept`, whose target has one.
+//! `a_fault_is_found_shrunk_and_kept` has a faulty target, and tests that the fuzzer finds the fault.
 
 use std::fs;
 use std::panic;
@@ -15,7 +15,7 @@ fuzz_tests! {
     words
 }
 
-/// A target that fails on numbers above 200 behind a word.
+/// A target that fails on numbers above 200 after a certain word.
 const FAULTY: FuzzTarget = FuzzTarget {
     name: "faulty",
     seeds: || vec![b"a fine input".to_vec()],

@@ -4,16 +4,17 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 thread_local! {
-    /// The number of this thread's allocations.
+    /// The number of allocations of this thread.
     static COUNT: Cell<u64> = const { Cell::new(0) };
 }
 
-/// The system's allocator, which counts each thread's allocations. A test makes it the global one.
+/// The system's allocator with a count of each thread's allocations. Tests install it as the global
+/// allocator.
 #[derive(Clone, Copy, Debug)]
 pub struct CountingAllocator;
 
 fn count_allocation() {
-    // A thread that is ending has no count any more.
+    // A thread that is ending no longer has its count.
     let _ = COUNT.try_with(|count| count.set(count.get() + 1));
 }
 
@@ -44,16 +45,16 @@ unsafe impl GlobalAlloc for CountingAllocator {
     }
 }
 
-/// The number of this thread's allocations so far.
+/// Returns the number of this thread's allocations so far.
 #[must_use]
 pub fn allocation_count() -> u64 {
     COUNT.get()
 }
 
-/// Runs `act`, which must not allocate.
+/// Runs `act` and asserts that it doesn't allocate.
 ///
 /// # Panics
-/// It allocates; the message begins with `what`.
+/// `act` allocates; the message begins with `what`.
 pub fn without_allocating<T>(what: &str, act: impl FnOnce() -> T) -> T {
     let before = allocation_count();
     let result = act();

@@ -1,12 +1,12 @@
-//! Model of the badge's code by its definition: polynomials as lists of coefficients, divided by hand; the
-//! badges at one mistake as all badges that are not the same.
+//! Model of the badge's code by its definition: polynomials as lists of coefficients with long division, and
+//! the badges at one mistake by enumeration.
 
 use paros_core::badge::{Badge, BadgeColour, Pictogram};
 
-/// x^6 + x + 1, the constant first.
+/// The polynomial x^6 + x + 1, the constant first.
 const MODULUS: [u8; 7] = [1, 1, 0, 0, 0, 0, 1];
 
-/// The product in GF(64): the product of two polynomials over GF(2), and what is left of it by long division.
+/// Returns the product in GF(64): the product of two polynomials over GF(2), reduced by long division.
 pub fn multiply(a: u8, b: u8) -> u8 {
     let coefficients = |bits: u8| (0..6).map(move |i| bits >> i & 1);
     let mut product = [0; 11];
@@ -24,13 +24,14 @@ pub fn multiply(a: u8, b: u8) -> u8 {
     (0..6).map(|i| product[i] << i).sum()
 }
 
-/// The check's sum, by its definition; zero for a valid badge.
+/// Returns the check sum by its definition; zero for a valid badge.
 pub fn sum_check(badge: &Badge) -> u8 {
     let weights = badge.pictograms.iter().zip([1, 2, 4, 8]);
     weights.fold(badge.colour as u8, |sum, (p, weight)| sum ^ multiply(weight, p.number() as u8))
 }
 
-/// All badges at one mistake: another pictogram, another colour, two neighbours swapped. Without the badge itself.
+/// Returns all badges that differ by one mistake: another pictogram, another colour, or two swapped
+/// neighbours. Excludes the badge itself.
 pub fn list_mistakes(badge: &Badge) -> Vec<Badge> {
     let mut wrong = Vec::new();
     for place in 0..4 {
@@ -50,7 +51,7 @@ pub fn list_mistakes(badge: &Badge) -> Vec<Badge> {
     wrong
 }
 
-/// How many pictograms two badges have in common at the same place.
+/// Returns the number of places at which two badges have the same pictogram.
 pub fn count_shared(a: &Badge, b: &Badge) -> usize {
     a.pictograms.iter().zip(b.pictograms).filter(|(p, q)| **p == *q).count()
 }

@@ -1,11 +1,12 @@
-//! Model of the badge's shapes, in floating point by other definitions: angles around a point, the nearest point of a
-//! segment. And how colours look to eyes that lack a kind of cone.
+//! Model of the badge's shapes in floating point, by other definitions: angles around a point, and the
+//! nearest point of a segment. Also simulates how colours look to eyes that lack one kind of cone.
 
 use paros_core::badge::{BadgePart, BadgePoint, BadgeShape};
 
 type Point = [f64; 2];
 
-/// Whether the parts ink a point of the unit square, in 64ths of its side; `None` within a thousandth of an edge.
+/// Returns `true` if the parts ink a point of the unit square, in 64ths of its side; `None` within a
+/// thousandth of an edge.
 pub fn is_inked(parts: &[BadgePart], point: Point) -> Option<bool> {
     let mut inked = false;
     for part in parts {
@@ -20,7 +21,7 @@ pub fn is_inked(parts: &[BadgePart], point: Point) -> Option<bool> {
     Some(inked)
 }
 
-/// Above 0 inside, about as far from the edge as it says.
+/// Returns the approximate signed distance to the edge, positive inside.
 fn depth_in(shape: &BadgeShape, point: Point) -> f64 {
     match *shape {
         BadgeShape::Polygon(corners) => {
@@ -38,7 +39,7 @@ fn depth_in(shape: &BadgeShape, point: Point) -> f64 {
     }
 }
 
-/// The sum of the angles at which the edges are seen: a full turn from inside.
+/// Returns the sum of the angles under which the edges are seen: a full turn from inside.
 fn angle_around(corners: &[BadgePoint], point: Point) -> f64 {
     let direction = |corner: BadgePoint| {
         let corner = corner.map(f64::from);
@@ -63,7 +64,8 @@ fn distance_to_line(points: &[BadgePoint], point: Point) -> f64 {
     distances.fold(f64::INFINITY, f64::min)
 }
 
-/// What eyes see that lack one kind of cone or none: matrices of Machado, Oliveira and Fernandes (2009) on linear RGB.
+/// Types of colour vision, with one kind of cone missing or none: matrices of Machado, Oliveira and Fernandes
+/// (2009) on linear RGB.
 pub const KINDS_OF_SIGHT: [(&str, [[f64; 3]; 3]); 4] = [
     ("all cones", [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
     (
@@ -92,7 +94,7 @@ pub const KINDS_OF_SIGHT: [(&str, [[f64; 3]; 3]); 4] = [
     ),
 ];
 
-/// Linear RGB of a colour in sRGB.
+/// Converts an sRGB colour to linear RGB.
 pub fn to_linear(srgb: [u8; 3]) -> [f64; 3] {
     srgb.map(|c| {
         let c = f64::from(c) / 255.0;
@@ -100,13 +102,14 @@ pub fn to_linear(srgb: [u8; 3]) -> [f64; 3] {
     })
 }
 
-/// How unlike two colours of linear RGB look: their distance in CIELAB, of which 2 are just seen.
+/// Returns the difference of two colours in linear RGB as their distance in CIELAB, where 2 is just
+/// noticeable.
 pub fn colour_difference(a: [f64; 3], b: [f64; 3]) -> f64 {
     let (a, b) = (to_lab(a), to_lab(b));
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
-/// The product of a matrix and a vector.
+/// Returns the product of a matrix and a vector.
 pub fn transform(matrix: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
     matrix.map(|row| row.iter().zip(v).map(|(m, v)| m * v).sum())
 }

@@ -1,5 +1,5 @@
-//! Model of mesh voxelisation: every triangle is clipped to every voxel's box, and every column sorts its
-//! crossings with the mesh. The naive definition, in exact fractions.
+//! Model of mesh voxelisation by its naive definition, in exact fractions: every triangle is clipped to every
+//! voxel's box, and every column sorts its crossings with the mesh.
 
 use std::cmp::Reverse;
 
@@ -8,7 +8,7 @@ use paros_core::volume::Axis;
 
 use crate::layers::{Intervals, closed_intervals};
 
-/// Three corners in units of 1/256 voxel; coordinates up to 16 * 256, so that no product overflows.
+/// A triangle's corners in units of 1/256 voxel; coordinates up to 16 * 256, so that no product overflows.
 pub type Triangle = [[i32; 3]; 3];
 
 /// The result of a bake.
@@ -16,13 +16,13 @@ pub type Triangle = [[i32; 3]; 3];
 pub struct BakedVoxels {
     /// The voxels of a grid of n^3, x fastest, then y, then z.
     pub occupied: Vec<bool>,
-    /// By axis, then by line and place, the columns' intervals.
+    /// The columns' intervals, by axis, line and place.
     pub columns: [Vec<Intervals>; 3],
-    /// Whether the mesh's signed volume was negative, so that its orientation was reversed.
+    /// `true` if the mesh's signed volume was negative, so that its orientation was reversed.
     pub flipped: bool,
     /// The number of triangles without area.
     pub degenerate: u64,
-    /// The number of columns that were extended to an end of the box, as the mesh is open there.
+    /// The number of columns extended to an end of the box because the mesh is open there.
     pub opened: u32,
 }
 
@@ -32,7 +32,7 @@ pub struct TouchedVoxels<'a> {
     side: usize,
     triangles: &'a [Triangle],
     touched: Vec<bool>,
-    /// By axis, then by line and place.
+    /// The crossings, by axis, line and place.
     crossings: [Vec<Vec<RayCrossing>>; 3],
 }
 
@@ -56,7 +56,7 @@ impl<'a> TouchedVoxels<'a> {
     /// Bakes into columns of at most `layers` intervals.
     ///
     /// # Panics
-    /// A winding number changes along untouched voxels, or the volume isn't what its columns hold.
+    /// A winding number changes along untouched voxels, or the volume differs from its columns.
     #[must_use]
     pub fn bake(&self, layers: usize) -> BakedVoxels {
         let side = self.side;
@@ -97,7 +97,7 @@ impl<'a> TouchedVoxels<'a> {
         column.iter().map(|&[x, y, z]| voxels[x + self.side * (y + self.side * z)]).collect()
     }
 
-    /// The voxels that all three of their columns hold.
+    /// Returns the voxels that lie in all three of their columns.
     fn intersection(&self, columns: &[Vec<Intervals>; 3]) -> Vec<bool> {
         let side = self.side;
         let mut all = vec![true; side * side * side];
@@ -113,9 +113,9 @@ impl<'a> TouchedVoxels<'a> {
     }
 }
 
-/// The hull of a column's touched voxels without its gaps: the longest `layers - 1` of the untouched runs inside
-/// it around which the mesh doesn't wind, of equally long ones the lowest; none if the crossings don't add up
-/// to 0 or are too many.
+/// Returns the hull of a column's touched voxels without its gaps. The gaps are the longest `layers - 1`
+/// untouched runs inside the hull with winding number 0, lower ones first if equally long; there are none if
+/// the crossings don't add up to 0 or are too many.
 fn intervals_without_gaps(touched: &[bool], crossings: &[RayCrossing], layers: usize) -> Intervals {
     let Some(first) = touched.iter().position(|&bit| bit) else {
         return Vec::new();
@@ -146,15 +146,16 @@ fn intervals_without_gaps(touched: &[bool], crossings: &[RayCrossing], layers: u
     starts.zip(ends).collect()
 }
 
-/// The surfaces that a column's ray enters below the centre of voxel `i`, less those that it leaves.
+/// Returns the winding number at voxel `i`'s centre: the surfaces that a column's ray enters below it, less
+/// those that it leaves.
 fn winding_number(crossings: &[RayCrossing], i: usize) -> i32 {
     let centre = Fraction(256 * i as i128 + 128, 1);
     let below = crossings.iter().filter(|crossing| crossing.height[0] < centre);
     -below.map(|crossing| crossing.facing).sum::<i32>()
 }
 
-/// Whether the mesh is open at the low end of a column, and at the high end: the first surfaces crossed, at one
-/// height, are left, or the last entered.
+/// Returns whether the mesh is open at the low and at the high end of a column: the first surfaces crossed,
+/// at one height, are left, or the last are entered.
 fn ends_at_holes(crossings: &[RayCrossing], flipped: bool) -> (bool, bool) {
     let outwards = if flipped { -1 } else { 1 };
     let mut groups = crossings
@@ -164,7 +165,7 @@ fn ends_at_holes(crossings: &[RayCrossing], flipped: bool) -> (bool, bool) {
     (first > 0, groups.next_back().unwrap_or(first) < 0)
 }
 
-/// The voxels of every column along an axis, in order.
+/// Returns the voxels of every column along an axis, in order.
 fn column_voxels(side: usize, axis: Axis) -> Vec<Vec<[usize; 3]>> {
     let places = (0..side).flat_map(|line| (0..side).map(move |place| (line, place)));
     places.map(|at| (0..side).map(|i| axis.voxel_at(at, i)).collect()).collect()
@@ -173,7 +174,7 @@ fn column_voxels(side: usize, axis: Axis) -> Vec<Vec<[usize; 3]>> {
 /// A point in homogeneous coordinates: (x, y, z) / w, with w positive.
 type HomogeneousPoint = [i128; 4];
 
-/// The voxels whose closed boxes a triangle touches.
+/// Returns the voxels whose closed boxes a triangle touches.
 fn touched_voxels(side: usize, triangle: &Triangle) -> Vec<[usize; 3]> {
     let corners: Vec<HomogeneousPoint> = triangle
         .iter()
@@ -237,7 +238,7 @@ struct RayCrossing {
     facing: i32,
 }
 
-/// The crossings of a column's centre line, in order along the axis.
+/// Returns the crossings of a column's centre line, in order along the axis.
 fn crossings_of_ray(
     triangles: &[Triangle],
     axis: Axis,
@@ -269,8 +270,9 @@ fn crossings_of_ray(
     found
 }
 
-/// Whether a triangle's projection to (u, v) contains the column's centre moved by (e, e^2), with e = 2^-20
-/// (simulation of simplicity, Edelsbrunner and Muecke 1990): at this size no edge is nearer than that.
+/// Returns `true` if a triangle's projection to (u, v) contains the column's centre moved by (e, e^2), with e
+/// = 2^-20, which is small enough that no edge is nearer (simulation of simplicity, Edelsbrunner and Muecke
+/// 1990).
 fn projection_contains(triangle: &Triangle, axes: [usize; 2], centre: [i128; 2]) -> bool {
     let fine = |units: i128| units << 40;
     let p = [fine(centre[0]) + (1 << 20), fine(centre[1]) + 1];
@@ -306,7 +308,7 @@ impl PartialEq for Fraction {
 
 impl Eq for Fraction {}
 
-/// A triangle's normal, as long as twice its area.
+/// Returns a triangle's normal, with a length of twice the area.
 fn triangle_normal(triangle: &Triangle) -> [i128; 3] {
     let [a, b, c] = triangle.map(|p| p.map(i128::from));
     let (d, e) = ([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| c[k] - a[k]));
@@ -316,7 +318,7 @@ fn triangle_normal(triangle: &Triangle) -> [i128; 3] {
     })
 }
 
-/// Six times the signed volume between the triangles and the box's centre.
+/// Returns six times the signed volume between the triangles and the box's centre.
 fn six_times_signed_volume(side: usize, triangles: &[Triangle]) -> i128 {
     let centre = 128 * side as i128;
     let volume = |t: &Triangle| -> i128 {

@@ -1,4 +1,4 @@
-//! Test harness of the baker: bakes triangles and compares maps, volume and report with the model's.
+//! Test harness of the baker: bakes triangles, and compares maps, volume and report with the model's.
 
 use std::sync::{Mutex, MutexGuard};
 
@@ -36,7 +36,7 @@ impl<const K: usize, W: Windings<N>> Default for BakeHarness<K, W> {
 }
 
 impl<const K: usize, W: Windings<N>> BakeHarness<K, W> {
-    /// A harness with empty output.
+    /// Creates a harness with empty output.
     #[must_use]
     pub const fn new() -> Self {
         BakeHarness {
@@ -89,8 +89,8 @@ impl<const K: usize, W: Windings<N>> BakeHarness<K, W> {
     }
 }
 
-/// [`BakeHarness::check_bake`] with one to three intervals a column, and with one in a baker that knows no
-/// winding numbers, on harnesses that all tests of a process share.
+/// Runs [`BakeHarness::check_bake`] with one to three intervals a column, and with one interval in a baker
+/// without winding numbers, on harnesses shared by all tests of a process.
 ///
 /// # Errors
 /// As [`BakeHarness::check_bake`].
@@ -107,11 +107,11 @@ pub fn check_bake(triangles: &[Triangle]) -> Result<(), TestCaseError> {
     lock(&THREE).check_bake(triangles, &touched.bake(3))
 }
 
-/// Bakes closed shapes of the small grid in the middle of one of 128, whose rows have two words, and compares
-/// the voxels with those that the model baked into columns of K intervals.
+/// Bakes closed shapes of the small grid in the middle of a grid of 128, whose rows have two words, and
+/// compares the voxels with the model's, in columns of K intervals.
 ///
 /// # Errors
-/// The baker's volume differs from what is expected.
+/// The baker's volume differs from the expected one.
 pub fn check_bake_moved_into_two_word_rows<const K: usize>(
     small_grid_triangles: &[Triangle],
     small_grid_baked: &BakedVoxels,
@@ -138,7 +138,7 @@ pub fn check_bake_moved_into_two_word_rows<const K: usize>(
     Ok(())
 }
 
-/// Locks what a test may have left when it failed.
+/// Locks a mutex that a failed test may have poisoned.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(|held| held.into_inner())
 }

@@ -1,4 +1,4 @@
-//! The voxels in a bit or a brush: what the model of contact tests, voxel by voxel.
+//! The voxels in a bit or a brush, which the model of contact tests one by one.
 
 use glam::I64Vec3;
 use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL};
@@ -6,8 +6,7 @@ use paros_core::internals::{BrushBounds, BrushPiece, FIXED_ONE, GridBit, GridSha
 
 use crate::dense::DenseVolume;
 
-/// The occupied voxels that may be within half a voxel of a bit: no part of it is farther from its centre than
-/// its outer radius.
+/// Returns the occupied voxels that may be within half a voxel of a bit, by the bit's outer radius.
 pub(crate) fn voxels_around<'a>(
     voxels: &'a DenseVolume,
     bit: &GridBit,
@@ -27,7 +26,7 @@ pub(crate) fn voxels_around<'a>(
     })
 }
 
-/// Whether a piece of a brush holds one of the voxels.
+/// Returns `true` if a piece of a brush contains one of the voxels.
 pub(crate) fn holds_any(piece: &BrushPiece, voxels: &DenseVolume) -> bool {
     let n = voxels.side();
     let Some(BrushBounds { lo, hi }) = piece.bounds(n) else { return false };
@@ -39,7 +38,8 @@ pub(crate) fn holds_any(piece: &BrushPiece, voxels: &DenseVolume) -> bool {
     })
 }
 
-/// The depth of a voxel's centre inside the bit, rounded up to whole fixed-point units; `None` outside.
+/// Returns the depth of a voxel's centre inside the bit, rounded up to whole fixed-point units; `None`
+/// outside.
 pub(crate) fn centre_depth_subunits(bit: &GridBit, pose: &Pose, voxel: [i32; 3]) -> Option<i32> {
     let p = centre_offset_subunits(pose, voxel);
     let inner = match bit.shape {
@@ -55,7 +55,7 @@ pub(crate) fn centre_depth_subunits(bit: &GridBit, pose: &Pose, voxel: [i32; 3])
             (least + unit - 1) / unit
         }
         GridShape::Disc { radius, half_thickness } => {
-            // Across its plane it is as deep as its bite where five eighths of its thickness are left.
+            // Across its plane, a disc is as deep as its bite when five eighths of its thickness are left.
             let whole = i64::from(half_thickness) * i64::from(FIXED_ONE);
             let left = whole - distances_along_bit_axes(pose, p)[0];
             if left < 0 {
@@ -68,8 +68,8 @@ pub(crate) fn centre_depth_subunits(bit: &GridBit, pose: &Pose, voxel: [i32; 3])
     Some(inner as i32)
 }
 
-/// The depth of a point in a ball about the origin: the least k for which radius - k is no more than the distance.
-/// `None` outside.
+/// Returns the depth of a point in a ball about the origin: the least k for which radius - k is at most the
+/// distance. `None` outside.
 fn depth_in_ball_subunits(radius: i32, p: I64Vec3) -> Option<i64> {
     let squared = p.length_squared();
     let mut k = i64::from(radius) - squared.isqrt() - 1;
@@ -79,7 +79,7 @@ fn depth_in_ball_subunits(radius: i32, p: I64Vec3) -> Option<i64> {
     (squared <= i64::from(radius).pow(2)).then_some(k)
 }
 
-/// Whether a voxel's centre lies in the bit or less than half a voxel outside its radius or faces.
+/// Returns `true` if a voxel's centre lies in the bit, or less than half a voxel outside its radius or faces.
 pub(crate) fn is_less_than_half_a_voxel_outside(
     bit: &GridBit,
     pose: &Pose,
@@ -103,13 +103,14 @@ pub(crate) fn is_less_than_half_a_voxel_outside(
     }
 }
 
-/// A voxel's centre relative to the bit's, along the grid's axes.
+/// Returns a voxel's centre relative to the bit's, along the grid's axes.
 pub(crate) fn centre_offset_subunits(bit_pose: &Pose, voxel: [i32; 3]) -> I64Vec3 {
     let centre = voxel.map(|i| i64::from(i * SUBUNITS_PER_VOXEL + SUBUNITS_PER_VOXEL / 2));
     I64Vec3::from_array(centre) - bit_pose.clamped_position_subunits().as_i64vec3()
 }
 
-/// The distances of a point from the bit's centre along the bit's axes, in subunits times [`FIXED_ONE`].
+/// Returns the distances of a point from the bit's centre along the bit's axes, in subunits times
+/// [`FIXED_ONE`].
 pub(crate) fn distances_along_bit_axes(bit_pose: &Pose, offset_subunits: I64Vec3) -> [i64; 3] {
     bit_pose.unit_axes_q14().map(|axis| offset_subunits.dot(axis.as_i64vec3()).abs())
 }

@@ -7,14 +7,14 @@ use paros_core::internals::FIXED_ONE;
 
 use crate::dense::DenseVolume;
 
-/// A voxel's centre in fixed point: [`SUBUNITS_PER_VOXEL`] units a voxel.
+/// Returns a voxel's centre in fixed point: [`SUBUNITS_PER_VOXEL`] units a voxel.
 pub fn voxel_centre_subunits(voxel: [i32; 3]) -> [i128; 3] {
     voxel.map(|i| {
         i128::from(i) * i128::from(SUBUNITS_PER_VOXEL) + i128::from(SUBUNITS_PER_VOXEL / 2)
     })
 }
 
-/// The voxels whose centres are at most `radius_subunits` from a segment.
+/// Returns the voxels whose centres are at most `radius_subunits` from a segment.
 pub fn capsule_voxels(
     side: usize,
     start_subunits: IVec3,
@@ -27,7 +27,7 @@ pub fn capsule_voxels(
     })
 }
 
-/// The voxels whose centres lie in an oriented box at a pose.
+/// Returns the voxels whose centres lie in an oriented box at a pose.
 pub fn box_voxels(side: usize, half_extents_subunits: IVec3, pose: &Pose) -> DenseVolume {
     DenseVolume::from_fn(side, |voxel| {
         is_in_swept_box(
@@ -39,8 +39,8 @@ pub fn box_voxels(side: usize, half_extents_subunits: IVec3, pose: &Pose) -> Den
     })
 }
 
-/// The voxels whose centres lie in the swept volume of a box with the pose's rotation that moves straight
-/// from `start_subunits` to the pose's position.
+/// Returns the voxels whose centres lie in the swept volume of a box that has the pose's rotation and moves
+/// straight from `start_subunits` to the pose's position.
 pub fn swept_box_voxels(
     side: usize,
     half_extents_subunits: IVec3,
@@ -57,8 +57,8 @@ pub fn swept_box_voxels(
     })
 }
 
-/// The voxels whose centres are within `radius_subunits` of the way of a disc from `start_subunits` to the pose's
-/// position, and at most `half_thickness_subunits` off the planes that it has on that way.
+/// Returns the voxels whose centres are within `radius_subunits` of the path of a disc from `start_subunits`
+/// to the pose's position, and at most `half_thickness_subunits` off the disc's planes along that path.
 pub fn swept_disc_voxels(
     side: usize,
     [radius_subunits, half_thickness_subunits]: [i32; 2],
@@ -78,7 +78,7 @@ pub fn swept_disc_voxels(
     })
 }
 
-/// The greatest distance, in voxels, between a corner's positions under two rotations of the box.
+/// Returns the greatest distance, in voxels, between a corner's positions under two rotations of the box.
 pub fn longest_corner_chord_voxels(half_extents_subunits: IVec3, from: Quat, to: Quat) -> f32 {
     let half = half_extents_subunits.as_vec3() / SUBUNITS_PER_VOXEL as f32;
     let mut greatest = 0.0f32;
@@ -102,8 +102,9 @@ fn subtract(a: [i128; 3], b: [i128; 3]) -> [i128; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-/// Whether a point is at most `radius` from a segment. Between the segment's end planes the distance is that
-/// to its line, the area of a parallelogram over its base; beyond them, that to an end.
+/// Returns `true` if a point is at most `radius` from a segment. Between the segment's end planes, the
+/// distance is that to its line: the area of a parallelogram over its base. Beyond them, it is that to an
+/// end.
 fn is_near_segment(p: [i128; 3], a: [i128; 3], b: [i128; 3], radius: i128) -> bool {
     let (path, from_a, from_b) = (subtract(b, a), subtract(p, a), subtract(p, b));
     if dot(from_a, path) > 0 && dot(from_b, path) < 0 {
@@ -117,9 +118,9 @@ fn cross(a: [i128; 3], b: [i128; 3]) -> [i128; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// Slab test of a point against a moving box: whether some t in -1..=1 has |axis . (2p - middle) - t w| <=
-/// 2 half along all three axes of the box, where `w` is the path in the box's frame. A moving box is half a
-/// unit wider, so that rounding the path loses nothing.
+/// Slab test of a point against a moving box. Returns `true` if some t in -1..=1 fulfils
+/// `|axis . (2p - middle) - t w| <= 2 half` along all three axes of the box, where `w` is the path in the
+/// box's frame. A moving box is half a unit wider, so that rounding the path loses nothing.
 fn is_in_swept_box(p: [i128; 3], half: IVec3, pose: &Pose, start: IVec3) -> bool {
     let end = pose.clamped_position_subunits();
     let path = subtract(widen(end), widen(start));
@@ -151,7 +152,7 @@ fn is_in_swept_box(p: [i128; 3], half: IVec3, pose: &Pose, start: IVec3) -> bool
     from.0 * to.1 <= to.0 * from.1
 }
 
-/// `a / b` rounded to the nearest integer, halves up. `b` is positive.
+/// Returns `a / b` rounded to the nearest integer, halves up. `b` is positive.
 fn divide_rounding_half_up(a: i128, b: i128) -> i128 {
     (2 * a + b).div_euclid(2 * b)
 }

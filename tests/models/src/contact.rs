@@ -1,5 +1,5 @@
-//! Model of collision detection and response: contact by a test of every voxel, and the freeze as a walk in
-//! quarter-voxel steps along the path with a slide along the tangent. The naive definition: it skips nothing.
+//! Model of collision detection and response by its naive definition: contact is a test of every voxel, and
+//! the freeze a walk along the path in quarter-voxel steps, with a slide along the tangent. Skips nothing.
 
 use std::sync::Arc;
 
@@ -18,12 +18,12 @@ use crate::bit_voxels::{
 use crate::dense::{DenseVolume, face_neighbours};
 use crate::path::{STEPS_PER_VOXEL, path_poses};
 
-/// The obstacle: a volume and its mask, the part that can't be removed.
+/// The obstacle: a volume and its mask, which is the part that can't be removed.
 #[derive(Debug)]
 pub struct ContactModel {
     volume: Arc<DenseVolume>,
     mask: Arc<DenseVolume>,
-    /// `true` if the bit collides with the mask alone, which is then the volume too.
+    /// `true` if the bit collides with the mask alone, which then also serves as the volume.
     is_mask_alone: bool,
 }
 
@@ -37,7 +37,7 @@ pub struct PenetrationDepths {
 }
 
 impl PenetrationDepths {
-    /// Whether both are at most the limits.
+    /// Returns `true` if both depths are at most the limits.
     fn are_at_most(self, limits: PenetrationDepths) -> bool {
         self.volume <= limits.volume && self.mask <= limits.mask
     }
@@ -50,15 +50,15 @@ pub struct PathWalk {
     pub last_allowed: Pose,
     /// The next pose of the path, if it is forbidden.
     pub first_forbidden: Option<Pose>,
-    /// Whether the budget ended before the path.
+    /// `true` if the budget ended before the path.
     pub ran_out: bool,
 }
 
 impl ContactModel {
-    /// The obstacle of a volume and its mask.
+    /// Creates the obstacle of a volume and its mask.
     ///
     /// # Panics
-    /// The mask is not part of the volume.
+    /// The mask isn't part of the volume.
     pub fn new(volume: DenseVolume, mask: &DenseVolume) -> Self {
         assert!(mask.is_within(&volume), "the mask is part of the volume");
         ContactModel {
@@ -68,23 +68,23 @@ impl ContactModel {
         }
     }
 
-    /// The obstacle of a volume and its mask, which is known to be part of it.
+    /// Creates the obstacle of a volume and its mask, without checking that the mask is part of it.
     pub fn of_shared(volume: &Arc<DenseVolume>, mask: &Arc<DenseVolume>) -> Self {
         ContactModel { volume: Arc::clone(volume), mask: Arc::clone(mask), is_mask_alone: false }
     }
 
-    /// The obstacle of a bit that collides with the mask alone.
+    /// Creates the obstacle of a bit that collides with the mask alone.
     pub fn of_mask_alone(mask: &Arc<DenseVolume>) -> Self {
         ContactModel { is_mask_alone: true, ..ContactModel::of_shared(mask, mask) }
     }
 
-    /// Whether a voxel is stone.
+    /// Returns `true` if a voxel is stone.
     pub fn is_occupied(&self, voxel: [i32; 3]) -> bool {
         self.volume.contains(voxel)
     }
 
-    /// The contact of a bit at a pose: overlapping voxels, penetration depth and normal. A disc that is too deep
-    /// overlaps one voxel, is as deep as its middle, and has no normal.
+    /// Returns the contact of a bit at a pose: overlapping voxels, penetration depth and normal. A disc that
+    /// is too deep overlaps one voxel, has the depth of its centre, and no normal.
     pub fn contact_at(&self, bit: &GridBit, pose: &Pose) -> Contact {
         let inner = |voxel| centre_depth_subunits(bit, pose, voxel);
         let depths = voxels_around(&self.volume, bit, pose).filter_map(inner);
@@ -101,7 +101,7 @@ impl ContactModel {
         }
     }
 
-    /// The normal of the surface that a bit overlaps.
+    /// Returns the normal of the surface that a bit overlaps.
     fn normal_at(&self, bit: &GridBit, pose: &Pose) -> Vec3 {
         let mut normal = IVec3::ZERO;
         for voxel in voxels_around(&self.volume, bit, pose) {
@@ -117,7 +117,7 @@ impl ContactModel {
         normal.as_vec3().normalize_or_zero()
     }
 
-    /// The penetration depths of a bit at a pose.
+    /// Returns the penetration depths of a bit at a pose.
     pub fn penetration_at(&self, bit: &GridBit, pose: &Pose) -> PenetrationDepths {
         if self.is_outside_grid(bit, pose) {
             return PenetrationDepths { volume: 0, mask: 0 };
@@ -129,8 +129,9 @@ impl ContactModel {
         PenetrationDepths { volume: deepest(&self.volume), mask: deepest(&self.mask) }
     }
 
-    /// Freezes a bit on its way from one pose to the tracked pose: walks step by step while the penetration is
-    /// within the limit, then slides once along the tangent. A buried bit stands, or is where it is tracked.
+    /// Freezes a bit on its path from one pose to the tracked pose: walks step by step while the penetration
+    /// is within the limit, then slides once along the tangent. A buried bit stays, or jumps to its tracked
+    /// pose.
     pub fn freeze_by_walk(
         &self,
         bit: &GridBit,
@@ -141,7 +142,7 @@ impl ContactModel {
         self.freeze(bit, (from, tracked), budget, true)
     }
 
-    /// The same without the slide.
+    /// Freezes a bit as [`Self::freeze_by_walk`] does, without the slide.
     pub fn freeze_by_walk_straight(
         &self,
         bit: &GridBit,
@@ -181,7 +182,7 @@ impl ContactModel {
         FreezeResult { steps: budget.steps - left.steps, ..frozen }
     }
 
-    /// The freeze of a bit without a way: where it is tracked if its bite allows that, else where it was.
+    /// Freezes a bit without a path: it jumps to its tracked pose if its bite allows that, else it stays.
     pub fn jump_if_bite_allows(
         &self,
         bit: &GridBit,
@@ -197,7 +198,7 @@ impl ContactModel {
         FreezeResult { pose, blocked: !jumped, ran_out: false, jumped, steps }
     }
 
-    /// Whether the bit is too deep and its centre may be in stone.
+    /// Returns `true` if the bit is too deep and its centre may be in stone.
     pub fn buries(&self, bit: &GridBit, pose: &Pose) -> bool {
         let unburied = bit.inscribed_radius_subunits() - BURIED_WITHIN;
         let sits = self.penetration_at(bit, pose);
@@ -206,7 +207,7 @@ impl ContactModel {
         in_figure || sits.volume > unburied.max(bit.bite)
     }
 
-    /// Whether the straight way of the bit's centre isn't surely through the open.
+    /// Returns `true` unless the straight path of the bit's centre is certainly free of stone.
     fn may_cross_stone(&self, bit: &GridBit, from: &Pose, to: &Pose) -> bool {
         let unburied = bit.inscribed_radius_subunits() - BURIED_WITHIN;
         let centre = PenetrationDepths { volume: unburied, mask: i32::MAX };
@@ -265,7 +266,7 @@ impl ContactModel {
         slide
     }
 
-    /// The mean direction to the bit's centre from the voxels that stop it.
+    /// Returns the mean direction from the voxels that stop the bit to the bit's centre.
     fn away_from_stops(&self, bit: &GridBit, reached: &Pose, stop: &Pose) -> Vec3 {
         let sits = self.penetration_at(bit, reached);
         let mut away = I64Vec3::ZERO;
@@ -279,9 +280,8 @@ impl ContactModel {
         away.as_vec3().normalize_or_zero()
     }
 
-    /// Walks a path while the penetration is within the limit. A bit that is too deep leaves where the path
-    /// does. Each stretch of a path that is tried at once costs a step, and nothing more where it
-    /// is free.
+    /// Walks a path while the penetration is within the limit. A bit that is too deep leaves the stone where
+    /// the path does. A stretch of the path that is tested at once costs one step, and no more if it is free.
     pub fn walk_while_allowed(
         &self,
         bit: &GridBit,
@@ -352,8 +352,8 @@ impl ContactModel {
         PathWalk { last_allowed: reached, first_forbidden: None, ran_out }
     }
 
-    /// How many of the exit probes are tried, and the first at which the bit is out of the stone; probe 1 is
-    /// the first pose of `path`. Only probes that the bit's centre reaches through the open count.
+    /// Returns the number of exit probes tried, and the first at which the bit is out of the stone; probe 1
+    /// is the first pose of `path`. Only probes that the bit's centre reaches without crossing stone count.
     fn find_exit_step(
         &self,
         bit: &GridBit,
@@ -379,7 +379,8 @@ impl ContactModel {
         (probes.len() as u32, None)
     }
 
-    /// Whether the swept volume of the bit, shrunk to the allowed depths, contains no voxel. Conservative.
+    /// Returns `true` if the swept volume of the bit, shrunk to the allowed depths, contains no voxel.
+    /// Conservative.
     fn is_sweep_free(
         &self,
         bit: &GridBit,
@@ -392,13 +393,14 @@ impl ContactModel {
             brush.is_none_or(|brush| !brush.pieces().any(|piece| holds_any(&piece, voxels)))
         };
         match self.is_mask_alone {
-            // One test, by the lower limit. A cover of a greater depth may reach farther, as it has fewer pieces.
+            // One test with the lower limit: a cover of a greater depth has fewer pieces, so it may reach
+            // farther.
             true => clear(allowed.mask.min(allowed.volume), &self.mask),
             false => clear(allowed.volume, &self.volume) && clear(allowed.mask, &self.mask),
         }
     }
 
-    /// Whether the whole bit lies outside the grid.
+    /// Returns `true` if the whole bit lies outside the grid.
     fn is_outside_grid(&self, bit: &GridBit, pose: &Pose) -> bool {
         let n = self.volume.side() as f32;
         let outer = bit.circumscribed_radius_subunits() as f32 / SUBUNITS_PER_VOXEL as f32 + 1.0;

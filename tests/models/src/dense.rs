@@ -1,5 +1,5 @@
 //! Model of the range maps: a set of voxels as one boolean each. Column hull, closure, support by flood fill
-//! and distance in steps, by their naive definitions; and proptest strategies for volumes.
+//! and distance in steps follow their naive definitions. Also has proptest strategies for volumes.
 
 use paros_core::RangeMaps;
 use paros_core::internals::ColumnAddress;
@@ -18,12 +18,12 @@ pub struct DenseVolume {
 }
 
 impl DenseVolume {
-    /// The empty set in a grid of `side`^3 voxels.
+    /// Returns the empty set in a grid of `side`^3 voxels.
     pub fn empty(side: usize) -> Self {
         DenseVolume { n: side, voxels: vec![false; side * side * side] }
     }
 
-    /// The voxels for which `occupied` returns true.
+    /// Returns the voxels for which `occupied` returns true.
     pub fn from_fn(side: usize, mut occupied: impl FnMut([i32; 3]) -> bool) -> Self {
         let n = side as i32;
         let mut voxels = Vec::with_capacity(side * side * side);
@@ -35,12 +35,12 @@ impl DenseVolume {
         DenseVolume { n: side, voxels }
     }
 
-    /// The intersection of the three maps.
+    /// Returns the intersection of the three maps.
     pub fn from_maps<const N: usize, const K: usize>(maps: &RangeMaps<N, K>) -> Self {
         DenseVolume::from_columns(N, |axis, at| maps.column(axis, at).intervals())
     }
 
-    /// The voxels that lie in an interval of each of the three columns through them.
+    /// Returns the voxels that lie in an interval of each of the three columns through them.
     pub fn from_columns<I: IntoIterator<Item = Range>>(
         side: usize,
         intervals_of: impl Fn(Axis, ColumnAddress) -> I,
@@ -58,7 +58,7 @@ impl DenseVolume {
         DenseVolume { n: side, voxels: held.into_iter().map(|axes| axes == 0b111).collect() }
     }
 
-    /// The voxels of a bit grid.
+    /// Returns the voxels of a bit grid.
     pub fn from_bits<const N: usize>(bits: &BitGrid<N>) -> Self
     where
         Grid<N>: Size,
@@ -93,18 +93,18 @@ impl DenseVolume {
         }
     }
 
-    /// The grid's side in voxels.
+    /// Returns the grid's side in voxels.
     pub fn side(&self) -> usize {
         self.n
     }
 
-    /// Every voxel of the grid.
+    /// Returns every voxel of the grid.
     pub fn all_voxels(&self) -> impl Iterator<Item = [i32; 3]> + use<> {
         let n = self.n as i32;
         (0..n).flat_map(move |y| (0..n).flat_map(move |z| (0..n).map(move |x| [x, y, z])))
     }
 
-    /// Every occupied voxel.
+    /// Returns every occupied voxel.
     pub fn occupied(&self) -> impl Iterator<Item = [i32; 3]> {
         let n = self.n;
         let rows = (0..n * n).map(move |at| (at, &self.voxels[at * n..][..n]));
@@ -114,28 +114,28 @@ impl DenseVolume {
         })
     }
 
-    /// Whether a voxel lies in the grid and is occupied.
+    /// Returns `true` if a voxel lies in the grid and is occupied.
     pub fn contains(&self, voxel: [i32; 3]) -> bool {
         self.index(voxel).is_some_and(|i| self.voxels[i])
     }
 
-    /// The voxels of row (y, z), by x.
+    /// Returns the voxels of row (y, z), by x.
     pub fn row(&self, y: usize, z: usize) -> &[bool] {
         &self.voxels[(y * self.n + z) * self.n..][..self.n]
     }
 
-    /// Occupies or empties a voxel of the grid.
+    /// Sets or clears a voxel of the grid.
     pub fn set(&mut self, voxel: [i32; 3], occupied: bool) {
         let i = self.index(voxel).expect("a voxel of the grid");
         self.voxels[i] = occupied;
     }
 
-    /// Occupied voxels.
+    /// Returns the number of occupied voxels.
     pub fn count(&self) -> u32 {
         self.voxels.iter().map(|&occupied| u32::from(occupied)).sum()
     }
 
-    /// The smallest box around the occupied voxels.
+    /// Returns the smallest box around the occupied voxels.
     pub fn bounding_box(&self) -> VoxelBox {
         VoxelBox::new([0, 1, 2].map(|i| {
             let along = || self.occupied().map(|voxel| voxel[i] as usize);
@@ -143,12 +143,12 @@ impl DenseVolume {
         }))
     }
 
-    /// Whether no voxel is occupied.
+    /// Returns `true` if no voxel is occupied.
     pub fn is_empty(&self) -> bool {
         !self.voxels.contains(&true)
     }
 
-    /// The voxels of either set.
+    /// Returns the union of two sets.
     pub fn union(&self, other: &DenseVolume) -> DenseVolume {
         self.zip(other, |a, b| a | b)
     }
@@ -159,29 +159,29 @@ impl DenseVolume {
         self.voxels.iter_mut().zip(&other.voxels).for_each(|(here, there)| *here |= there);
     }
 
-    /// The voxels of both sets.
+    /// Returns the intersection of two sets.
     pub fn intersection(&self, other: &DenseVolume) -> DenseVolume {
         self.zip(other, |a, b| a & b)
     }
 
-    /// The voxels of this set that the other lacks.
+    /// Returns the voxels of this set that the other lacks.
     pub fn difference(&self, other: &DenseVolume) -> DenseVolume {
         self.zip(other, |a, b| a & !b)
     }
 
-    /// Whether the other holds every voxel of this one.
+    /// Returns `true` if the other set contains every voxel of this one.
     pub fn is_within(&self, other: &DenseVolume) -> bool {
         self.difference(other).is_empty()
     }
 
-    /// The mirror image across the grid's middle: x becomes n - 1 - x.
+    /// Returns the mirror image across the grid's middle: x becomes n - 1 - x.
     pub fn mirrored_in_x(&self) -> DenseVolume {
         let mut mirrored = self.clone();
         mirrored.voxels.chunks_exact_mut(self.n).for_each(<[bool]>::reverse);
         mirrored
     }
 
-    /// The voxels of a column, in order.
+    /// Returns the voxels of a column, in order.
     pub fn column(
         &self,
         axis: Axis,
@@ -191,26 +191,26 @@ impl DenseVolume {
         self.voxels[start..=start + (self.n - 1) * step].iter().step_by(step).copied()
     }
 
-    /// The first and last occupied voxel of a column; none if it is empty.
+    /// Returns the first and last occupied voxel of a column; `None` if it is empty.
     pub fn column_hull(&self, axis: Axis, at: ColumnAddress) -> Option<Range> {
         let first = self.column(axis, at).position(|occupied| occupied)?;
         let last = self.column(axis, at).rposition(|occupied| occupied)?;
         Some(Range::new(first, last))
     }
 
-    /// The closure: the voxels that lie within the hulls of all three columns through them.
+    /// Returns the closure: the voxels that lie within the hulls of all three columns through them.
     pub fn closure(&self) -> DenseVolume {
         DenseVolume::from_columns(self.n, |axis, at| self.column_hull(axis, at))
     }
 
-    /// The support S(V): the voxels connected by six-neighbour steps inside the volume to its ground layer
-    /// y = 0 or to its voxels in the mask.
+    /// Returns the support S(V): the voxels connected by six-neighbour steps inside the volume to its ground
+    /// layer y = 0 or to its voxels in the mask.
     pub fn supported_by_ground_or(&self, mask: &DenseVolume) -> DenseVolume {
         let seeds = self.occupied().filter(|&voxel| voxel[1] == 0 || mask.contains(voxel));
         self.connected_to(seeds.collect())
     }
 
-    /// Flood fill: the occupied voxels connected to the seeds, which are occupied.
+    /// Flood fill: returns the occupied voxels connected to the seeds, which must be occupied.
     pub fn connected_to(&self, seeds: Vec<[i32; 3]>) -> DenseVolume {
         let mut found = DenseVolume::empty(self.n);
         let mut left = seeds;
@@ -226,15 +226,15 @@ impl DenseVolume {
         found
     }
 
-    /// The voxels at most `max_steps` six-neighbour steps from one for which `is_seed` returns true. Steps and
-    /// seeds include the layer of voxels around the grid.
+    /// Returns the voxels at most `max_steps` six-neighbour steps from a voxel for which `is_seed` returns
+    /// true. Steps and seeds include the layer of voxels around the grid.
     pub fn within_face_steps(
         &self,
         max_steps: usize,
         is_seed: impl Fn([i32; 3]) -> bool,
     ) -> DenseVolume {
         let n = self.n as i32;
-        // Around that layer stands another, which is never entered.
+        // A second layer around that layer is a sentinel that is never entered.
         let side = self.n + 4;
         let index = |[x, y, z]: [i32; 3]| {
             ((y + 2) as usize * side + (z + 2) as usize) * side + (x + 2) as usize
@@ -264,19 +264,20 @@ impl DenseVolume {
         DenseVolume::from_fn(self.n, |voxel| near[index(voxel)])
     }
 
-    /// Voxels at most `max_steps` six-neighbour steps from an empty one; outside counts as empty.
+    /// Returns the voxels at most `max_steps` six-neighbour steps from an empty voxel; outside counts as
+    /// empty.
     pub fn within_steps_of_empty(&self, max_steps: usize) -> DenseVolume {
         self.within_face_steps(max_steps, |place| !self.contains(place))
     }
 
-    /// Voxels at most `max_steps` six-neighbour steps from an occupied one or from the ground, which is
-    /// everywhere under y = 0.
+    /// Returns the voxels at most `max_steps` six-neighbour steps from an occupied voxel or from the ground,
+    /// which is everywhere under y = 0.
     pub fn within_steps_of_occupied(&self, max_steps: usize) -> DenseVolume {
         self.within_face_steps(max_steps, |place| place[1] < 0 || self.contains(place))
     }
 
     fn index(&self, [x, y, z]: [i32; 3]) -> Option<usize> {
-        // A negative coordinate becomes a large number.
+        // As an unsigned number a negative coordinate is large, so one comparison covers both ends.
         let [x, y, z] = [x as u32 as usize, y as u32 as usize, z as u32 as usize];
         if x < self.n && y < self.n && z < self.n {
             Some((y * self.n + z) * self.n + x)
@@ -299,7 +300,7 @@ impl std::fmt::Debug for DenseVolume {
     }
 }
 
-/// The index of a column's first voxel, and the distance from each voxel to the next.
+/// Returns the index of a column's first voxel, and the distance from each voxel to the next.
 fn stride_of_column(side: usize, axis: Axis, at: ColumnAddress) -> (usize, usize) {
     let [first, second] = [0, 1].map(|i| {
         let [x, y, z] = axis.voxel_at(at, i);
@@ -308,13 +309,13 @@ fn stride_of_column(side: usize, axis: Axis, at: ColumnAddress) -> (usize, usize
     (first, second - first)
 }
 
-/// The six neighbours of a voxel.
+/// Returns the six neighbours of a voxel.
 pub fn face_neighbours([x, y, z]: [i32; 3]) -> [[i32; 3]; 6] {
     NEIGHBOUR_STEPS.map(|[i, j, k]| [x + i, y + j, z + k])
 }
 
 /// A strategy for any set of voxels: empty, full, noise, checkerboards, combs, single voxels, balls, boxes,
-/// frames along the border. Not closed; about half do not touch the ground.
+/// frames along the border. The sets aren't closed, and about half don't touch the ground.
 pub fn any_voxels(side: usize) -> impl Strategy<Value = DenseVolume> {
     let n = side as i32;
     let place = [0..n, 0..n, 0..n];
@@ -365,7 +366,7 @@ pub fn closed_volumes_with_inner_mask(side: usize) -> impl Strategy<Value = Mask
     })
 }
 
-/// Independent voxels (xorshift64), each occupied with probability `occupied_of_256` / 256.
+/// Returns independent random voxels (xorshift64), each occupied with probability `occupied_of_256` / 256.
 fn noise_voxels(side: usize, seed: u64, occupied_of_256: u64) -> DenseVolume {
     let mut state = seed | 1;
     DenseVolume::from_fn(side, |_| {
@@ -376,13 +377,13 @@ fn noise_voxels(side: usize, seed: u64, occupied_of_256: u64) -> DenseVolume {
     })
 }
 
-/// How the sheets of a comb are joined.
+/// The edges at which the sheets of a comb are joined.
 #[derive(Clone, Copy)]
 enum CombSpine {
     None,
     LowEdge,
     HighEdge,
-    /// At both edges in turn.
+    /// At both edges alternately.
     Alternating,
 }
 
@@ -391,7 +392,7 @@ impl CombSpine {
         [CombSpine::None, CombSpine::LowEdge, CombSpine::HighEdge, CombSpine::Alternating];
 }
 
-/// Sheets across an axis, every `period` voxels, joined at edges of the grid.
+/// Returns sheets across an axis, every `period` voxels, joined at edges of the grid.
 fn comb_voxels(side: usize, axis: usize, period: i32, spine: CombSpine) -> DenseVolume {
     let last = side as i32 - 1;
     DenseVolume::from_fn(side, |voxel| {
@@ -410,7 +411,7 @@ fn is_in_ball(voxel: [i32; 3], centre: [i32; 3], diameter: i32) -> bool {
     (0..3).map(|i| (voxel[i] - centre[i]).pow(2)).sum::<i32>() <= diameter * diameter / 4
 }
 
-/// Whether a voxel lies in the box with these opposite corners, inclusive.
+/// Returns `true` if a voxel lies in the box with these opposite corners, inclusive.
 fn is_in_box(voxel: [i32; 3], corner: [i32; 3], opposite: [i32; 3]) -> bool {
     (0..3).all(|i| (corner[i].min(opposite[i])..=corner[i].max(opposite[i])).contains(&voxel[i]))
 }

@@ -8,7 +8,7 @@ use crate::dense::DenseVolume;
 use crate::flattening::Flattening;
 use crate::smoothing::Smoothing;
 
-/// What an edit must lead to.
+/// The expected result of an edit.
 #[derive(Clone, Debug)]
 pub struct ExpectedEdit {
     /// The volume afterwards.
@@ -17,7 +17,7 @@ pub struct ExpectedEdit {
     pub report: EditReport,
 }
 
-/// The volume after an edit of the voxels of `brush`, and the counts of its report.
+/// Returns the volume after an edit of the voxels of `brush`, and the counts of its report.
 pub fn expected_edit(
     volume: &DenseVolume,
     mask: &DenseVolume,
@@ -34,7 +34,7 @@ pub fn expected_edit(
 /// An edit before closure.
 #[derive(Clone, Debug)]
 pub struct ExactEdit {
-    /// The voxels that the operation leaves.
+    /// The voxels after the operation, without closure.
     pub exact: DenseVolume,
     filled: DenseVolume,
     refused_by_mask: u32,
@@ -42,7 +42,7 @@ pub struct ExactEdit {
 }
 
 impl ExactEdit {
-    /// The counts of the report when closure of the exact voxels leaves `after` of `before`.
+    /// Returns the counts of the report if closure of the exact voxels turns `before` into `after`.
     pub fn expected_report(&self, before: &DenseVolume, after: &DenseVolume) -> EditReport {
         let back = before.difference(&self.exact).intersection(after);
         EditReport {
@@ -58,7 +58,7 @@ impl ExactEdit {
     }
 }
 
-/// The boolean operation of an edit, without closure.
+/// Applies the boolean operation of an edit, without closure.
 pub fn exact_edit(
     volume: &DenseVolume,
     mask: &DenseVolume,
@@ -104,11 +104,11 @@ pub fn exact_edit(
     }
 }
 
-/// Asserts the invariants of every edit, independently of its definition: the mask stays, nothing beside
-/// the brush is removed, and additions lie in columns that cross it.
+/// Asserts the invariants of every edit, independently of its definition: the mask stays, nothing outside the
+/// brush is removed, and additions lie in columns that cross the brush.
 ///
 /// # Panics
-/// One does not hold.
+/// An invariant is violated.
 pub fn assert_edit_invariants(
     before: &DenseVolume,
     mask: &DenseVolume,
@@ -136,11 +136,11 @@ pub fn assert_edit_invariants(
     }
 }
 
-/// Asserts that a mirrored edit of a mirrored volume leaves a mirrored one, which holds for one interval a
-/// column: of two runs of equal length the rule for several takes the lower.
+/// Asserts that a mirrored edit of a symmetric volume leaves a symmetric volume. This holds only for one
+/// interval a column: with several intervals, the rule prefers the lower of two runs of equal length.
 ///
 /// # Panics
-/// It doesn't.
+/// The result isn't symmetric.
 pub fn assert_mirror_is_kept(before: &DenseVolume, mask: &DenseVolume, after: &DenseVolume) {
     if before == &before.mirrored_in_x() && mask == &mask.mirrored_in_x() {
         assert_eq!(after, &after.mirrored_in_x(), "the mirror is broken");

@@ -1,11 +1,11 @@
-//! Model of the export: marching cubes over voxel centres and Laplacian smoothing, by their naive definition.
+//! Model of the export by its naive definition: marching cubes over voxel centres and Laplacian smoothing.
 //! All vertices lie in one array; their neighbours are found from every square of four voxel centres.
 
 use std::collections::HashMap;
 
 use crate::dense::{DenseVolume, face_neighbours};
 
-/// The exported voxels of a volume: the support S(V), or the largest part where nothing is supported.
+/// Returns the exported voxels of a volume: the support S(V), or the largest part if nothing is supported.
 #[must_use]
 pub fn exported_voxels(volume: &DenseVolume, mask: &DenseVolume) -> DenseVolume {
     let grounded = volume.occupied().any(|[_, y, _]| y == 0);
@@ -40,12 +40,12 @@ pub struct SurfaceModel {
     pub smooth: Vec<[i32; 3]>,
     /// The contour segments on the squares of four centres, as pairs of vertex indices.
     pub segments: Vec<[usize; 2]>,
-    /// The number of triangles: a loop of k vertices in a cell has k - 2.
+    /// The number of triangles: a loop of k vertices in a cell gives k - 2.
     pub triangles: usize,
 }
 
 impl SurfaceModel {
-    /// The surface of a set of voxels.
+    /// Returns the surface of a set of voxels.
     #[must_use]
     pub fn from_voxels(solid: &DenseVolume) -> Self {
         let mut surface = SurfaceModel::default();
@@ -81,7 +81,7 @@ struct CrossingEdge {
     empty: [i32; 3],
 }
 
-/// The lowest corners of all cells (cubes of eight voxel centres) that touch a solid voxel.
+/// Returns the lowest corners of all cells (cubes of eight voxel centres) that touch a solid voxel.
 fn lowest_corners_of_cells(solid: &DenseVolume) -> Vec<[i32; 3]> {
     let mut all: Vec<_> = solid
         .occupied()
@@ -92,8 +92,8 @@ fn lowest_corners_of_cells(solid: &DenseVolume) -> Vec<[i32; 3]> {
     all
 }
 
-/// Marching squares on the square of four centres across an axis: segments between two edges from a solid to
-/// an empty centre. Of two solid corners on a diagonal, each is cut off by itself.
+/// Marching squares on the square of four centres across an axis: returns segments between two edges from a
+/// solid to an empty centre. Two solid corners on a diagonal are cut off separately.
 fn contour_of_square(
     solid: &DenseVolume,
     lowest_corner: [i32; 3],
@@ -128,7 +128,7 @@ fn contour_of_square(
     segments
 }
 
-/// The number of triangles of a cell, from the contours on its six sides.
+/// Returns the number of triangles of a cell, from the contours on its six sides.
 fn count_cell_triangles(segments: &[[CrossingEdge; 2]]) -> usize {
     let mut left = segments.to_vec();
     let mut triangles = 0;

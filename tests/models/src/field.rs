@@ -1,5 +1,5 @@
-//! Model of the density field and its mip chain: blur, thin-feature boost and Chebyshev distance of the fast
-//! render path's textures, texel by texel, by their naive definition.
+//! Model of the density field and its mip chain by its naive definition: blur, thin-feature boost and
+//! Chebyshev distance of the fast render path's textures, texel by texel.
 
 use crate::dense::DenseVolume;
 
@@ -8,29 +8,29 @@ const PAD: i32 = 4;
 const HALF: u8 = 128;
 const FAR: i32 = 7;
 
-/// The density of a volume at four levels, and the free distances of its cells; x fastest, then y, then z.
+/// The density of a volume at four levels, and the free distances of its cells; x is fastest, then y, then z.
 pub struct FieldModel {
     /// The grid's side in voxels.
     n: i32,
     occupied: Vec<bool>,
     /// The density, finest first.
     pub density: [Vec<u8>; 4],
-    /// The direction out of the stone at each texel of level 1, 127 for a fall of 254 in two texels.
+    /// The direction out of the stone at each texel of level 1; 127 stands for a fall of 254 in two texels.
     pub outward: Vec<[i8; 3]>,
-    /// How convex the surface is at every texel of level 1, 127 at most either way.
+    /// The convexity of the surface at each texel of level 1, from -127 to 127.
     pub convexity: Vec<i8>,
     /// The number of free cells around each cell in every direction, 0 to 6.
     pub cells: Vec<u8>,
 }
 
-/// Each axis with the two others.
+/// Each axis with the other two.
 const AXES: [[usize; 3]; 3] = [[0, 1, 2], [1, 2, 0], [2, 0, 1]];
 
-/// Voxels around the grid that are read.
+/// The number of voxels around the grid that are read.
 const MARGIN: i32 = 12;
 
 impl FieldModel {
-    /// The field of a set of voxels.
+    /// Computes the field of a set of voxels.
     pub fn from_voxels(dense: &DenseVolume) -> Self {
         let n = dense.side() as i32;
         let occupied = grid_points(n + 2 * MARGIN)
@@ -57,26 +57,26 @@ impl FieldModel {
         model
     }
 
-    /// Texels a side at a level.
+    /// Returns the number of texels a side at a level.
     pub fn texels_per_side(&self, level: usize) -> i32 {
         (self.n + 2 * PAD) >> level
     }
 
-    /// Whether a voxel counts as occupied; it may lie up to [`MARGIN`] voxels outside the grid. Below the
-    /// grid the ground layer repeats.
+    /// Returns `true` if a voxel counts as occupied; it may lie up to [`MARGIN`] voxels outside the grid. The
+    /// ground layer repeats below the grid.
     fn is_occupied_with_ground_repeated(&self, voxel_near_grid: [i32; 3]) -> bool {
         self.occupied[grid_index(voxel_near_grid.map(|c| c + MARGIN), self.n + 2 * MARGIN)]
     }
 
-    /// The density of level 0: blurred voxels, creases and thin features corrected.
+    /// Returns the density of level 0: blurred voxels, with creases and thin features corrected.
     fn finest_density(&self) -> Vec<u8> {
-        // One more texel around: a loose voxel is found by its neighbours.
+        // One more texel on each side, because a loose voxel is recognised by its neighbours.
         let side = self.texels_per_side(0) + 2;
         let voxel = |at: [i32; 3]| at.map(|c| c - PAD - 1);
         let mut texels: Vec<u8> =
             grid_points(side).map(|at| self.blurred_density(voxel(at))).collect();
         for (texel, at) in texels.iter_mut().zip(grid_points(side)) {
-            // An empty voxel in a crease: mirrored to below a half.
+            // An empty voxel in a crease is mirrored to below a half.
             if *texel >= HALF && !self.is_occupied_with_ground_repeated(voxel(at)) {
                 *texel = 255 - *texel;
             }
@@ -94,7 +94,7 @@ impl FieldModel {
             .collect()
     }
 
-    /// The density by a separable blur of 5^3 voxels with the weights 1, 4, 6, 4, 1.
+    /// Returns the density by a separable blur of 5^3 voxels with the weights 1, 4, 6, 4, 1.
     fn blurred_density(&self, voxel: [i32; 3]) -> u8 {
         let weight = |by: i32| [6, 4, 1][by.unsigned_abs() as usize];
         let slice = |z: i32| {
@@ -107,7 +107,7 @@ impl FieldModel {
         (f64::from(sum) / 16.0).round() as u8
     }
 
-    /// The least density of a voxel of a plate or a rod that is one or two voxels thick; 0 for others.
+    /// Returns the minimum density of a voxel in a plate or rod one or two voxels thick; 0 for other voxels.
     fn thin_feature_density(&self, voxel: [i32; 3]) -> u8 {
         let mut level = 0;
         for [axis, a, b] in AXES {
@@ -140,8 +140,8 @@ impl FieldModel {
         level
     }
 
-    /// The length of the run of occupied voxels through a voxel along an axis, counted up to three voxels in
-    /// each direction; 0 for an empty voxel.
+    /// Returns the length of the run of occupied voxels through a voxel along an axis, counted up to three
+    /// voxels in each direction; 0 for an empty voxel.
     fn occupied_run_length_within_three(&self, voxel: [i32; 3], axis: usize) -> i32 {
         if !self.is_occupied_with_ground_repeated(voxel) {
             return 0;
@@ -156,7 +156,8 @@ impl FieldModel {
         1 + way(-1) as i32 + way(1) as i32
     }
 
-    /// Two central differences of level 1: the wide one where both agree, beyond the narrow one at features.
+    /// Returns outward directions from two central differences of level 1: the wide difference where both
+    /// agree, beyond the narrow one at features.
     fn outward_directions(&self) -> Vec<[i8; 3]> {
         let side = self.texels_per_side(1);
         let outward = |at: [i32; 3]| {
@@ -180,7 +181,7 @@ impl FieldModel {
         grid_points(side).map(outward).collect()
     }
 
-    /// The difference of a narrow and a wide mean of level 1, without what a smooth surface comes to.
+    /// Returns the difference of a narrow and a wide mean of level 1, less the value of a smooth surface.
     fn convexities(&self) -> Vec<i8> {
         let side = self.texels_per_side(1);
         let convexity = |at: [i32; 3]| {
@@ -203,7 +204,7 @@ impl FieldModel {
         grid_points(side).map(convexity).collect()
     }
 
-    /// The Chebyshev distance of every cell to the nearest cell with density, less one.
+    /// Returns the Chebyshev distance of every cell to the nearest cell with density, minus one.
     fn count_free_cells(&self) -> Vec<u8> {
         let texels = self.texels_per_side(0);
         let size = if self.n > 128 { 4 } else { 2 };
@@ -227,8 +228,9 @@ impl FieldModel {
     }
 }
 
-/// A separable central difference of the texels around one, in 256ths: `slope` along its axis and `mean` along
-/// the others. Sums along x and y lose so many bits, half up where they have the derivative.
+/// Computes a separable central difference of the texels around a texel, in 256ths: `slope` along its axis
+/// and `mean` along the others. The sum over x and y is shifted right by `bits`, rounding half up if it
+/// contains the derivative.
 fn central_difference(
     texel: &impl Fn([i32; 3]) -> i64,
     slope: [i64; 5],
@@ -248,7 +250,7 @@ fn central_difference(
     })
 }
 
-/// The next level: the mean of 2^3 texels each. `texels_per_side` is the input's.
+/// Returns the next level: the means of 2^3 texels. `texels_per_side` is the input's.
 fn halve_resolution(texels: &[u8], texels_per_side: i32) -> Vec<u8> {
     let mean = |at: [i32; 3]| {
         let finer = grid_points(2).map(|by| [0, 1, 2].map(|i| 2 * at[i] + by[i]));
@@ -258,23 +260,23 @@ fn halve_resolution(texels: &[u8], texels_per_side: i32) -> Vec<u8> {
     grid_points(texels_per_side / 2).map(mean).collect()
 }
 
-/// The voxel `by` steps along an axis.
+/// Returns the voxel `by` steps along an axis.
 fn offset_along(mut voxel: [i32; 3], axis: usize, by: i32) -> [i32; 3] {
     voxel[axis] += by;
     voxel
 }
 
-/// Every voxel within a Chebyshev distance of one.
+/// Returns every voxel within a Chebyshev distance of `radius`.
 fn cube_around(centre: [i32; 3], radius: i32) -> impl Iterator<Item = [i32; 3]> {
     grid_points(2 * radius + 1).map(move |at| [0, 1, 2].map(|i| centre[i] + at[i] - radius))
 }
 
-/// Every voxel of a cube of this side, x fastest.
+/// Returns every voxel of a cube of this side, x fastest.
 pub fn grid_points(side: i32) -> impl Iterator<Item = [i32; 3]> {
     (0..side.pow(3)).map(move |i| [i % side, i / side % side, i / (side * side)])
 }
 
-/// The index of a voxel in a cube of this side, x fastest.
+/// Returns the index of a voxel in a cube of this side, x fastest.
 pub fn grid_index([x, y, z]: [i32; 3], side: i32) -> usize {
     ((z * side + y) * side + x) as usize
 }

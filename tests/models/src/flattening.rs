@@ -1,4 +1,4 @@
-//! Model of flattening: looks at each voxel's neighbours, one by one.
+//! Model of flattening: tests each voxel's neighbours one by one.
 
 use glam::IVec3;
 use paros_core::edit::{EditOperation, HalfSpace, SUBUNITS_PER_VOXEL};
@@ -7,19 +7,20 @@ use crate::dense::DenseVolume;
 
 type Voxel = [i32; 3];
 
-/// The rule of a flattening edit, as it is written at [`EditOperation::Flatten`](paros_core::edit::EditOperation).
+/// The rule of a flattening edit, as documented at
+/// [`EditOperation::Flatten`](paros_core::edit::EditOperation).
 #[derive(Clone, Copy, Debug)]
 pub struct Flattening {
-    /// What goes.
+    /// The half space that is removed.
     pub above: HalfSpace,
-    /// Half of the widest pit.
+    /// Half the width of the widest pit that is filled.
     pub reach: i32,
-    /// Whether the mirror image of the brush belongs to it.
+    /// `true` if the edit includes the brush's mirror image.
     pub is_mirrored: bool,
 }
 
 impl Flattening {
-    /// The rule of an operation, if it flattens.
+    /// Returns the rule of an operation, or `None` if it doesn't flatten.
     pub fn of(operation: EditOperation, is_mirrored: bool) -> Option<Self> {
         match operation {
             EditOperation::Flatten { above, reach } => {
@@ -29,7 +30,7 @@ impl Flattening {
         }
     }
 
-    /// Whether a voxel of the brush is occupied after the edit, before closure.
+    /// Returns `true` if a voxel of the brush is occupied after the edit, before closure.
     pub fn is_occupied_after(&self, volume: &DenseVolume, voxel: Voxel) -> bool {
         let last = volume.side() as i32 - 1;
         let is_image = self.is_mirrored && 2 * voxel[0] > last;

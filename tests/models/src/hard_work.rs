@@ -1,4 +1,4 @@
-//! Hands whose work costs a tick most.
+//! Visitors whose actions cost the most work in a tick.
 
 use std::array;
 
@@ -10,24 +10,24 @@ use paros_core::{HandInput, TickInput, World};
 
 use crate::random_visitor::RandomSource;
 
-/// What a hand does.
+/// An expensive action of a hand.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum HardWork {
-    /// Its bit crosses the stone from one side to the other and back, a way a tick.
+    /// The bit crosses the stone from one side to the other and back, one crossing a tick.
     Storm,
-    /// Its bit turns half round, a turn a tick.
+    /// The bit makes half a turn a tick.
     Turns,
-    /// Its bit is deep in a trench that a fill has narrowed, as far as it goes.
+    /// The bit is in a trench that a fill has narrowed, as deep as possible.
     Deep,
-    /// Its bit goes to and fro through the stone at a metre a second, half in it.
+    /// The bit moves back and forth through the stone at a metre a second, half immersed.
     Rough,
-    /// Its bit, whose blade stands across x, is pushed along x at a metre a second and turns a little: it makes as
-    /// many bites as fit, and its blade lies in most rows.
+    /// The bit's blade stands across x and is pushed along x at a metre a second while turning slightly: it
+    /// makes as many bites as possible, and its blade lies in most rows.
     Sideways,
 }
 
 impl HardWork {
-    /// Where a hand has its bit in a tick, in a grid of so many voxels a side with stone up to `floor`.
+    /// Returns the pose of a hand's bit in a tick, in a grid of `side` voxels with stone up to `floor`.
     #[must_use]
     pub fn pose_at(self, hand: usize, side: f32, floor: f32, tick: u32) -> Pose {
         let odd = tick % 2 == 1;
@@ -42,7 +42,7 @@ impl HardWork {
                 (Vec3::new(side * 0.3 + 0.2 * tick as f32, floor - 0.03 * side, z), turned)
             }
             HardWork::Rough => {
-                // 13.9 mm of the box's 450 mm a tick, with a blade upright across x.
+                // 13.9 mm of the box's 450 mm a tick, with the blade upright across x.
                 let gone = (tick as f32 * 0.0309) % 1.4;
                 let z = side * (0.15 + (0.7 - gone).abs());
                 let x = side * (0.3 + 0.4 * hand as f32 + 0.002 * tick as f32);
@@ -60,17 +60,17 @@ impl HardWork {
     }
 }
 
-/// What a hand of a [`HardVisitor`] does.
+/// The habit of a hand of a [`HardVisitor`].
 #[derive(Clone, Copy, Debug)]
 enum Habit {
     Works(HardWork),
-    /// Its bit wanders and turns a little.
+    /// The bit wanders and turns slightly.
     Wanders,
-    /// Its bit is anywhere, anyhow.
+    /// The bit has an arbitrary pose.
     Jumps,
 }
 
-/// A visitor of both hands that do what costs most, undo and redo in the midst of it, and exchange habits.
+/// A visitor whose two hands do the most expensive actions, undo and redo in between, and change habits.
 #[derive(Debug)]
 pub struct HardVisitor {
     dice: RandomSource,
@@ -79,7 +79,7 @@ pub struct HardVisitor {
 }
 
 impl HardVisitor {
-    /// A visitor whose inputs follow from the seed and the world.
+    /// Creates a visitor whose inputs depend only on the seed and the world.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         let mut dice = RandomSource::new(seed);
@@ -88,8 +88,8 @@ impl HardVisitor {
         HardVisitor { dice, habits, poses: [pose; 2] }
     }
 
-    /// The inputs of a visit's first ticks: it starts a session and takes two tools,
-    /// with bits as small or as large as they come, or as they are.
+    /// Returns the inputs of a visit's first ticks: start a session and take two tools, with their bits at
+    /// minimum, maximum or unchanged size.
     pub fn begin_visit(&mut self, start: SessionMode) -> Vec<TickInput> {
         let mut inputs = vec![TickInput { start, ..TickInput::default() }];
         for (hand, bit) in self.choose_bits().into_iter().enumerate() {
@@ -110,7 +110,7 @@ impl HardVisitor {
         inputs
     }
 
-    /// The input of a tick of work, of which so many went before.
+    /// Returns the input of the next tick of work; `tick` ticks of work came before.
     pub fn next_input<const N: usize, const K: usize>(
         &mut self,
         world: &World<N, K>,
@@ -128,7 +128,7 @@ impl HardVisitor {
         TickInput { hands, commands, ..TickInput::default() }
     }
 
-    /// Two bits of different tools, of which a fifth are saws.
+    /// Chooses bits of two different tools; a fifth are saws.
     fn choose_bits(&mut self) -> [ToolBit; 2] {
         loop {
             let bits = [0; 2].map(|_| {
@@ -154,7 +154,7 @@ impl HardVisitor {
         if dice.one_in(12) {
             self.habits[hand] = Habit::any(dice);
         }
-        // In sides of the grid.
+        // In units of the grid's side.
         let Pose { position, rotation } = self.poses[hand];
         let pose = match self.habits[hand] {
             Habit::Works(work) => work.pose_at(hand, 1.0, 0.6, tick),

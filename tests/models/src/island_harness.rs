@@ -1,5 +1,4 @@
-//! Test harness of island removal: a volume, its mask and a pass, each tick of which is checked against its
-//! journal.
+//! Test harness of island removal: a volume, its mask and a pass. Each tick is checked against its journal.
 
 use glam::IVec3;
 use paros_core::edit::{EditOperation, EditScratch, IslandReport, SUBUNITS_PER_VOXEL};
@@ -19,7 +18,7 @@ where
     pub volume: Volume<N>,
     /// The part of `volume` that is never removed.
     pub mask: RangeMaps<N>,
-    /// The island pass.
+    /// The island search.
     pub islands: IslandSearch<N>,
     scratch: EditScratch<N>,
     spare: RangeMaps<N>,
@@ -29,7 +28,7 @@ impl<const N: usize> IslandHarness<N>
 where
     Grid<N>: Size,
 {
-    /// An empty volume, for static initialisers.
+    /// Creates an empty volume; `const` for statics.
     #[must_use]
     #[allow(clippy::new_without_default)] // a Default would hand the volume about by value
     pub const fn new() -> Self {
@@ -49,18 +48,18 @@ where
         self.islands.cancel_passes();
     }
 
-    /// The volume as the model's set of voxels.
+    /// Returns the volume as the model's set of voxels.
     #[must_use]
     pub fn to_dense(&self) -> DenseVolume {
         DenseVolume::from_bits(self.volume.rows())
     }
 
-    /// Advances the pass by a tick of `max_row_visits`. The journal must name exactly the changed columns with
-    /// their old values, nothing may be added, the maps must be tight and the digests right. Returns the report
-    /// at the pass's end.
+    /// Advances the pass by a tick of `max_row_visits`. Checks that the journal contains exactly the changed
+    /// columns with their old values, that nothing is added, that the maps are tight and the digests right.
+    /// Returns the report at the pass's end.
     ///
     /// # Errors
-    /// A check that failed.
+    /// A check failed.
     pub fn advance_checked(
         &mut self,
         max_row_visits: u32,
@@ -88,7 +87,7 @@ where
     /// Checks that the rows are the intersection of the maps, and that every range is tight.
     ///
     /// # Errors
-    /// A check that failed.
+    /// A check failed.
     pub fn check_closed(&mut self) -> Result<(), TestCaseError> {
         let dense = self.to_dense();
         prop_assert!(dense == DenseVolume::from_maps(self.volume.maps()), "rows and maps differ");

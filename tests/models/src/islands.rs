@@ -1,4 +1,4 @@
-//! Model of island removal: flood fill from ground and mask, by its naive definition. The volume becomes the
+//! Model of island removal by its naive definition: flood fill from ground and mask. The volume becomes the
 //! closure of its supported voxels.
 
 use crate::dense::{DenseVolume, face_neighbours};
@@ -8,11 +8,11 @@ use crate::dense::{DenseVolume, face_neighbours};
 pub struct ClearedVolume {
     /// The volume afterwards.
     pub after: DenseVolume,
-    /// Voxels removed.
+    /// Number of voxels removed.
     pub removed: u32,
-    /// Unsupported voxels that closure keeps.
+    /// Number of unsupported voxels that closure keeps.
     pub kept: u32,
-    /// Whether the volume touches neither ground nor mask; nothing is removed then.
+    /// `true` if the volume touches neither ground nor mask; nothing is removed then.
     pub unsupported: bool,
 }
 
@@ -29,7 +29,7 @@ pub fn clear_islands(volume: &DenseVolume, mask: &DenseVolume) -> ClearedVolume 
     ClearedVolume { after, removed, kept, unsupported: false }
 }
 
-/// The voxels of all islands that neither contain nor touch a voxel of `added`.
+/// Returns the voxels of all islands that neither contain nor touch a voxel of `added`.
 pub fn islands_away_from(
     volume: &DenseVolume,
     mask: &DenseVolume,

@@ -1,4 +1,4 @@
-//! Model of a volume of K intervals a column: three lists of intervals beside one boolean a voxel, and the
+//! Model of a volume of K intervals a column: three lists of intervals and one boolean a voxel, with the
 //! closure rule by its naive definition.
 
 use paros_core::RangeMaps;
@@ -6,21 +6,21 @@ use paros_core::volume::{Axis, Column, Range};
 
 use crate::dense::DenseVolume;
 
-/// The intervals of a column, lowest first: first voxel and last.
+/// The intervals of a column, lowest first, each as first and last voxel.
 pub type Intervals = Vec<(usize, usize)>;
 
-/// A volume with its maps, which are history beside the voxels: which gaps a column holds depends on the
-/// edits before.
+/// A volume with its maps. The maps depend on the history: which gaps a column holds follows from earlier
+/// edits.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct LayeredVolume {
     layers: usize,
     voxels: DenseVolume,
-    /// By axis, then by line and place.
+    /// The intervals, by axis, line and place.
     columns: [Vec<Intervals>; 3],
 }
 
 impl LayeredVolume {
-    /// The closure of `voxels` in columns of at most `layers` intervals that held no gap before.
+    /// Returns the closure of `voxels` in columns of at most `layers` intervals without earlier gaps.
     pub fn new(voxels: &DenseVolume, layers: usize) -> Self {
         let n = voxels.side();
         let columns = Axis::ALL.map(|_| vec![Vec::new(); n * n]);
@@ -29,20 +29,20 @@ impl LayeredVolume {
         volume
     }
 
-    /// The occupied voxels.
+    /// Returns the occupied voxels.
     pub fn voxels(&self) -> &DenseVolume {
         &self.voxels
     }
 
-    /// The intervals of the column at (line, place).
+    /// Returns the intervals of the column at (line, place).
     pub fn column(&self, axis: Axis, (line, place): (usize, usize)) -> &Intervals {
         &self.columns[axis as usize][line * self.voxels.side() + place]
     }
 
-    /// Writes its columns to maps of as many intervals.
+    /// Writes the columns to maps with the same number of intervals.
     ///
     /// # Panics
-    /// The maps are of another size or number of intervals.
+    /// The maps have another size or number of intervals.
     pub fn write_maps<const N: usize, const K: usize>(&self, maps: &mut RangeMaps<N, K>) {
         assert_eq!((N, K), (self.voxels.side(), self.layers), "voxels a side, intervals a column");
         for axis in Axis::ALL {
@@ -56,8 +56,8 @@ impl LayeredVolume {
         }
     }
 
-    /// Becomes what follows when an edit's exact result is `exact`: the columns in which it differs from the
-    /// volume by the closure rule, then the voxels that all three columns hold.
+    /// Applies an edit whose exact result is `exact`: recomputes the columns that differ from it by the
+    /// closure rule, then the voxels that lie in all three of their columns.
     pub fn become_closure_of(&mut self, exact: &DenseVolume) {
         let n = self.voxels.side();
         for (axis, i) in Axis::ALL.into_iter().flat_map(|axis| (0..n * n).map(move |i| (axis, i))) {
@@ -73,11 +73,11 @@ impl LayeredVolume {
         });
     }
 
-    /// Asserts what holds for every volume: each interval is tight, and a column with fewer than K - 1 gaps
-    /// has no other empty run inside its hull.
+    /// Asserts the invariants of every volume: each interval is tight, and a column with fewer than K - 1
+    /// gaps has no other empty run inside its hull.
     ///
     /// # Panics
-    /// One does not hold.
+    /// An invariant is violated.
     pub fn assert_tight_and_saturated(&self) {
         let n = self.voxels.side();
         for axis in Axis::ALL {
@@ -95,8 +95,8 @@ impl LayeredVolume {
     }
 }
 
-/// The closure rule for one column: the hull of `bits` without the first `layers - 1` of its empty runs,
-/// sorted by (touches a gap of `before`: first; length, longest first; lowest coordinate).
+/// Applies the closure rule to one column: the hull of `bits` without the first `layers - 1` of its empty
+/// runs. The runs are sorted by (touches a gap of `before`: first; length, longest first; lowest coordinate).
 pub(crate) fn closed_intervals(bits: &[bool], before: &Intervals, layers: usize) -> Intervals {
     let Some(first) = bits.iter().position(|&bit| bit) else {
         return Vec::new();

@@ -1,7 +1,7 @@
 //! Reference models: the naive definition of each algorithm of the core, for differential tests. A model
-//! takes the core's inputs and returns what the core must return, voxel by voxel. Beside the models stand
+//! takes the core's inputs and returns what the core must return, voxel by voxel. The crate also has
 //! harnesses, which hold the core's state under test and check its invariants, and generators of inputs.
-//! Nothing here knows a picture, a file or a device.
+//! Nothing here depends on rendering, files or devices.
 
 pub mod allocations;
 pub mod badge;
@@ -37,7 +37,7 @@ pub mod world_harness;
 
 use paros_core::internals::ByteWriter;
 
-/// Runs `save` twice, first to measure the length, and returns the bytes that it writes.
+/// Runs `save` twice, first to measure the length, and returns the bytes written.
 ///
 /// # Panics
 /// The second run writes more than the first.

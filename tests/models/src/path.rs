@@ -1,14 +1,14 @@
-//! Model of a bit's path: its poses from one to another.
+//! Model of a bit's path: the poses from one pose to another.
 
 use glam::Vec3;
 use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL};
 use paros_core::internals::{GridBit, GridShape};
 
-/// Walk steps a voxel of path length.
+/// Steps of the walk a voxel of path length.
 pub const STEPS_PER_VOXEL: f32 = 4.0;
 
-/// The poses of a path, in steps of a quarter voxel of translation and rotation together: `from` is none of
-/// them, the last is `to`. Along its own plane a disc moves four times as far in a step.
+/// Returns the poses of a path, in steps of a quarter voxel of translation and rotation together, without
+/// `from` and with `to` as the last. Along its own plane a disc moves four times as far in a step.
 pub fn path_poses(bit: &GridBit, from: &Pose, to: &Pose) -> impl Iterator<Item = Pose> + use<> {
     let (from, to) = (*from, *to);
     let turn = from.angle_radians_to(&to) * bit.circumscribed_radius_subunits() as f32

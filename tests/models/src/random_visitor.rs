@@ -1,4 +1,4 @@
-//! Generators of input: a random walk that sculpts as people do, and arbitrary input for fuzzing.
+//! Generators of input: a random walk that sculpts like a person, and arbitrary input for fuzzing.
 
 use glam::{Quat, Vec3};
 use paros_core::internals::{BENCH_ITEMS, BOX_SIDE, STOOL_TOP, UNITS_PER_METRE};
@@ -13,12 +13,12 @@ use paros_core::{HandInput, TickInput};
 pub struct RandomSource(u64);
 
 impl RandomSource {
-    /// A generator with any seed.
+    /// Creates a generator from any seed.
     pub fn new(seed: u64) -> Self {
         RandomSource(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
     }
 
-    /// The next 64 bits.
+    /// Returns the next 64 bits.
     pub fn next_bits(&mut self) -> u64 {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;
@@ -26,27 +26,27 @@ impl RandomSource {
         self.0.wrapping_mul(0x2545_f491_4f6c_dd1d)
     }
 
-    /// A number from 0 to `end - 1`.
+    /// Returns a number from 0 to `end - 1`.
     pub fn below(&mut self, end: u64) -> u64 {
         (self.next_bits() >> 16) % end
     }
 
-    /// True with probability 1 / `sides`.
+    /// Returns `true` with probability 1 / `sides`.
     pub fn one_in(&mut self, sides: u64) -> bool {
         self.below(sides) == 0
     }
 
-    /// A number from -1 to 1.
+    /// Returns a number from -1 to 1.
     pub fn uniform_signed(&mut self) -> f32 {
         self.below(1 << 20) as f32 / (1 << 19) as f32 - 1.0
     }
 
-    /// A vector with components from -1 to 1.
+    /// Returns a vector with components from -1 to 1.
     pub fn uniform_in_cube(&mut self) -> Vec3 {
         Vec3::new(self.uniform_signed(), self.uniform_signed(), self.uniform_signed())
     }
 
-    /// A random rotation, not uniform.
+    /// Returns a random rotation, not uniformly distributed.
     pub fn arbitrary_rotation(&mut self) -> Quat {
         let q = Quat::from_xyzw(
             self.uniform_signed(),
@@ -75,12 +75,12 @@ pub struct RandomVisitor {
     dice: RandomSource,
     arms: [ArmState; 2],
     ticks: u32,
-    /// Whether it uses commands and buttons.
+    /// `true` if the visitor uses commands and buttons.
     pub restless: bool,
 }
 
 impl RandomVisitor {
-    /// A visitor whose inputs follow from the seed alone.
+    /// Creates a visitor whose inputs depend only on the seed.
     pub fn new(seed: u64) -> Self {
         let arm = |x: f32| ArmState {
             tip: STOOL_TOP + Vec3::new(x, 0.5 * BOX_SIDE, 0.3),
@@ -167,7 +167,7 @@ impl ArmState {
     fn advance_motion(&mut self, dice: &mut RandomSource) {
         let middle = STOOL_TOP + Vec3::Y * 0.5 * BOX_SIDE;
         if dice.one_in(25) {
-            // Into the stone or past it, at up to two metres a second.
+            // A goal in the stone or beyond it, at up to two metres a second.
             let goal = middle + dice.uniform_in_cube() * 0.3 * BOX_SIDE;
             self.velocity =
                 (goal - self.tip).normalize_or_zero() * 0.015 * dice.uniform_signed().abs();
@@ -189,7 +189,7 @@ impl ArmState {
     }
 }
 
-/// An arbitrary input: any values of every field, often extreme ones.
+/// Returns an arbitrary input: any values of every field, often extreme ones.
 pub fn arbitrary_input(dice: &mut RandomSource) -> TickInput {
     let hand = |dice: &mut RandomSource| HandInput {
         aim: arbitrary_pose(dice),
@@ -230,7 +230,7 @@ pub fn arbitrary_input(dice: &mut RandomSource) -> TickInput {
     }
 }
 
-/// Any presence and use, and now and then any command of a visit, times of few seconds among them.
+/// Returns any presence and use, and occasionally a command of a visit, such as times of a few seconds.
 fn arbitrary_visit(dice: &mut RandomSource) -> VisitInput {
     let presence = [Presence::Unknown, Presence::Worn, Presence::Off][dice.below(3) as usize];
     let start = [SessionMode::FreeForm, SessionMode::Constrained { figure: dice.below(3) as u8 }];
@@ -244,7 +244,7 @@ fn arbitrary_visit(dice: &mut RandomSource) -> VisitInput {
     ][dice.below(6) as usize];
     let staff = [StaffCommand::Extend, StaffCommand::End, StaffCommand::Reset];
     let setting = PlanSetting::ALL[dice.below(PlanSetting::ALL.len() as u64) as usize];
-    // Mostly there are no visits, or little would be edited.
+    // Visits are seldom opened, otherwise little would be edited.
     let command = match dice.below(40) {
         0 if dice.one_in(20) => VisitCommand::Open,
         1 => VisitCommand::Close,
@@ -260,7 +260,7 @@ fn arbitrary_visit(dice: &mut RandomSource) -> VisitInput {
     VisitInput { presence, is_used: dice.one_in(2), command }
 }
 
-/// An arbitrary raw pose: extreme, anywhere, far from the stone or near it.
+/// Returns an arbitrary raw pose: extreme, anywhere, far from the stone or near it.
 fn arbitrary_pose(dice: &mut RandomSource) -> RawPose {
     let near = [STOOL_TOP.x, STOOL_TOP.y + 0.2, STOOL_TOP.z];
     let kind = dice.below(8);

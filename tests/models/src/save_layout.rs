@@ -1,4 +1,4 @@
-//! Where the parts of a saved world lie, for tests that forge one.
+//! Offsets of the parts of a saved world, for tests that forge saves.
 
 use std::ops::Range;
 
@@ -10,27 +10,27 @@ use paros_core::volume::{Axis, Grid, Size};
 /// Offset of the checksum.
 const CHECKSUM: usize = 8;
 
-/// Offset of what the checksum covers, which begins with the world's small state.
+/// Offset of the bytes that the checksum covers, which begin with the world's small state.
 pub const BODY: usize = 16;
 
 /// Offset of the volume's columns.
 pub const MAPS: usize = BODY + STATE_BYTES;
 
-/// Where the parts of a save lie that have no fixed place.
+/// Offsets of the parts of a save that have no fixed place.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct SaveLayout {
     /// The mask's columns.
     pub mask: usize,
     /// The undo history.
     pub undo: usize,
-    /// Each undo entry, its length in front.
+    /// The range of each undo entry, including the length before it.
     pub entries: Vec<Range<usize>>,
     /// The island search.
     pub islands: usize,
 }
 
 impl SaveLayout {
-    /// Finds the parts of a save of this N and K. `None` where the bytes end early.
+    /// Finds the parts of a save of this N and K. Returns `None` if the bytes end early.
     #[must_use]
     pub fn of<const N: usize, const K: usize>(bytes: &[u8]) -> Option<Self> {
         let mask = MAPS + 6 * N * N * K;
@@ -48,10 +48,10 @@ impl SaveLayout {
         (at < bytes.len()).then_some(SaveLayout { mask, undo, entries, islands: at })
     }
 
-    /// The columns of an undo entry with the offsets of their values, 2 K bytes each.
+    /// Returns the columns of an undo entry with the offsets of their values, 2 K bytes each.
     ///
     /// # Panics
-    /// There is no such entry.
+    /// The entry doesn't exist.
     #[must_use]
     pub fn columns_of_entry<const N: usize, const K: usize>(
         &self,
@@ -77,7 +77,7 @@ impl SaveLayout {
     }
 }
 
-/// Saves a world.
+/// Saves a world to a vector.
 pub fn save_to_vec<const N: usize, const K: usize>(world: &World<N, K>) -> Vec<u8>
 where
     Grid<N>: Size,
@@ -88,7 +88,7 @@ where
     bytes
 }
 
-/// Makes a forged save's checksum right.
+/// Writes a valid checksum to a forged save.
 pub fn write_checksum(bytes: &mut [u8]) {
     let sum = checksum(&bytes[BODY..]);
     bytes[CHECKSUM..BODY].copy_from_slice(&sum.to_le_bytes());

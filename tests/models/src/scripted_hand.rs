@@ -14,13 +14,13 @@ pub const LEFT: usize = 0;
 /// The right hand.
 pub const RIGHT: usize = 1;
 
-/// The input of a tracked hand at a position of the room, pointing along -z, with nothing pressed.
+/// Returns the input of a tracked hand at a position of the room, pointing along -z, with nothing pressed.
 pub fn hand_input_at(room_position: Vec3) -> HandInput {
     let pose = RawPose::quantise(room_position, Quat::IDENTITY);
     HandInput { aim: pose, grip: pose, tracked: true, ..HandInput::default() }
 }
 
-/// A tick's input with one hand; the other is not tracked.
+/// Returns a tick's input with one hand; the other hand isn't tracked.
 pub fn input_with_hand(hand: usize, input: HandInput) -> TickInput {
     let mut all = TickInput::default();
     all.hands[hand] = input;
@@ -58,7 +58,7 @@ pub fn take_item<const N: usize, const K: usize>(
 /// Side of the stone's box in millimetres.
 pub const BOX_MM: f32 = 450.0;
 
-/// Starts a session from the voxels whose middles `is_stone`, in millimetres of the stone's box.
+/// Starts a session from the voxels whose centres satisfy `is_stone`, in millimetres of the stone's box.
 pub fn start_from_stone<const N: usize, const K: usize>(
     harness: &mut WorldHarness<N, K>,
     is_stone: impl Fn(Vec3) -> bool,
@@ -71,7 +71,7 @@ pub fn start_from_stone<const N: usize, const K: usize>(
     });
 }
 
-/// The input of a tick with the right hand's bit at a place in millimetres of the stone's box.
+/// Returns the input of a tick with the right hand's bit at a place in millimetres of the stone's box.
 pub fn input_with_bit_at<const N: usize, const K: usize>(
     harness: &WorldHarness<N, K>,
     place_mm: Vec3,
@@ -85,7 +85,7 @@ where
     input_with_bit(harness, RIGHT, &pose, trigger)
 }
 
-/// The input of a tick with a hand's bit at a pose of the grid.
+/// Returns the input of a tick with a hand's bit at a pose of the grid.
 fn input_with_bit<const N: usize, const K: usize>(
     harness: &WorldHarness<N, K>,
     hand: usize,
@@ -98,7 +98,7 @@ where
     input_with_hand(hand, HandInput { trigger, ..harness.world.hand_with_bit_at(hand, pose) })
 }
 
-/// Runs a tick with the held bit at a position of the grid, the trigger pulled or not.
+/// Runs a tick with the held bit at a position of the grid, and the trigger pulled or not.
 pub fn step_with_bit_at<const N: usize, const K: usize>(
     harness: &mut WorldHarness<N, K>,
     hand: usize,
@@ -112,8 +112,8 @@ pub fn step_with_bit_at<const N: usize, const K: usize>(
     harness.step(&input);
 }
 
-/// Runs a stroke of `ticks` ticks between two positions of the grid, the trigger pulled; then lifts the bit by
-/// 40 voxels.
+/// Runs a stroke of `ticks` ticks between two positions of the grid with the trigger pulled, then lifts the
+/// bit by 40 voxels.
 pub fn run_stroke<const N: usize, const K: usize>(
     harness: &mut WorldHarness<N, K>,
     hand: usize,
@@ -131,7 +131,7 @@ pub fn run_stroke<const N: usize, const K: usize>(
     step_with_bit_at(harness, hand, grid_end + Vec3::Y * 40.0, false);
 }
 
-/// Starts a session from a floor of stone, so many voxels thick.
+/// Starts a session from a floor of stone with a thickness in voxels.
 pub fn start_from_floor<const N: usize, const K: usize>(
     harness: &mut WorldHarness<N, K>,
     thickness: usize,
@@ -141,7 +141,7 @@ pub fn start_from_floor<const N: usize, const K: usize>(
     harness.start_from_voxels(|[_, y, _]| y < thickness);
 }
 
-/// The world's volume, as the model's set of voxels.
+/// Returns the world's volume as the model's set of voxels.
 pub fn volume_of<const N: usize, const K: usize>(harness: &WorldHarness<N, K>) -> DenseVolume
 where
     Grid<N>: Size,

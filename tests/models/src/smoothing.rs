@@ -1,4 +1,4 @@
-//! Model of smoothing: counts the voxels of a cube, one by one.
+//! Model of smoothing: counts the voxels of a cube one by one.
 
 use paros_core::edit::{Dither, EditOperation};
 use paros_core::internals::{BrushPiece, mix_bits};
@@ -7,19 +7,19 @@ use crate::dense::DenseVolume;
 
 type Voxel = [i32; 3];
 
-/// The rule of a smoothing edit, as it is written at [`EditOperation::Smooth`](paros_core::edit::EditOperation).
+/// The rule of a smoothing edit, as documented at [`EditOperation::Smooth`](paros_core::edit::EditOperation).
 #[derive(Clone, Copy, Debug)]
 pub struct Smoothing {
-    /// Voxels to each side of the middle one.
+    /// Half-side of the cube: the number of voxels on each side of the middle one.
     pub radius: i32,
-    /// Where the threshold is dithered.
+    /// The dithering of the threshold, if any.
     pub dither: Option<Dither>,
-    /// Whether the mirror image of the brush belongs to it.
+    /// `true` if the edit includes the brush's mirror image.
     pub is_mirrored: bool,
 }
 
 impl Smoothing {
-    /// The rule of an operation, if it smooths.
+    /// Returns the rule of an operation, or `None` if it doesn't smooth.
     pub fn of(operation: EditOperation, is_mirrored: bool) -> Option<Self> {
         match operation {
             EditOperation::Smooth { radius, dither } => {
@@ -29,7 +29,7 @@ impl Smoothing {
         }
     }
 
-    /// Whether a voxel of the brush is occupied after the edit, before closure.
+    /// Returns `true` if a voxel of the brush is occupied after the edit, before closure.
     pub fn is_occupied_after(&self, volume: &DenseVolume, voxel: Voxel) -> bool {
         let mirrored = [volume.side() as i32 - 1 - voxel[0], voxel[1], voxel[2]];
         let is_in = |piece: &BrushPiece| {
@@ -46,7 +46,7 @@ impl Smoothing {
         }
         match self.dither {
             Some(dither) if is_in(&dither.piece) => {
-                // Both halves of a mirrored edit have the same dither.
+                // Both halves of a mirrored edit use the same dither.
                 let x = if self.is_mirrored { voxel[0].min(mirrored[0]) } else { voxel[0] };
                 let u = dither_of([x, voxel[1], voxel[2]], dither.seed, side * side);
                 2 * occupied > side.pow(3) - side.pow(2) + 2 * u
@@ -56,14 +56,14 @@ impl Smoothing {
     }
 }
 
-/// A number from 0 to `end - 1`, by voxel and seed.
+/// Returns a number from 0 to `end - 1`, determined by voxel and seed.
 fn dither_of([x, y, z]: Voxel, seed: u64, end: i32) -> i32 {
     let index = x + 256 * y + 256 * 256 * z;
     let random = mix_bits(seed ^ mix_bits(index as u64 + 1)) >> 32;
     (random * end as u64 / (1 << 32)) as i32
 }
 
-/// Whether a piece holds a voxel of a grid of this side.
+/// Returns `true` if a piece contains a voxel of a grid of this side.
 fn holds(piece: &BrushPiece, [x, y, z]: Voxel, side: usize) -> bool {
     let row = piece.x_range(y as usize, z as usize, side);
     row.is_some_and(|row| row.contains(x as usize))

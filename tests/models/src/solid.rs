@@ -1,4 +1,4 @@
-//! Analytic solids by their signed distance functions, whose surface and normal are known exactly.
+//! Analytic solids with signed distance functions, whose surface and normal are known exactly.
 
 use glam::{Quat, Vec3};
 
@@ -7,7 +7,7 @@ use crate::dense::DenseVolume;
 /// A solid at a pose, in voxels.
 #[derive(Clone, Copy, Debug)]
 pub struct Solid {
-    /// The shape about the origin.
+    /// The shape, centred at the origin.
     pub shape: SolidShape,
     /// The position of its centre.
     pub centre: Vec3,
@@ -15,7 +15,7 @@ pub struct Solid {
     pub rotation: Quat,
 }
 
-/// The shape of a solid about the origin; all lengths are in voxels.
+/// The shape of a solid, centred at the origin; all lengths are in voxels.
 #[derive(Clone, Copy, Debug)]
 pub enum SolidShape {
     /// A sphere.
@@ -39,29 +39,29 @@ pub enum SolidShape {
     },
 }
 
-/// The surface as seen from a point.
+/// The nearest point of a surface, as seen from a point.
 struct SurfaceProjection {
-    /// Negative inside.
+    /// The signed distance, negative inside.
     signed_distance: f32,
     /// The outward unit normal at the nearest point.
     normal: Vec3,
 }
 
 impl Solid {
-    /// The signed distance of a point to the surface, negative inside.
+    /// Returns the signed distance of a point to the surface, negative inside.
     pub fn signed_distance(&self, point: Vec3) -> f32 {
         self.shape
             .nearest_on_surface(self.rotation.inverse() * (point - self.centre))
             .signed_distance
     }
 
-    /// The outward unit normal at the surface's nearest point to a point.
+    /// Returns the outward unit normal at the point of the surface nearest to `point`.
     pub fn nearest_normal(&self, point: Vec3) -> Vec3 {
         self.rotation
             * self.shape.nearest_on_surface(self.rotation.inverse() * (point - self.centre)).normal
     }
 
-    /// The voxels whose centres lie inside.
+    /// Returns the voxels whose centres lie inside.
     pub fn to_voxels(&self, n: usize) -> DenseVolume {
         DenseVolume::from_fn(n, |voxel| {
             self.signed_distance(Vec3::from_array(voxel.map(|c| c as f32 + 0.5))) <= 0.0
@@ -70,7 +70,7 @@ impl Solid {
 }
 
 impl SolidShape {
-    /// The signed distance of a point, and the outward normal at the nearest point of the surface.
+    /// Returns the signed distance of a point, and the outward normal at the nearest point of the surface.
     fn nearest_on_surface(self, point: Vec3) -> SurfaceProjection {
         let found = |signed_distance, normal| SurfaceProjection { signed_distance, normal };
         match self {

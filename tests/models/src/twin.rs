@@ -1,5 +1,5 @@
-//! Model of the CPU twin's renderer: ray march by layers, normal and integral over the sphere, by their naive
-//! definitions in f64.
+//! Model of the CPU twin's renderer by naive definitions in f64: ray march by layers, normal, and integral
+//! over the sphere.
 
 use std::sync::Mutex;
 
@@ -13,7 +13,7 @@ static MAPS_64: Mutex<RangeMaps<64>> = Mutex::new(RangeMaps::new());
 
 /// The centre of the ball of [`with_maps_of_ball`], in voxels.
 pub const BALL_CENTRE: Vec3 = Vec3::new(32.0, 31.5, 32.25);
-/// Its radius, in voxels.
+/// The radius of that ball, in voxels.
 pub const BALL_RADIUS: f32 = 24.0;
 
 /// Calls `f` with the maps of a volume of 16^3 voxels.
@@ -31,12 +31,12 @@ pub fn with_maps_of_ball<T>(f: impl FnOnce(&RangeMaps<64>) -> T) -> T {
     f(&maps)
 }
 
-/// A voxel's centre, in voxels.
+/// Returns a voxel's centre, in voxels.
 pub fn voxel_centre(voxel: [i32; 3]) -> Vec3 {
     Vec3::from_array(voxel.map(|c| c as f32 + 0.5))
 }
 
-/// Directions along the six axes, the edges and the corners of a cube, and between.
+/// Returns directions along the six axes, the edges and the corners of a cube, and between.
 pub fn sample_directions() -> Vec<Vec3> {
     let ends = [-1.0, -0.35, 0.0, 0.35, 1.0];
     let all =
@@ -44,8 +44,8 @@ pub fn sample_directions() -> Vec<Vec3> {
     all.filter_map(Vec3::try_normalize).collect()
 }
 
-/// The samples of a ray that a march may return: the first that is certainly in an occupied voxel, and those
-/// before it that rounding may put into one.
+/// The samples of a ray that a march may return: the first sample that is certainly in an occupied voxel, and
+/// earlier samples that rounding may put into an occupied voxel.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct PossibleHits {
     /// The distance of the first sample whose voxel is occupied however its position is rounded.
@@ -91,7 +91,7 @@ pub fn possible_hits_at_layer_middles(
     found
 }
 
-/// The normal by equation 1 of the paper at a point near the voxel that was hit, before normalisation.
+/// Returns the normal by equation 1 of the paper at a point near the hit voxel, before normalisation.
 #[must_use]
 pub fn unnormalised_normal(dense: &DenseVolume, hit_voxel: [i32; 3], point: [f64; 3]) -> [f64; 3] {
     let mut sum = [0.0; 3];
@@ -107,7 +107,7 @@ pub fn unnormalised_normal(dense: &DenseVolume, hit_voxel: [i32; 3], point: [f64
     sum
 }
 
-/// The integral of a function over the unit sphere, by the midpoint rule.
+/// Returns the integral of a function over the unit sphere, by the midpoint rule.
 #[must_use]
 pub fn integrate_over_sphere(mut f: impl FnMut([f64; 3]) -> f64) -> f64 {
     const RINGS: u32 = 200;

@@ -1,5 +1,5 @@
-//! Test harness of the undo ring: a volume with its history, every undo and redo checked against a replay of
-//! the dirty rectangles.
+//! Test harness of the undo ring: a volume with its history. Every undo and redo is checked against a replay
+//! of the dirty rectangles.
 
 use glam::IVec3;
 use paros_core::codec::ByteReader;
@@ -22,7 +22,7 @@ where
     none: RangeMaps<N>,
     islands: IslandSearch<N>,
     scratch: EditScratch<N>,
-    /// Its undo ring.
+    /// The volume's undo ring.
     pub undo: UndoHistory<N>,
     spare: UndoHistory<N>,
     plane: BitGrid<N>,
@@ -33,7 +33,7 @@ impl<const N: usize> UndoHarness<N>
 where
     Grid<N>: Size,
 {
-    /// An empty volume without history, for static initialisers.
+    /// Creates an empty volume without history; `const` for statics.
     #[must_use]
     #[allow(clippy::new_without_default)] // a Default would hand the volume about by value
     pub const fn new() -> Self {
@@ -64,7 +64,7 @@ where
     /// Applies an edit, which the ring records.
     ///
     /// # Errors
-    /// The core's.
+    /// The core rejects the edit.
     pub fn apply_edit(
         &mut self,
         brush: &Brush,
@@ -83,10 +83,10 @@ where
         self.islands.advance_pass(&mut self.volume, &self.none, u32::MAX, &mut log);
     }
 
-    /// Checks that the volume is exactly that of `expected`, and that its rows and its digest follow.
+    /// Checks that the volume equals `expected`, and that its rows and its digest match.
     ///
     /// # Errors
-    /// A check that failed.
+    /// A check failed.
     pub fn check_volume_equals(&mut self, expected: &RangeMaps<N>) -> Result<(), TestCaseError> {
         prop_assert!(self.volume.maps() == expected, "the maps differ");
         self.plane.set_from_maps(expected);
@@ -95,10 +95,10 @@ where
         Ok(())
     }
 
-    /// Round trip: saves the ring, loads it into another and saves that. Bytes and digest must be the same.
+    /// Round trip: saves the ring, loads it into another ring and saves that. Bytes and digest must be equal.
     ///
     /// # Errors
-    /// A check that failed.
+    /// A check failed.
     pub fn check_save_round_trip(&mut self) -> Result<(), TestCaseError> {
         prop_assert_eq!(self.undo.digest(), self.undo.recompute_digest());
         let bytes = save_to_bytes(|out| self.undo.save(out));
@@ -111,18 +111,19 @@ where
         Ok(())
     }
 
-    /// Undoes a stroke, if there is one. The dirty rectangles must turn the old maps into the new ones.
+    /// Undoes a stroke, if there is one. Checks that the dirty rectangles turn the old maps into the new
+    /// ones.
     ///
     /// # Errors
-    /// A check that failed.
+    /// A check failed.
     pub fn try_undo_checked(&mut self) -> Result<bool, TestCaseError> {
         self.try_step_checked(UndoHistory::try_undo)
     }
 
-    /// Redoes a stroke, if there is one; checked as an undo.
+    /// Redoes a stroke, if there is one, with the same check as an undo.
     ///
     /// # Errors
-    /// A check that failed.
+    /// A check failed.
     pub fn try_redo_checked(&mut self) -> Result<bool, TestCaseError> {
         self.try_step_checked(UndoHistory::try_redo)
     }
@@ -153,11 +154,11 @@ where
 /// The time at which islands are cleared after a stroke.
 #[derive(Clone, Copy, Debug)]
 pub enum IslandClearing {
-    /// Not at all.
+    /// Never.
     Never,
-    /// When it ends.
+    /// When the stroke ends.
     AtEnd,
-    /// When the next stroke has begun, but not changed anything.
+    /// When the next stroke has begun, but hasn't changed anything.
     Late,
 }
 
@@ -168,7 +169,7 @@ pub struct SphereEdit {
     pub at: [i32; 3],
     /// The radius in half voxels.
     pub radius: i32,
-    /// Whether it fills; it carves otherwise.
+    /// `true` to fill, `false` to carve.
     pub fill: bool,
 }
 

@@ -1,5 +1,5 @@
-//! A naive model of visits: it keeps all that it was told, counts anew each tick, and takes the first line of a table
-//! that holds.
+//! A naive model of visits: it stores all inputs, recounts in each tick, and takes the first line of a table
+//! whose condition holds.
 
 use std::collections::HashMap;
 
@@ -9,66 +9,66 @@ use paros_core::visit::{
     VisitPhase,
 };
 
-/// What a tick's world showed, for [`VisitModel::tick`].
+/// The state and events of the world in a tick, for [`VisitModel::tick`].
 #[derive(Clone, Copy, Default, Debug)]
 pub struct SeenTick {
-    /// A hand holds a tool.
+    /// `true` if a hand holds a tool.
     pub holds_tool: bool,
-    /// A bit touches the stone.
+    /// `true` if a bit touches the stone.
     pub touches: bool,
-    /// Stone was cut.
+    /// `true` if stone was cut.
     pub cuts: bool,
-    /// Anything was edited.
+    /// `true` if anything was edited.
     pub edits: bool,
-    /// The rasp smoothed.
+    /// `true` if the rasp smoothed.
     pub smooths: bool,
-    /// A stroke was undone.
+    /// `true` if a stroke was undone.
     pub undoes: bool,
-    /// The stool was turned.
+    /// `true` if the stool was turned.
     pub turns: bool,
-    /// Nothing is left to fall.
+    /// `true` if nothing is left to fall.
     pub is_settled: bool,
 }
 
-/// A visit as the model has it.
+/// The model's state of a visit.
 #[derive(Clone, Debug)]
 pub struct VisitModel {
-    /// Where it stands.
+    /// The current phase.
     pub phase: VisitPhase,
-    /// The step of the guided part.
+    /// The current step of the guided part.
     pub guide: GuideStep,
-    /// How the session starts.
+    /// The session's start mode.
     pub start: SessionMode,
-    /// Ticks left of the clock.
+    /// Number of ticks left on the clock.
     pub clock: u32,
-    /// Anything was edited.
+    /// `true` if anything was edited.
     pub is_sculpted: bool,
-    /// The visitor went before the end.
+    /// `true` if the visitor left before the end.
     pub is_left: bool,
-    /// Seconds by setting.
+    /// The plan's times in seconds, by setting.
     plan: HashMap<u8, u32>,
     plan_start: SessionMode,
     clock_runs: bool,
     phase_ticks: u32,
-    /// All that it was told since the headset was last worn, and since it was last used.
+    /// The inputs since the headset was last worn, and since it was last used.
     off: Vec<u32>,
     idle: Vec<u32>,
     was_released: bool,
 }
 
-/// What the model has the world do.
+/// The expected effects on the world.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Expected {
-    /// A session starts.
+    /// The session to start, if any.
     pub start: Option<SessionMode>,
-    /// The sculpture is final.
+    /// `true` if the sculpture becomes final.
     pub finishes: bool,
-    /// So many seconds are left.
+    /// The seconds left, if they are to be announced.
     pub warns: Option<u16>,
 }
 
 impl VisitModel {
-    /// No visits.
+    /// Creates the model with visits closed.
     pub fn closed() -> Self {
         VisitModel {
             phase: VisitPhase::Closed,
@@ -92,13 +92,13 @@ impl VisitModel {
         self.plan.get(&(setting as u8)).copied().unwrap_or(default) * TICK_RATE
     }
 
-    /// Seconds, in ticks, that it was off or, after five of them, still.
+    /// Returns the ticks for which the headset has been off or, after five seconds, still.
     fn gone_for(&self) -> u32 {
         let still = self.idle.iter().sum::<u32>().saturating_sub(5 * TICK_RATE);
         self.off.iter().sum::<u32>().max(still)
     }
 
-    /// A tick of it: what it was told, and what the world showed.
+    /// Advances the visit by a tick, given its input and what happened in the world.
     pub fn tick(&mut self, input: &VisitInput, seen: &SeenTick) -> Expected {
         let mut expected = Expected::default();
         match input.command {
@@ -227,7 +227,7 @@ impl VisitModel {
             && self.idle.iter().sum::<u32>() >= self.ticks(PlanSetting::Idle).max(1)
     }
 
-    /// What holds, and where it leads, the first one first.
+    /// Returns conditions and the phases that they lead to, in order of priority.
     fn table(&self, input: &VisitInput, seen: &SeenTick, is_gone: bool) -> Vec<(bool, VisitPhase)> {
         use VisitPhase::{
             Attract, Badge, Choice, Export, Guided, Handover, HandsOff, Sculpting, Thanks, Welcome,

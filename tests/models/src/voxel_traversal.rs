@@ -1,5 +1,5 @@
-//! Model of ray casting: voxel traversal from one voxel to the next, in its naive form: every plane's distance
-//! is computed by itself, so that no sum drifts.
+//! Model of ray casting in its naive form: voxel traversal from one voxel to the next, where every plane's
+//! distance is computed independently, so that no sum drifts.
 //!
 //! Source: Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing" (1987).
 
@@ -16,7 +16,8 @@ pub struct VoxelEntry {
     pub distance: f64,
 }
 
-/// The first occupied voxel on a ray. Origin and direction are in voxels; the origin lies outside the grid.
+/// Returns the first occupied voxel on a ray. Origin and direction are in voxels; the origin lies outside the
+/// grid.
 pub fn find_first_occupied(
     dense: &DenseVolume,
     origin: [f64; 3],
@@ -27,7 +28,7 @@ pub fn find_first_occupied(
     for axis in 0..3 {
         let (a, b) =
             (-origin[axis] / unit_direction[axis], (n - origin[axis]) / unit_direction[axis]);
-        // Parallel to the planes: infinities of one sign outside of them, of both between them.
+        // Parallel to the planes: infinities of equal sign outside them, of both signs between them.
         if a.min(b) > distance {
             (distance, side) = (a.min(b), axis);
         }

@@ -7,7 +7,7 @@ use paros_shell::figures::{Figure, HiddenStart};
 
 use crate::dense::DenseVolume;
 
-/// A world and its start volumes. It is made for a static: all its bytes are zero at first.
+/// A world and its start volumes. All its bytes are zero initially, so that it can be a static.
 #[derive(Debug)]
 pub struct WorldHarness<const N: usize, const K: usize = 1>
 where
@@ -17,7 +17,7 @@ where
     pub world: World<N, K>,
     /// The start volume of the mode `Own`, offered if `has_own`.
     pub own: RangeMaps<N, K>,
-    /// Whether `own` is offered.
+    /// `true` if `own` is offered.
     pub has_own: bool,
     lump: RangeMaps<N, K>,
     figure: RangeMaps<N, K>,
@@ -26,7 +26,7 @@ where
     plane: BitGrid<N>,
 }
 
-/// A world, and the start volumes that every session of the harness has.
+/// A world, and the start volumes of every session of the harness.
 #[derive(Debug)]
 pub struct WorldAndStarts<'a, const N: usize, const K: usize = 1>
 where
@@ -34,11 +34,11 @@ where
 {
     /// The world.
     pub world: &'a mut World<N, K>,
-    /// The lump, of the free mode.
+    /// The lump of the free mode.
     pub lump: &'a RangeMaps<N, K>,
     /// The one hidden figure.
     pub figure: &'a RangeMaps<N, K>,
-    /// The toy, of the creative mode.
+    /// The toy of the creative mode.
     pub creative: &'a RangeMaps<N, K>,
 }
 
@@ -46,7 +46,7 @@ impl<const N: usize, const K: usize> WorldHarness<N, K>
 where
     Grid<N>: Size,
 {
-    /// An empty harness, for static initialisers.
+    /// Creates an empty harness; `const` for statics.
     #[allow(clippy::new_without_default)] // a Default would hand the studio about by value
     pub const fn new() -> Self {
         WorldHarness {
@@ -99,8 +99,8 @@ where
         self
     }
 
-    /// Clears the world. Its sessions start from the closure of `volume`, and the one hidden figure is that of
-    /// `mask`, which is part of it.
+    /// Clears the world. Its sessions start from the closure of `volume`, and the only hidden figure is the
+    /// closure of `mask`, which is part of `volume`.
     pub fn reset_to_voxels(&mut self, volume: &DenseVolume, mask: &DenseVolume) -> &mut Self {
         for (voxels, maps) in [(volume, &mut self.lump), (mask, &mut self.figure)] {
             self.plane.clear();
@@ -110,7 +110,7 @@ where
         self.reset_to_lump()
     }
 
-    /// Clears the world. Its sessions start as `start`, whose figure is number 0.
+    /// Clears the world. Its sessions start from `start`, whose figure is number 0.
     pub fn reset_to_hidden(&mut self, start: HiddenStart) -> &mut Self {
         start.figure.rasterize_into(&mut self.figure, &mut self.plane);
         Figure::Lump.rasterize_into(&mut self.lump, &mut self.plane);
@@ -118,7 +118,7 @@ where
         self.reset_to_lump()
     }
 
-    /// Clears the world; all but the hidden figure is the lump, whatever that is.
+    /// Clears the world, and makes every start volume except the hidden figure a copy of the current lump.
     fn reset_to_lump(&mut self) -> &mut Self {
         self.creative.copy_from(&self.lump);
         self.own.copy_from(&self.lump);
@@ -132,14 +132,14 @@ where
         self.step_then(input, |_, _| ());
     }
 
-    /// Runs one tick, then shows the world and the start volumes to `show`.
+    /// Runs one tick, then passes the world and the start volumes to `show`.
     #[expect(clippy::disallowed_methods, reason = "the one place of the tests")]
     pub fn step_then<T>(
         &mut self,
         input: &TickInput,
         show: impl FnOnce(&World<N, K>, &StartVolumes<'_, N, K>) -> T,
     ) -> T {
-        // The second stands free from the start.
+        // The second figure is bare from the start.
         let figures =
             [&self.lump, &self.figure].map(|stone| HiddenFigure { figure: &self.figure, stone });
         let starts = StartVolumes {
@@ -152,17 +152,17 @@ where
         show(&self.world, &starts)
     }
 
-    /// The world, and the start volumes of lump, figure and toy.
+    /// Returns the world, and the start volumes of lump, figure and toy.
     pub fn world_and_start_volumes(&mut self) -> WorldAndStarts<'_, N, K> {
         let WorldHarness { world, lump, figure, creative, .. } = self;
         WorldAndStarts { world, lump, figure, creative }
     }
 
-    /// Asserts the invariants: the maps are tight and saturated, the rows follow them, the mask is part of the volume, and the
-    /// digest equals a recomputation.
+    /// Asserts the invariants: the maps are tight and saturated, the rows match them, the mask is part of the
+    /// volume, and the digest equals a recomputation.
     ///
     /// # Panics
-    /// One does not hold.
+    /// An invariant is violated.
     pub fn check_invariants(&mut self) {
         let world = &self.world;
         let tick = world.tick();
@@ -184,7 +184,7 @@ where
     }
 }
 
-/// Whether two sets of maps hold the same ranges.
+/// Returns `true` if two sets of maps contain the same ranges.
 pub fn maps_are_equal<const N: usize, const K: usize>(
     a: &RangeMaps<N, K>,
     b: &RangeMaps<N, K>,
@@ -192,8 +192,8 @@ pub fn maps_are_equal<const N: usize, const K: usize>(
     Axis::ALL.into_iter().all(|axis| (0..N).all(|line| a.line(axis, line) == b.line(axis, line)))
 }
 
-/// Makes tests of scenarios, functions of a [`WorldHarness`] at 64: each runs with one interval a column and
-/// with two, in modules `one` and `two`.
+/// Makes tests of scenarios, which are functions of a [`WorldHarness`] at 64: each runs with one interval a
+/// column and with two, in modules `one` and `two`.
 #[macro_export]
 macro_rules! test_with_one_and_two_intervals {
     ($($scenario:ident),+ $(,)?) => {
@@ -206,7 +206,7 @@ macro_rules! test_with_one_and_two_intervals {
     };
 }
 
-/// The same with K intervals a column, on a harness that these tests share.
+/// Makes tests of scenarios with K intervals a column, on a shared harness.
 #[macro_export]
 macro_rules! test_with_intervals {
     ($intervals:literal: $($scenario:ident),+) => {

@@ -1,6 +1,6 @@
-//! The meshes beside the checkout, in `../shared/meshes` and `../shared/cases`, which are no part of the project.
-//! It takes a file's name and gives the mesh, or says that the test is skipped.
-//! Nothing stands in for a mesh that is missing: `tests/files` bakes meshes of the project's own.
+//! The meshes beside the checkout, in `../shared/meshes` and `../shared/cases`, which aren't part of the
+//! project. A test gets a mesh by its file name, or is skipped. There is no substitute for a missing mesh;
+//! `tests/files` bakes the project's own meshes.
 
 use std::fs;
 use std::io::Read;
@@ -9,10 +9,11 @@ use std::path::Path;
 use paros_shell::mesh::{self, Mesh, MeshFault, MeshFormat};
 use paros_shell::require::require_or_skip;
 
-/// A mesh from the folder beside the checkout, or none after `skipped: why` where it is missing.
+/// Returns a mesh from the folder beside the checkout. If it is missing, prints `skipped: why` and returns
+/// `None`.
 ///
 /// # Panics
-/// It is missing and `PAROS_REQUIRE` is `all`; it is no mesh.
+/// The mesh is missing and `PAROS_REQUIRE` is `all`, or the file isn't a mesh.
 #[must_use]
 pub fn real_mesh(name: &str) -> Option<Mesh> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/meshes").join(name);
@@ -21,11 +22,11 @@ pub fn real_mesh(name: &str) -> Option<Mesh> {
     Some(mesh::read(&path).expect("a mesh"))
 }
 
-/// The mesh of an example, or why it gives none; none after `skipped: why` where the folder is missing. An example
-/// may lie there compressed, under its name with `.gz` behind.
+/// Returns the mesh of an example, or the error of reading it. If the folder is missing, prints `skipped:
+/// why` and returns `None`. The example may be compressed, with `.gz` appended to its name.
 ///
 /// # Panics
-/// The folder is missing and `PAROS_REQUIRE` is `all`; the example is missing in the folder.
+/// The folder is missing and `PAROS_REQUIRE` is `all`, or the example is missing in the folder.
 #[must_use]
 pub fn read_case(name: &str) -> Option<Result<Mesh, MeshFault>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/cases");

@@ -1,4 +1,4 @@
-//! Meshes that others made, baked against the dense model.
+//! Third-party meshes, baked against the dense model.
 
 use paros_tests_files::baked::{
     assert_bakes_as_model_also_inside_out, assert_open_base_bakes_alike,

@@ -1,4 +1,4 @@
-//! Small files in the dialects that other programs write. `tests/files` has a directed test for each kind.
+//! Small files in the dialects of other programs. `tests/files` has a directed test for each dialect.
 
 use paros_core::convert::UpAxis;
 use paros_core::volume::{Grid, Size};
@@ -7,12 +7,12 @@ use paros_shell::statics::Resident;
 use paros_tests_files::baked::{bake_voxels, share_in_common};
 use paros_tests_real_meshes::read_case;
 
-/// The mesh of an example, which must be readable.
+/// Returns the mesh of an example, which must be readable.
 fn case(name: &str) -> Option<Mesh> {
     Some(read_case(name)?.unwrap_or_else(|fault| panic!("{name}: {fault}")))
 }
 
-/// The up axis of an example: that of its format by default, z of two others with `--up z`.
+/// Returns the up axis of an example: its format's default, or z for the two examples read with `--up z`.
 fn up_of(name: &str) -> UpAxis {
     let is_z_up = name.ends_with(".stl") || ["cad-z-up.obj", "utm.obj"].contains(&name);
     if is_z_up { UpAxis::Z } else { UpAxis::Y }

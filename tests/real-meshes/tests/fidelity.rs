@@ -1,4 +1,4 @@
-//! What the fast path shows of a mesh that others made, against an exact walk through the voxels.
+//! The fast path's picture of a third-party mesh, against an exact voxel traversal.
 
 use std::sync::Mutex;
 

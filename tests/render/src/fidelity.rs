@@ -10,17 +10,18 @@ use rayon::prelude::*;
 use crate::picture_side;
 use crate::view::{PinholeView, TracedPicture, build_maps_and_field};
 
-/// Voxels a side.
+/// Number of voxels along a side.
 pub const N: usize = 128;
-/// Hits of neighbouring pixels that lie further apart in depth, in voxels, have an outline between.
+/// Hits of neighbouring pixels whose depths differ by more than this, in voxels, have an outline between
+/// them.
 const JUMP: f64 = 3.0;
-/// Of the 125 voxels around one, so many at most are occupied at a convex corner, and empty in a
-/// crease: on a flat face it is 75, along a straight edge 45.
+/// Maximum number of occupied voxels, of the 125 around a voxel, at a convex corner, and of empty voxels in a
+/// crease. On a flat face the number is 75, along a straight edge 45.
 const FEW: usize = 60;
-/// How far from the fast surface an exact hit may lie, in voxels, and a fast one from the voxels.
+/// Maximum distance of an exact hit from the fast surface, and of a fast hit from the voxels, in voxels.
 const OFF: f32 = 1.0;
 
-/// Compares both pictures of a volume from four viewpoints.
+/// Asserts that both pictures of a volume agree from four viewpoints.
 ///
 /// # Panics
 /// Hits lie farther apart than allowed.
@@ -50,7 +51,7 @@ enum HitSurroundings {
 }
 
 impl HitSurroundings {
-    /// How far from the fast surface an exact hit may lie, in voxels.
+    /// Returns the maximum distance of an exact hit from the fast surface, in voxels.
     const fn max_distance(self) -> f32 {
         match self {
             HitSurroundings::Open | HitSurroundings::Crease => OFF,
@@ -62,7 +63,7 @@ impl HitSurroundings {
 fn classify_hit(dense: &DenseVolume, entry: &voxel_traversal::VoxelEntry) -> HitSurroundings {
     let around = |[x, y, z]: [i32; 3], full: bool| {
         let all = (0..125).map(|i| [x + i % 5 - 2, y + i / 5 % 5 - 2, z + i / 25 - 2]);
-        // The ground goes on below the grid.
+        // The ground layer repeats below the grid.
         all.filter(|&[x, y, z]| dense.contains([x, y.max(0), z]) == full).count()
     };
     if around(entry.voxel, true) <= FEW {
@@ -74,11 +75,12 @@ fn classify_hit(dense: &DenseVolume, entry: &voxel_traversal::VoxelEntry) -> Hit
     }
 }
 
-/// An exact hit.
+/// A hit of the exact traversal.
 struct ExactHit {
     pixel: usize,
     place: HitSurroundings,
-    /// Whether it lies at most [`OFF`] from the fast surface, and at most as far as its place allows.
+    /// `near`: at most [`OFF`] from the fast surface. `right`: at most as far from it as the hit's
+    /// surroundings allow.
     near: bool,
     right: bool,
 }
@@ -116,7 +118,7 @@ fn check_view(name: &str, dense: &DenseVolume, field: &DensityField<N>, picture:
     }
 }
 
-/// Which pixels are farther than two voxels' projected width from any outline.
+/// Returns the pixels that are farther than two voxels' projected width from any outline.
 fn flag_pixels_away_from_outlines(picture: &TracedPicture) -> Vec<bool> {
     let side = picture.view.side;
     let mut away = vec![true; side * side];
@@ -141,7 +143,7 @@ fn flag_pixels_away_from_outlines(picture: &TracedPicture) -> Vec<bool> {
     away
 }
 
-/// Whether a pixel's exact hit lies at most so far from a point that the fast path shows.
+/// Returns `true` if a pixel's exact hit lies within a distance of a point that the fast path shows.
 fn is_exact_hit_near_fast_surface(
     field: &DensityField<N>,
     picture: &TracedPicture,
@@ -164,7 +166,7 @@ fn is_exact_hit_near_fast_surface(
     })
 }
 
-/// Whether an occupied voxel lies at most so far from a point.
+/// Returns `true` if an occupied voxel lies within a distance of a point.
 fn is_near_occupied_voxel(dense: &DenseVolume, point: Vec3, max_distance: f32) -> bool {
     let [x, y, z] = point.to_array().map(|c| c.floor() as i32);
     (0..125).any(|i| {

@@ -1,6 +1,5 @@
-//! Shared by the tests of pictures: views of a volume by an exact voxel traversal and by the fast
-//! path, and the profile of an outline. Takes dense volumes, gives pictures and asserts that they agree.
-//! Knows no device: all is drawn by the CPU.
+//! Shared parts of the tests of pictures: views of a volume by an exact voxel traversal and by the fast path,
+//! and the profile of an outline. Everything is rendered on the CPU.
 pub mod fidelity;
 pub mod outline;
 pub mod screens;
@@ -8,7 +7,8 @@ pub mod view;
 
 use paros_models::cases::scaled_cases;
 
-/// Chooses the pixels along a picture's side: fewer in the check than at night, where cases are scaled.
+/// Returns the number of pixels along a picture's side: fewer in the check than in the nightly run, where
+/// cases are scaled.
 #[must_use]
 pub fn picture_side(in_check: usize, at_night: usize) -> usize {
     if scaled_cases(1) > 1 { at_night } else { in_check }

@@ -1,18 +1,18 @@
-//! The profile of a shape's outline in a picture, against the exact coverage of its pixels.
+//! Checks the profile of a shape's outline in a picture against the exact coverage of its pixels.
 
-/// Squares along a pixel's side whose middles tell its exact coverage.
+/// Number of sample squares along a pixel's side for computing its exact coverage.
 const SQUARES: usize = 12;
-/// Parts of a pixel's width by which the profile is told.
+/// Number of bins of the profile a pixel.
 const PARTS: f32 = 4.0;
 
-/// Checks what part of each pixel a shape covers in a picture of `[width, height]` pixels, row by row:
-/// around its outline three levels or more between nothing and all, that fall across it, and are within an
-/// eighth of the exact coverage in the mean. `outside` is how far outside of the shape's outline a place
-/// lies, in pixels, infinite where it is not to be looked at; `hits` is whether the ray through a place meets
-/// the surface that is drawn.
+/// Checks the coverage of each pixel by a shape in a picture of `[width, height]` pixels, row by row. Around
+/// the outline there must be at least three levels between none and full, the mean coverage must fall from
+/// inside to outside, and it must be within an eighth of the exact coverage on average. `outside` returns the
+/// distance of a place outside the shape's outline in pixels, or infinity where the place is to be ignored.
+/// `hits` returns `true` if the ray through a place meets the surface.
 ///
 /// # Panics
-/// They are not.
+/// A check fails.
 pub fn check_profile(
     covered: &[f32],
     size: [u32; 2],
@@ -47,7 +47,7 @@ pub fn check_profile(
     assert!(off <= 0.125, "{off} of a pixel off in the mean");
 }
 
-/// The part of a pixel, given by its corner, that shows the surface.
+/// Returns the share of a pixel, given by its corner, that shows the surface.
 fn exact_coverage(corner: [f32; 2], hits: &impl Fn([f32; 2]) -> bool) -> f32 {
     let inside = |i: &usize| {
         let part = [i % SQUARES, i / SQUARES].map(|c| (c as f32 + 0.5) / SQUARES as f32);

@@ -1,4 +1,4 @@
-//! Every screen of a visit, as the panels' layouts draw them.
+//! Every screen of a visit, as laid out on the panels.
 
 use paros_core::badge::BadgeNumber;
 use paros_shaders::Image;
@@ -10,10 +10,10 @@ use paros_shaders::panel::{
     ButtonState, FillingValue, Icon, Language, Message, Panel, PanelButton, PanelPictures,
 };
 
-/// A screen's name, and its panel.
+/// A screen's name and its panel.
 pub type Screen = (&'static str, Panel);
 
-/// All screens in a language.
+/// Returns all screens in a language.
 #[must_use]
 pub fn all_screens(language: Language) -> Vec<Screen> {
     let mut all = visit_screens(language);
@@ -22,7 +22,7 @@ pub fn all_screens(language: Language) -> Vec<Screen> {
     all
 }
 
-/// Pictures for cells: bands, another colour for each; the last cells have none.
+/// Returns pictures for cells: bands of a different colour for each; the last cells have no picture.
 #[must_use]
 pub fn pictures_of_cells() -> PanelPictures {
     let side = PANEL_CELL_TEXELS;
@@ -44,7 +44,7 @@ fn drawn(name: &'static str, draw: impl FnOnce(&mut Panel)) -> Screen {
     (name, panel)
 }
 
-/// Cards with pictures: two that have some, and one whose picture is not there yet.
+/// Returns cards with pictures: two with a picture, and one whose picture isn't loaded yet.
 fn pictured_cards<'a>(cards: &[PanelButton<'a>]) -> Vec<PanelButton<'a>> {
     let cells = [0, PANEL_CELLS as u8 - 1, 2];
     let mut cards: Vec<_> =
@@ -136,7 +136,7 @@ fn visit_screens(language: Language) -> Vec<Screen> {
     all
 }
 
-/// A window's thanks, before and while they are counted down.
+/// Returns the window's thank-you screens, before and during the countdown.
 fn window_thanks_screens(language: Language) -> [Screen; 2] {
     [Message::ThanksBodyMouse, Message::ThanksNextMouse].map(|body| {
         let notice = PanelNotice {

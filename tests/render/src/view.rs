@@ -1,4 +1,4 @@
-//! A square picture of a volume, ray by ray: by an exact voxel traversal and by the fast path.
+//! Renders a square picture of a volume ray by ray: by an exact voxel traversal and by the fast path.
 
 use std::path::PathBuf;
 
@@ -14,22 +14,22 @@ use paros_models::dense::DenseVolume;
 use paros_models::layers::LayeredVolume;
 use paros_models::voxel_traversal::{self, VoxelEntry};
 
-/// A pinhole camera outside of the grid, lengths in voxels.
+/// A pinhole camera outside the grid, with lengths in voxels.
 #[derive(Clone, Copy, Debug)]
 pub struct PinholeView {
-    /// Where it is.
+    /// The camera's position.
     pub eye: Vec3,
-    /// Unit vectors to the picture's right, up and into it.
+    /// Unit vectors to the picture's right, its top and into it.
     pub axes: [Vec3; 3],
-    /// Pixels that a voxel takes at a distance of one voxel.
+    /// The size in pixels of a voxel at a distance of one voxel.
     pub focal: f32,
-    /// Pixels along a side.
+    /// Number of pixels along a side.
     pub side: usize,
 }
 
 impl PinholeView {
-    /// A camera that looks at a point from a direction and a distance; `width_at_target` voxels fill the
-    /// picture's width there.
+    /// Creates a camera that looks at `target` from a direction and a distance; `width_at_target` voxels fill
+    /// the picture's width there.
     pub fn new(
         target: Vec3,
         towards_eye: [f32; 3],
@@ -47,7 +47,7 @@ impl PinholeView {
         }
     }
 
-    /// The ray through a pixel's middle, counted row by row from the upper left one.
+    /// Returns the ray through a pixel's centre; pixels are counted row by row from the upper left.
     pub fn ray_through(&self, pixel: usize) -> Ray {
         let middle = self.side as f32 / 2.0 - 0.5;
         let (x, y) = ((pixel % self.side) as f32 - middle, middle - (pixel / self.side) as f32);
@@ -55,12 +55,12 @@ impl PinholeView {
         self.ray_towards(self.eye + right * x + up * y + ahead * self.focal)
     }
 
-    /// The ray through a point.
+    /// Returns the ray through a point.
     pub fn ray_towards(&self, point: Vec3) -> Ray {
         Ray { origin: self.eye, direction: (point - self.eye).normalize() }
     }
 
-    /// Every pixel within a radius of a place, both in pixels.
+    /// Returns every pixel within a radius of a place, both in pixels.
     pub fn pixels_within(
         &self,
         [x, y]: [f32; 2],
@@ -78,7 +78,7 @@ impl PinholeView {
     }
 }
 
-/// What each pixel of a view shows.
+/// The hits of each pixel of a view.
 #[derive(Debug)]
 pub struct TracedPicture {
     /// The camera.
@@ -97,7 +97,7 @@ impl TracedPicture {
         view: PinholeView,
     ) -> Self {
         let pixels = (0..view.side * view.side).into_par_iter();
-        // Rays that pass it have no hit: the exact traversal is slow.
+        // Rays that miss the bounding box have no hit; this avoids the slow exact traversal.
         let bounds = dense.bounding_box().ranges();
         let both = |pixel| {
             let ray = view.ray_through(pixel);
@@ -111,15 +111,15 @@ impl TracedPicture {
         TracedPicture { view, exact, fast }
     }
 
-    /// The exact traversal's hit of a pixel, in voxels.
+    /// Returns the exact traversal's hit of a pixel, in voxels.
     pub fn exact_point(&self, pixel: usize) -> Option<Vec3> {
         Some(self.view.ray_through(pixel).at(self.exact[pixel]?.distance as f32))
     }
 
-    /// Writes a picture of the exact distances, some pixels red, into the temporary folder.
+    /// Writes a picture of the exact distances, with some pixels in red, to the temporary folder.
     ///
     /// # Panics
-    /// There is no such folder.
+    /// The folder doesn't exist.
     pub fn write_png(&self, name: &str, red: &[usize]) -> PathBuf {
         let hits = || self.exact.iter().flatten().map(|entry| entry.distance);
         let (near, far) = (hits().fold(f64::MAX, f64::min), hits().fold(0.0, f64::max));
@@ -150,10 +150,10 @@ fn meets_box(bounds: &[Range; 3], origin: [f64; 3], direction: [f64; 3]) -> bool
     near <= far
 }
 
-/// The maps and the density field of a volume that is its own closure in columns of one interval.
+/// Returns the maps and the density field of a volume that is its own closure in columns of one interval.
 ///
 /// # Panics
-/// It is not.
+/// The volume isn't its own closure.
 pub fn build_maps_and_field<const N: usize>(
     dense: &DenseVolume,
 ) -> (Box<RangeMaps<N>>, Box<DensityField<N>>) {
@@ -165,10 +165,11 @@ pub fn build_maps_and_field<const N: usize>(
     (maps, field)
 }
 
-/// The same of a volume that is its own closure in columns of K intervals, some of which have gaps.
+/// Returns the maps and the density field of a volume that is its own closure in columns of K intervals, some
+/// of which have gaps.
 ///
 /// # Panics
-/// It is not, or none has.
+/// The volume isn't its own closure, or no column has a gap.
 pub fn build_layered_maps_and_field<const N: usize, const K: usize>(
     dense: &DenseVolume,
 ) -> (Box<RangeMaps<N, K>>, Box<DensityField<N, K>>) {

@@ -1,4 +1,4 @@
-//! No frame of the fast path's textures allocates: a counting allocator looks on.
+//! Counts allocations: no frame of the fast path's textures allocates.
 
 use std::sync::{Mutex, PoisonError};
 

@@ -1,11 +1,11 @@
-//! Laying a panel out again allocates nothing: a counting allocator looks on.
+//! Counts allocations: laying a panel out again allocates nothing.
 
 use paros_core::badge::BadgeNumber;
 use paros_models::allocations::without_allocating;
 use paros_shaders::panel::layout::{self, PanelNotice, palette};
 use paros_shaders::panel::{FillingValue, Icon, Language, Message, Panel};
 
-/// Screens of which each is laid out in every frame of a while.
+/// Lays out the screens that are updated in every frame for a while.
 fn lay_out_screens(panel: &mut Panel, seconds: u32) {
     let badge = BadgeNumber::new(seconds).expect("a number").badge();
     let fillings = [("percent", FillingValue::Number(seconds % 100))];
@@ -31,7 +31,7 @@ fn lay_out_screens(panel: &mut Panel, seconds: u32) {
 #[test]
 fn laying_out_again_allocates_nothing() {
     let mut panel = Panel::default();
-    // Numbers of three digits, and long words, first.
+    // Grows the buffers first, with numbers of three digits and long words.
     (500..520).for_each(|seconds| lay_out_screens(&mut panel, seconds));
     without_allocating("panels laid out again", || {
         (0..200).for_each(|seconds| lay_out_screens(&mut panel, seconds));

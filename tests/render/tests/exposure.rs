@@ -1,7 +1,8 @@
-//! How bright the stone is in the room's light, as the window and the headset show it.
+//! The stone's brightness in the room's light, in the window and in the headset.
 //!
 //! Planted faults, and what catches each (tried by hand):
-//! - `constants.rs`: a white point of 2; `request.rs`: a tenth of the ambient light -> `the_stone_is_neither_`.
+//! - `constants.rs`: a white point of 2; `request.rs`: a tenth of the ambient light ->
+//!   `the_stone_is_neither_`.
 
 use glam::Vec3;
 use paros_core::RangeMaps;
@@ -17,7 +18,7 @@ use paros_tests_render::view::PinholeView;
 
 const N: usize = 128;
 
-/// The bytes of the pixels that show a stone, in the room's light, to an eye on one of eight sides.
+/// Returns the bytes of the pixels that show a stone in the room's light, to an eye on one of eight sides.
 fn stone_pixels(field: &DensityField<N>, side: usize) -> Vec<[u8; 3]> {
     let style = RenderStyle::in_studio(RenderPath::Fast);
     let (sin, cos) = (std::f32::consts::FRAC_PI_4 * side as f32).sin_cos();

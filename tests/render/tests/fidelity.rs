@@ -1,5 +1,5 @@
-//! The fast path against an exact voxel traversal, in both directions; and that thin features stay
-//! in the picture. `tests/real-meshes` has the same of a mesh that others made.
+//! The fast path against an exact voxel traversal, in both directions, and the visibility of thin features.
+//! `tests/real-meshes` does the same with a third-party mesh.
 //!
 //! Planted faults, and what catches each (tried by hand):
 //! - `constants.rs`, `FAST_STEP_NEAR`: 1.75 made 2.2 -> `exact_hits_and_fast_hits`, plates, rods.
@@ -23,7 +23,7 @@ use paros_tests_render::view::{PinholeView, TracedPicture, build_maps_and_field}
 use proptest::prelude::*;
 
 proptest! {
-    /// The model itself, against small steps.
+    /// Tests the model itself against small steps.
     #[test]
     fn the_exact_walk_misses_nothing(
         dense in small(16),
@@ -52,8 +52,8 @@ proptest! {
     }
 }
 
-/// Away from outlines. The blur cuts convex corners, and two voxels are granted there. It would
-/// fill creases as much, but for those that are opened.
+/// Compares pixels away from outlines. The blur cuts convex corners, where two voxels are allowed. It would
+/// fill creases as much, but creases are opened.
 #[test]
 fn exact_hits_and_fast_hits_lie_together() {
     for (name, dense) in test_volumes() {
@@ -80,7 +80,7 @@ fn test_volumes() -> Vec<(&'static str, DenseVolume)> {
     volumes
 }
 
-/// Along the axes or nearly, along the faces' and the cube's diagonals, and between.
+/// View directions: along the axes or nearly, along the diagonals of the faces and of the cube, and between.
 const WAYS: [[f32; 3]; 14] = [
     [0.0, 0.0, 1.0],
     [1.0, 0.0, 0.0],
@@ -98,8 +98,8 @@ const WAYS: [[f32; 3]; 14] = [
     [0.3, 0.1, -0.9],
 ];
 
-/// Pictures of a volume of 64 voxels a side from everywhere, a voxel about two and a half pixels wide, at night about
-/// four.
+/// Takes pictures of a volume of 64 voxels a side from everywhere. A voxel is about two and a half pixels
+/// wide; in the nightly run about four.
 fn take_pictures(dense: &DenseVolume) -> impl Iterator<Item = (usize, TracedPicture)> + use<> {
     let (_, field) = build_maps_and_field::<64>(dense);
     let dense = dense.clone();
@@ -109,9 +109,9 @@ fn take_pictures(dense: &DenseVolume) -> impl Iterator<Item = (usize, TracedPict
     })
 }
 
-/// Of the pixels that show a thin shape exactly, so many at least show it on the fast path from
-/// anywhere; and none is two voxels' width from one that does, as at a plate's corners: nothing
-/// breaks.
+/// Asserts that the fast path shows at least the share `least` of the pixels that show a thin shape exactly,
+/// from every direction. No missing pixel may be two voxels' width from a shown pixel, as at a plate's
+/// corners, so that nothing breaks.
 fn assert_stays_whole(name: &str, dense: &DenseVolume, least: f32) {
     for (i, picture) in take_pictures(dense) {
         let shown: Vec<usize> =
@@ -141,7 +141,7 @@ fn plates_of_one_voxel_stay_visible() {
     }
 }
 
-/// Their edges are rounded off, so that they look thinner along a diagonal.
+/// The rods' edges are rounded off, so that they look thinner along a diagonal.
 #[test]
 fn rods_of_one_voxel_stay_visible() {
     for axis in 0..3 {
@@ -151,9 +151,9 @@ fn rods_of_one_voxel_stay_visible() {
     }
 }
 
-/// Grooves across each face of a block, along both axes. Of the pixels that show what lies in them,
-/// a voxel deep or more, 85 % show what lies half a voxel deep on the fast path, from anywhere;
-/// 97 % of all; and they look at least 0.7 times as deep as they are.
+/// Tests grooves across each face of a block, along both axes. Of the pixels that show the inside of a groove
+/// at least a voxel deep, the fast path shows 85 % at least half a voxel deep from every direction, and 97 %
+/// overall. The grooves look at least 0.7 times as deep as they are.
 #[test]
 fn grooves_of_two_voxels_stay_visible() {
     let (mut all, mut all_kept) = (0, 0);

@@ -1,4 +1,4 @@
-//! The textures of the fast path against their definition.
+//! The textures of the fast path against the naive definition.
 
 use paros_core::RangeMaps;
 use paros_models::cases::scaled_cases;
@@ -8,7 +8,7 @@ use paros_models::layers::LayeredVolume;
 use paros_shaders::field::{DensityField, LEVELS, cell_side_texels};
 use proptest::prelude::*;
 
-/// Of the closure of a set of voxels in columns of K intervals.
+/// Checks the textures of the closure of a set of voxels in columns of K intervals.
 fn check_rebuild<const N: usize, const K: usize>(voxels: &DenseVolume) {
     let volume = LayeredVolume::new(voxels, K);
     let mut maps = Box::new(RangeMaps::<N, K>::new());
@@ -43,7 +43,7 @@ fn check_rebuild<const N: usize, const K: usize>(voxels: &DenseVolume) {
     }
 }
 
-/// With K of 1, 2 or 4.
+/// Checks the textures for K of 1, 2 or 4.
 fn check_rebuild_with<const N: usize>(voxels: &DenseVolume, intervals: usize) {
     match intervals {
         1 => check_rebuild::<N, 1>(voxels),
@@ -67,7 +67,7 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(scaled_cases(1)))]
 
-    /// More than one box along each axis.
+    /// A grid with more than one box along each axis.
     #[test]
     fn a_rebuild_follows_the_definition_on_64(dense in any_voxels(64), intervals in 1..3usize) {
         check_rebuild_with::<64>(&dense, intervals);

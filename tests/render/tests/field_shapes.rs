@@ -1,4 +1,5 @@
-//! What the surface of half density keeps: thin things, the place and slope of a sphere.
+//! Properties of the surface of half density: thin features are kept, and so are the position and slope of a
+//! sphere's surface.
 
 use glam::Vec3;
 use paros_core::RangeMaps;
@@ -14,8 +15,8 @@ fn build_field<const N: usize>(dense: &DenseVolume) -> DensityField<N> {
     field
 }
 
-/// Where along a line from `from`, so far in a direction, the density falls below a half, if it
-/// is above at the start.
+/// Returns the distance along the line from `from` to `to` at which the density falls below a half, or `None`
+/// if it is below a half at the start.
 fn surface_distance<const N: usize>(field: &DensityField<N>, from: Vec3, to: Vec3) -> Option<f32> {
     (field.sample_density(0, from) >= 0.5).then_some(())?;
     (1..3000).map(|i| i as f32 * 0.01).find(|&t| field.sample_density(0, from + to * t) < 0.5)
@@ -25,10 +26,10 @@ fn voxel_centre([x, y, z]: [i32; 3]) -> Vec3 {
     Vec3::new(x as f32, y as f32, z as f32) + 0.5
 }
 
-/// Every occupied voxel's centre is at most so far from the inside.
+/// Asserts that every occupied voxel's centre is within a distance of the inside.
 fn check_kept(name: &str, dense: &DenseVolume, most: f32) {
     let field = build_field::<32>(dense);
-    // The grid's border cuts shapes off: convex corners, which may lie further out.
+    // The grid's border cuts shapes off and so makes convex corners, which may lie further out.
     for voxel in dense.occupied().filter(|v| v.iter().all(|c| (2..30).contains(c))) {
         let steps =
             (-4..=4).flat_map(|x| (-4..=4).flat_map(move |y| (-4..=4).map(move |z| [x, y, z])));
@@ -96,7 +97,7 @@ fn joints_have_no_holes() {
     check_kept("a plate on a wall", &DenseVolume::from_fn(32, |v| block(v) || plate(v)), 0.7);
     check_kept("a rod on a wall", &DenseVolume::from_fn(32, |v| block(v) || rod(v)), 0.7);
     check_kept("crossed plates", &DenseVolume::from_fn(32, |v| plate(v) || upright(v)), 0.7);
-    // Seen from in front, no ray along the plate's normal gets through, up to the wall.
+    // Seen from the front, no ray along the plate's normal passes through, up to the wall.
     for shape in [
         DenseVolume::from_fn(32, |v| block(v) || plate(v)),
         DenseVolume::from_fn(32, |v| block(v) || plate(v) || upright(v)),
@@ -135,11 +136,11 @@ fn thin_shapes_are_kept() {
         v.iter().all(|&c| (4..28).contains(&c))
             && (v[1] == 4 || [v[0], v[2]].iter().any(|c| [4, 27].contains(c)))
     });
-    // Its four lower corners are convex.
+    // The tray's four lower corners are convex.
     check_kept("a tray", &tray, 2.0);
 }
 
-/// A voxel that stands proud of a wall moves its surface by less than half a voxel.
+/// A voxel that protrudes from a wall moves its surface by less than half a voxel.
 #[test]
 fn no_bump_where_a_voxel_stands_proud() {
     let wall = DenseVolume::from_fn(32, |v| v[0] < 16 || v == [16, 15, 15]);
@@ -175,7 +176,7 @@ fn sphere_field() -> DensityField<128> {
     }))
 }
 
-/// Evenly spread directions (a spiral).
+/// Returns evenly distributed directions (a spiral).
 fn sphere_directions(count: u32) -> impl Iterator<Item = Vec3> {
     (0..count).map(move |i| {
         let y = 1.0 - 2.0 * (i as f32 + 0.5) / count as f32;
@@ -201,7 +202,7 @@ fn gradient_of_four(field: &DensityField<128>, level: usize, at: Vec3, by: f32) 
         .sum()
 }
 
-/// A way to take a slope: of a field at a level, at a place, so far apart.
+/// A function that takes the gradient of a field at a level and a place, with a distance between samples.
 type Slope = fn(&DensityField<128>, usize, Vec3, f32) -> Vec3;
 
 #[test]
@@ -233,7 +234,7 @@ fn a_sphere_is_smooth() {
             }
         }
     }
-    // What the stored gradients are better than.
+    // The stored gradients are better than these.
     assert!(mean_angle(gradient_of_four, 0, 0.5) < 2.7);
     assert!(mean_angle(gradient_of_four, 1, 1.0) < 2.5);
     assert!(mean_angle(gradient_of_six, 0, 0.75) < 2.8);

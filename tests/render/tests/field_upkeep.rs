@@ -1,5 +1,5 @@
-//! The fast path's textures, kept up to date while the volume changes, against a rebuild from
-//! nothing, with a copy that only sees what is handed out.
+//! The fast path's textures, updated while the volume changes, against a complete rebuild. The copy under
+//! test sees only the emitted regions.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -12,7 +12,7 @@ use paros_models::random_visitor::RandomSource;
 use paros_shaders::field::{Budget, DensityField, HALF_DENSITY, LEVELS, MAX_CELL_DISTANCE};
 use paros_shaders::upload::{Region, Texture};
 
-/// A texture's bytes, and how many make a texel.
+/// A texture's bytes, and the number of bytes a texel.
 #[derive(PartialEq)]
 struct TextureCopy {
     side: [usize; 2],
@@ -20,7 +20,7 @@ struct TextureCopy {
     bytes: Vec<u8>,
 }
 
-/// The textures as a GPU has them that is told of every region.
+/// Copies of the textures, as on a GPU that receives every region.
 struct TextureCopies(Vec<TextureCopy>);
 
 impl TextureCopies {
@@ -62,13 +62,13 @@ impl TextureCopies {
         }
     }
 
-    /// No surface passes through the cells that one tells are free.
+    /// Checks that no surface passes through cells that are marked as free.
     fn check_cells(&self, settled: bool) {
         let (density, cells) = (&self.0[1], &self.0[1 + LEVELS]);
         let side = cells.side[0];
         let mut within = solid_cells(density, side);
         let mut free = vec![0; side.pow(3)];
-        // Step by step, a cell at a time.
+        // Grows the range step by step, a cell at a time.
         for _ in 1..MAX_CELL_DISTANCE {
             within = with_cells_beside(&within, side);
             for (row, free) in within.iter().zip(free.chunks_exact_mut(side)) {
@@ -84,8 +84,8 @@ impl TextureCopies {
     }
 }
 
-/// The cells, `side` along an axis, in or beside which a texel of the density is stone: a bit each, x the place in a
-/// row, and y before z among rows.
+/// Returns the cells, `side` along an axis, with a stone texel of the density in or beside them: one bit
+/// each, with x as the bit's place in a row, and y before z among rows.
 fn solid_cells(density: &TextureCopy, side: usize) -> Vec<u128> {
     let texels = density.side[0];
     let size = texels / side;
@@ -102,7 +102,7 @@ fn solid_cells(density: &TextureCopy, side: usize) -> Vec<u128> {
     solid
 }
 
-/// Rows of cells, and all cells that touch one of theirs.
+/// Returns rows of cells, together with all cells that touch one of theirs.
 fn with_cells_beside(rows: &[u128], side: usize) -> Vec<u128> {
     let along_rows: Vec<u128> = rows.iter().map(|row| row | row << 1 | row >> 1).collect();
     let across = |rows: &[u128], stride: usize| -> Vec<u128> {
@@ -117,7 +117,7 @@ fn with_cells_beside(rows: &[u128], side: usize) -> Vec<u128> {
     across(&across(&along_rows, 1), side)
 }
 
-/// A volume that random edits, undos and loads change.
+/// A volume changed by random edits, undos and loads.
 struct EditedField<const N: usize, const K: usize>
 where
     Grid<N>: Size,
@@ -143,7 +143,7 @@ where
         }
     }
 
-    /// One tick: mostly an edit or two, now and then an undo, seldom a load.
+    /// Runs one tick: usually one or two edits, sometimes an undo, seldom a load.
     fn apply_random_tick(&mut self, dice: &mut RandomSource, dirty: &mut DirtyRects) {
         dirty.clear();
         match dice.below(60) {
@@ -171,13 +171,13 @@ where
         ][dice.below(4) as usize];
         let edit = Edit { brush: &brush, operation, mirrored: dice.one_in(4) };
         let log = &mut *dirty;
-        // A ball that is too large to smooth changes nothing.
+        // A ball that is too large to smooth is refused and changes nothing.
         let _ = apply_edit(&mut self.volume, &self.mask, &edit, &mut self.scratch, log);
         dirty.end_edit();
         self.edits += 1;
     }
 
-    /// The volume as it was, noted as an undo is: column by column.
+    /// Restores the earlier volume, reported like an undo: column by column.
     fn swap_volume(&mut self, dirty: &mut DirtyRects) {
         let before = Box::new(self.volume.maps().clone());
         self.volume.set_maps(&self.earlier);
@@ -249,7 +249,7 @@ fn follow_edits<const N: usize, const K: usize>(
         if dice.one_in(4) {
             continue;
         }
-        // Now and then there is time to get done.
+        // Occasionally there is time to finish.
         for _ in 0..[1, 1, 1, 500][dice.below(4) as usize] {
             let budget =
                 Budget { work: dice.below(400_000) as usize, bytes: dice.below(100_000) as usize };
@@ -321,7 +321,7 @@ fn upkeep_is_a_rebuild_with_two_intervals_on_128() {
     follow_edits(&mut studio, 71, scaled_cases(60));
 }
 
-/// What a frame costs and hands out is within its budget, and a load comes to its end.
+/// A frame's cost and output are within its budget, and a load finishes.
 #[test]
 fn frames_keep_to_their_budget() {
     static STUDIO: Mutex<EditedField<128, 1>> = Mutex::new(EditedField::new());
@@ -350,7 +350,7 @@ fn check_frame_budgets<const K: usize>(studio: &mut EditedField<128, K>) {
         let mut bytes = 0;
         let spent = field.update_textures(budget, &mut |_, region| bytes += region.len());
         assert!(bytes <= budget.bytes, "tick {tick}: {bytes} bytes");
-        // A frame does one thing at least: a box of nothing but detail is reckoned at a fifth more.
+        // A frame does at least one thing: a box full of detail costs up to a fifth more than the budget.
         assert!(spent.work <= budget.work * 6 / 5, "tick {tick}: {spent:?}");
         assert_eq!(spent.bytes, bytes, "tick {tick}");
     }
@@ -363,7 +363,7 @@ fn check_frame_budgets<const K: usize>(studio: &mut EditedField<128, K>) {
     assert!(frames < 500, "never done");
 }
 
-/// Cells of four texels.
+/// Tests cells of four texels.
 #[test]
 fn cells_at_256() {
     static STUDIO: Mutex<EditedField<256, 1>> = Mutex::new(EditedField::new());

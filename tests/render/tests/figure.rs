@@ -1,4 +1,4 @@
-//! The hidden figure's share of the stone, and how it shines where it is bared.
+//! The hidden figure's share of the stone, and its glow where it is bared.
 
 use glam::Vec3;
 use paros_core::RangeMaps;
@@ -13,14 +13,14 @@ fn shares_of<const N: usize>(figure: &RangeMaps<N>) -> FigureShares {
     shares
 }
 
-/// Along a line through a block's flat face, in texels from it, at a size of the grid.
+/// Checks shares along a line through a block's flat face, by the distance in texels, at a grid size.
 fn check_face<const N: usize>() {
     let inside = |c: i32| (N as i32 / 4..N as i32 * 3 / 4).contains(&c);
     let block = DenseVolume::from_fn(N, |at| at.into_iter().all(inside));
     let shares = shares_of(&build_maps_and_field::<N>(&block).0);
     let above = |texels: f32| shares.sample_clamped(Vec3::new(0.5, 0.75 + texels / 128.0, 0.5));
     for (texels, share) in [(-3.0, 1.0), (-0.5, 0.75), (0.0, 0.5), (1.0, 0.125), (2.5, 0.0)] {
-        // A voxel that is two texels large has softer faces by as much as the blur adds.
+        // A voxel two texels wide has softer faces, by as much as the blur adds.
         let found = above(texels);
         assert!((found - share).abs() < 0.01, "{N}: {found} of {share} at {texels}");
     }
@@ -48,7 +48,8 @@ fn another_figure_replaces_the_last_one() {
     assert!(shares.is_empty() && shares.sample_clamped(at) == 0.0);
 }
 
-/// A block's upper half is stone over the figure, of a thickness in voxels; the figure is warm where there is none.
+/// A block's upper half is stone over the figure, with a thickness in voxels; the figure looks warm where no
+/// stone covers it.
 #[test]
 fn the_figure_is_warm_where_it_is_bared_alone() {
     let block = |top: i32| {
@@ -64,7 +65,7 @@ fn the_figure_is_warm_where_it_is_bared_alone() {
         let down = Ray { origin: Vec3::new(0.0, 2.0, 0.0), direction: Vec3::NEG_Y };
         shade_ray(&scene, &down, 0.0).expect("stone").color
     };
-    // How much of the blue is missing.
+    // Warmth is the missing share of blue.
     let warmth = |thickness| {
         let [with, without] = [Some(&shares), None].map(|figure| color(thickness, figure));
         (with.x / with.z) / (without.x / without.z)

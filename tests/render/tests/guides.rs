@@ -1,4 +1,5 @@
-//! What guides the hands: the rim of the next bite on the stone, the hidden bit, and the mirror's plane and reflection.
+//! The visual guides for the hands: the rim of the next bite on the stone, the hidden bit, and the mirror's
+//! plane and reflection.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -18,7 +19,7 @@ static STUDIO: Mutex<WorldHarness<64>> = Mutex::new(WorldHarness::new());
 /// The top of the flat stone, in voxels.
 const TOP: f32 = 30.0;
 
-/// A flat stone, and the first bit of the rotary tool in the right hand.
+/// Starts with a flat stone, and the first bit of the rotary tool in the right hand.
 fn lock_studio() -> MutexGuard<'static, WorldHarness<64>> {
     let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
     studio.start_from_voxels(|[_, y, _]| y < TOP as usize);
@@ -30,7 +31,7 @@ fn held_bit(studio: &WorldHarness<64>) -> ToolBit {
     studio.world.held_tool(RIGHT).expect("a tool").1
 }
 
-/// The places of instances, in voxels from the stone's corner; the stool isn't turned.
+/// Returns the places of instances in voxels from the stone's corner; the stool isn't turned.
 fn places(studio: &WorldHarness<64>, instances: &[MeshInstance]) -> Vec<Vec3> {
     let voxel = studio.world.stool_frame().voxel_metres();
     let corner = STOOL_TOP - Vec3::new(32.0, 0.0, 32.0) * voxel;
@@ -41,7 +42,7 @@ fn places(studio: &WorldHarness<64>, instances: &[MeshInstance]) -> Vec<Vec3> {
 fn dots(studio: &WorldHarness<64>, latest: &LatestInput) -> Vec<Vec3> {
     let mut scene = SceneAssembler::new();
     let list = scene.assemble_frame(&studio.world, latest);
-    // Dust is no guide: it isn't amber.
+    // Excludes dust, which isn't amber.
     let specks = list.instances_of(MeshId::Speck).iter().copied();
     let amber: Vec<MeshInstance> = specks.filter(|speck| speck.tint[0] > 1.0).collect();
     places(studio, &amber)
@@ -56,7 +57,7 @@ fn a_rim_of_dots_shows_what_the_next_bite_takes() {
     };
     let voxel = studio.world.stool_frame().voxel_metres();
     for _ in 0..40 {
-        // Pressed into the stone by half its radius; that holds it at its top.
+        // Pressed into the stone by half its radius, the bit is stopped at the stone's top.
         step_with_bit_at(
             &mut studio,
             RIGHT,
@@ -73,7 +74,7 @@ fn a_rim_of_dots_shows_what_the_next_bite_takes() {
         assert_eq!(dots.len(), BITE_DOTS as usize, "{poses:?}");
         for dot in dots {
             let aside = (dot - Vec3::new(30.0, dot.y, 32.0)).length();
-            // Half a voxel that the bit may rest above or below, and the step to the next sample.
+            // Half a voxel by which the bit may rest above or below, plus the step to the next sample.
             assert!(
                 (dot.y - TOP).abs() < 0.7 && aside < rim(depth) + 1.0,
                 "{dot} of {}",
@@ -82,7 +83,7 @@ fn a_rim_of_dots_shows_what_the_next_bite_takes() {
             assert!(aside > 0.5 * rim(depth) - 0.5, "{dot} of {}", rim(depth));
         }
     }
-    // Its hand is far ahead of it.
+    // The hand is far ahead of the bit.
     step_with_bit_at(&mut studio, RIGHT, Vec3::new(30.0, TOP - 20.0, 32.0), true);
     assert!(studio.world.hand_state(RIGHT).frozen_pose.position.y > TOP - 18.0);
     assert_eq!(dots(&studio, &LatestInput::default()), [], "it is done, not shown, while it runs");
@@ -101,7 +102,7 @@ fn a_bit_is_drawn_where_it_is_hidden_while_it_is_near() {
         let [seen, hidden] = [DrawGroup::Handheld, DrawGroup::Hidden]
             .map(|group| list.instances_in_group(bit, group).to_vec());
         assert_eq!(seen.len(), 1);
-        // In the same place.
+        // The hidden instance has the same transform.
         hidden.iter().for_each(|one| assert_eq!(one.transform, seen[0].transform));
         hidden.len()
     };

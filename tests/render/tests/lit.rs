@@ -1,4 +1,4 @@
-//! What can be taken lights up where a hand would take it, and nothing else does.
+//! Items light up where a hand would take them, and nothing else does.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -15,7 +15,7 @@ fn lock_studio() -> MutexGuard<'static, WorldHarness<64>> {
     STUDIO.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The meshes that are lit in a frame.
+/// Returns the meshes that are lit in a frame.
 fn lit_meshes(studio: &WorldHarness<64>, light_targets: bool) -> Vec<MeshId> {
     let latest = LatestInput { light_targets, show_hands: true, ..LatestInput::default() };
     let mut scene = SceneAssembler::new();
@@ -44,7 +44,7 @@ fn the_tool_that_a_hand_would_take_is_lit_with_its_bit() {
             assert_eq!(lit_meshes(&studio, true), expected, "{tool:?}");
             assert_eq!(lit_meshes(&studio, false), []);
         }
-        // A bit is lit for the tool that it fits alone, and what is held is not.
+        // A bit is lit only for the tool that it fits, and a held item isn't lit.
         let ball = BenchItem::Bit(ToolBit::LargeBall);
         step_at(&mut studio, hand, home(ball));
         assert_eq!(lit_meshes(&studio, true), []);
@@ -67,7 +67,7 @@ fn each_hand_lights_its_own_and_the_stool_stays_lit_while_it_is_held() {
     let of_rasp = [MeshId::Rasp, MeshId::of_bit(Tool::Rasp.default_bit())];
     let all = [of_rasp[0], of_rasp[1], MeshId::StoolTop];
     assert_eq!(lit_meshes(&studio, true), all);
-    // Away from the rim, but still squeezed.
+    // The hand has left the rim, but still squeezes.
     for place in [rim, rim - Vec3::X * 0.2] {
         hands[LEFT] = HandInput { squeeze: 255, ..hand_input_at(place) };
         studio.step(&TickInput { hands, ..TickInput::default() });
@@ -76,7 +76,7 @@ fn each_hand_lights_its_own_and_the_stool_stays_lit_while_it_is_held() {
     hands[LEFT].squeeze = 0;
     studio.step(&TickInput { hands, ..TickInput::default() });
     assert_eq!(lit_meshes(&studio, true), of_rasp);
-    // A hand that isn't seen takes nothing.
+    // An untracked hand takes nothing.
     hands[RIGHT].tracked = false;
     studio.step(&TickInput { hands, ..TickInput::default() });
     assert_eq!(lit_meshes(&studio, true), []);

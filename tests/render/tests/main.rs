@@ -1,8 +1,8 @@
-//! Tests of the pictures that need no GPU: one binary, so that the core is instantiated once.
+//! Tests of pictures that need no GPU. All are one binary, so that the core is instantiated only once.
 
 use paros_models::allocations::CountingAllocator;
 
-/// Counts allocations a thread, so that tests of other threads don't disturb who counts.
+/// Counts allocations by thread, so that tests in other threads don't disturb the count.
 #[global_allocator]
 static ALLOCATOR: CountingAllocator = CountingAllocator;
 

@@ -1,4 +1,4 @@
-//! What makes the fast path's stone look like marble: its veins, highlights, edges and cavities.
+//! The components of the fast path's marble look: veins, highlights, edges and cavities.
 //!
 //! Planted faults, and what catches each (tried by hand):
 //! - `convexity.rs`: the means exchanged -> `edges_are_convex_and_creases_are_not`.
@@ -18,7 +18,7 @@ fn field_of(occupied: impl Fn([i32; 3]) -> bool) -> Box<DensityField<128>> {
     build_maps_and_field::<128>(&DenseVolume::from_fn(128, occupied)).1
 }
 
-/// A flight of steps, up along x: the edge and the crease of one.
+/// Tests the edge and the crease of a step, in a flight of steps up along x.
 #[test]
 fn edges_are_convex_and_creases_are_not() {
     let field = field_of(|[x, y, z]| y < 20 + 20 * (x / 40) && (10..110).contains(&z));
@@ -28,7 +28,7 @@ fn edges_are_convex_and_creases_are_not() {
     assert!(edge > 0.2 && crease < -0.2 && plane.abs() < 0.02, "{edge}, {crease}, {plane}");
 }
 
-/// White for the most part, grey in veins: across them the grey changes more than along them.
+/// Mostly white, with grey veins: the grey changes more across them than along them.
 #[test]
 fn veins_run_in_one_direction() {
     let grey = |[x, y, z]: [usize; 3]| {
@@ -43,21 +43,21 @@ fn veins_run_in_one_direction() {
         let moved = |at: [usize; 3]| [0, 1, 2].map(|i| (at[i] as i32 + way[i]) as usize);
         places().map(|at| (grey(at) - grey(moved(at))).abs()).sum::<f32>() / count
     };
-    // Seven texels each: across, and two ways at right angles to it.
+    // Distances of seven texels each: across the veins, and in two directions at right angles to that.
     let across = change([4, 4, -4]);
     let along = change([5, -5, 0]).max(change([3, 3, 6]));
     println!("{mean} grey, {veins} veins; {across} across and {along} along");
     assert!(across > 1.3 * along, "{across} across and {along} along");
 }
 
-/// The sun's highlight of a plane, and of one with grooves three voxels wide, straight under the sun and 30 degrees
-/// aside.
+/// Compares the sun's highlight of a plane with that of a plane with grooves three voxels wide, directly
+/// under the sun and 30 degrees off.
 #[test]
 fn highlights_are_broad_where_the_stone_is_rough() {
     let smooth = field_of(|[_, y, _]| y < 64);
     let rough = field_of(|[x, y, _]| y < 64 - 3 * i32::from(x % 6 < 3));
     let (sin, cos) = 30f32.to_radians().sin_cos();
-    // What a highlight adds to the light of places that all face upwards.
+    // The highlight's addition to the light of places that all face upwards.
     let highlight = |field: &DensityField<128>, halfway: Vec3| {
         let shade = |position, halfway| {
             let at = SurfacePoint { position, normal: Vec3::Y, distance: 0.0 };

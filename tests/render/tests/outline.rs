@@ -1,4 +1,4 @@
-//! The outline of the stone against what is behind it, in the pictures that `paros render` draws.
+//! The outline of the stone against the background, in the pictures that `paros render` draws.
 //!
 //! Planted faults, and what catches each (tried by hand):
 //! - `render.rs`: all of a pixel's rays through its corner -> `a_spheres_outline_is_smooth`.
@@ -20,7 +20,7 @@ fn draw(voxels: &Solid, camera: &Camera) -> Image {
     render_image(&build_maps_and_field::<N>(&voxels.to_voxels(N)).0, camera, &size, &|_| {})
 }
 
-/// The upper half of a sphere's outline, above the stool.
+/// Tests the upper half of a sphere's outline, above the stool.
 #[test]
 fn a_spheres_outline_is_smooth() {
     let sphere = |radius, centre| {

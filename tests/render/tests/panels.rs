@@ -1,5 +1,6 @@
-//! The panels' screens, in both languages, as the CPU's twin draws them: beside the pictures that are kept, and the rules
-//! that every screen keeps. `PAROS_GOLDEN=write cargo test -p paros-tests-render --test main panels` writes the pictures.
+//! The panels' screens in both languages, as the CPU twin draws them: compared with golden pictures, and
+//! checked against the rules of every screen. `PAROS_GOLDEN=write cargo test -p paros-tests-render --test
+//! main panels` writes the pictures.
 
 use std::fs::{self, File};
 use std::path::PathBuf;
@@ -27,7 +28,7 @@ use paros_tests_render::screens::{all_screens, pictures_of_cells};
 const AGAIN: &str =
     "write it: PAROS_GOLDEN=write cargo test -p paros-tests-render --test main panels";
 
-/// A picture of a panel before a grey wall, at so many pixels a millimetre.
+/// Returns a picture of a panel before a grey wall, at a resolution in pixels a millimetre.
 fn picture_of(panel: &Panel, pixels_per_mm: f32) -> Image {
     let [width, height] = panel.size_mm().map(|mm| mm + 60.0);
     let half = |mm: f32| (0.5e-3 * mm / READING_DISTANCE).atan();
@@ -38,7 +39,7 @@ fn picture_of(panel: &Panel, pixels_per_mm: f32) -> Image {
     render_panels_with_pictures(panels, &pictures, &eye, size, 2, Vec3::splat(0.3))
 }
 
-/// Drawn quad by quad, or by the rays of an eye that sees the panel and nothing else: the same picture.
+/// Drawing quad by quad gives the same picture as the rays of an eye that sees only the panel.
 #[test]
 fn a_panel_drawn_flat_is_what_an_eye_before_it_sees() {
     let mut panel = Panel::new([400.0, 240.0]);
@@ -100,13 +101,13 @@ fn every_text_is_a_degree_high() {
     }
 }
 
-/// What a panel shows lies within it, and not too near its edge.
+/// Everything shown lies within its panel, at a distance from its edge.
 #[test]
 fn everything_is_within_its_panel() {
     for language in Language::ALL {
         for (name, panel) in all_screens(language) {
             let inner = panel.rect().grown(-12.0);
-            // The first two are its shadow and its ground.
+            // The first two quads are the panel's shadow and background.
             for quad in &panel.quads()[2..] {
                 assert!(is_within(quad, &inner), "{name} in {language:?}: {quad:?}");
             }
@@ -153,7 +154,7 @@ fn every_label_is_within_its_button() {
     }
 }
 
-/// Of the welcome's buttons one has the colour of what is to be pressed next; what was chosen has ticks.
+/// On the welcome screen, exactly one button has the colour of the next step; selected choices have ticks.
 #[test]
 fn one_button_of_the_welcome_leads_on() {
     for language in Language::ALL {
@@ -174,7 +175,7 @@ fn one_button_of_the_welcome_leads_on() {
     }
 }
 
-/// Buttons don't overlap, and are large enough to be touched: as wide as three fingers.
+/// Buttons don't overlap, and are large enough to touch: as wide as three fingers.
 #[test]
 fn buttons_are_large_and_apart() {
     let cards = [(Message::FigureOwl, Icon::Owl); 7];
@@ -209,7 +210,7 @@ fn is_within(quad: &PanelQuad, rect: &PanelRect) -> bool {
     rect.contains(corner(-1.0)) && rect.contains(corner(1.0))
 }
 
-/// The words of every badge fit beside it, and are of letters that the atlas has.
+/// The words of every badge fit beside it, and the atlas has all their letters.
 #[test]
 fn every_word_of_a_badge_fits() {
     let place = TextPlace::Word.style();
@@ -225,7 +226,7 @@ fn every_word_of_a_badge_fits() {
     }
 }
 
-/// Whether a letter of a word is drawn as the question mark is, as the atlas lacks it.
+/// Returns `true` if a letter of a word is drawn as the question mark, because the atlas lacks it.
 fn missing_letters(word: &str, weight: FontWeight) -> bool {
     let shape = |text: &str| {
         let mut panel = Panel::new([100.0; 2]);
@@ -237,8 +238,7 @@ fn missing_letters(word: &str, weight: FontWeight) -> bool {
     word.chars().any(|c| shape(&c.to_string()) == shape("?"))
 }
 
-/// The distances of the atlas have the sign that the core's shapes say, but for places nearer to an edge than half a
-/// texel.
+/// The atlas's distances have the sign given by the core's shapes, except within half a texel of an edge.
 #[test]
 fn pictograms_are_inked_as_the_core_says() {
     let mut panel = Panel::new([64.0; 2]);
@@ -248,7 +248,7 @@ fn pictograms_are_inked_as_the_core_says() {
         let plain = BoxStyle { fill: ground, ..BoxStyle::default() };
         panel.add_box(panel.rect().grown(10.0), &plain);
         panel.add_pictogram(pictogram, panel.rect(), ink);
-        // A pixel for a 64th of the picture's side.
+        // One pixel for a 64th of the picture's side.
         let fov = Fov { left: -0.785, right: 0.785, up: 0.785, down: -0.785 };
         let distance = 0.032 / 0.785_f32.tan();
         let eye = Eye { position: Vec3::Z * distance, rotation: Quat::IDENTITY, fov };
@@ -269,7 +269,7 @@ fn pictograms_are_inked_as_the_core_says() {
     }
 }
 
-/// A card whose cell has no picture shows its icon, and nothing of that where there is a picture: it covers more.
+/// A card whose cell has no picture shows its icon; a picture, which covers more, replaces the icon entirely.
 #[test]
 fn a_card_shows_its_icon_until_there_is_a_picture() {
     let card = layout::choice_buttons(0, &[(Message::FigureOwl, Icon::Owl)])[0];
@@ -301,7 +301,7 @@ fn a_card_shows_its_icon_until_there_is_a_picture() {
     assert!(shown().filter(is_icon).all(|at| is_painted(&at)), "the picture covers it");
 }
 
-/// In the room a panel hides what is behind it, and is hidden by what stands before it.
+/// In the room a panel hides objects behind it, and is hidden by objects before it.
 #[test]
 fn panels_stand_in_the_room() {
     let room = lit_studio();
@@ -333,8 +333,8 @@ fn panels_stand_in_the_room() {
     });
 }
 
-/// What a screen costs a GPU: quads, and the texels and fragments for each pixel of its panel. The shaders' README
-/// tells these.
+/// Checks the cost of each screen for a GPU: quads, and the texels and fragments for each pixel of its panel.
+/// The shaders' README lists these numbers.
 #[test]
 fn screens_are_cheap() {
     for language in Language::ALL {
@@ -353,7 +353,7 @@ fn screens_are_cheap() {
     }
 }
 
-/// Writes each screen in large, to be looked at.
+/// Writes each screen as a large image for inspection.
 #[test]
 #[ignore = "for looking at"]
 fn screens_in_large() {
@@ -380,7 +380,7 @@ fn screens_in_large() {
     picture_of(&all_pictures(), 1.0).write_png(file).expect("a picture");
 }
 
-/// Every pictogram and icon, ten in a row.
+/// Returns a panel with every pictogram and icon, ten in a row.
 fn all_pictures() -> Panel {
     let mut panel = Panel::new([1200.0, 1200.0]);
     let ground = BoxStyle { fill: palette::GROUND, ..BoxStyle::default() };

@@ -1,4 +1,4 @@
-//! What closure brought back is marked on the sculpture, where it is, and for a short while.
+//! Voxels that closure restored are marked on the sculpture, at their place, for a short time.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -17,7 +17,7 @@ fn fresh_at(time: f64) -> LatestInput {
     LatestInput { tick_fraction: 1.0, time_seconds: time, ..LatestInput::default() }
 }
 
-/// The edges of marks in the last frame: their ends, in voxels.
+/// Returns the edges of marks in the last frame, as pairs of ends in voxels.
 fn mark_edges<const N: usize>(studio: &WorldHarness<N>, scene: &SceneAssembler) -> Vec<[Vec3; 2]>
 where
     Grid<N>: Size,
@@ -35,8 +35,8 @@ where
     specks.filter(|speck| is_red(&speck.tint)).map(ends).collect()
 }
 
-/// Asserts that the marks of the last tick are so many edges around what closure brought back, none of them
-/// between a bit and its mirror.
+/// Asserts that the marks of the last tick have the expected number of edges around the voxels that closure
+/// restored, and none between a bit and its mirror image.
 fn assert_box_is_marked<const N: usize>(
     studio: &WorldHarness<N>,
     scene: &SceneAssembler,
@@ -59,7 +59,8 @@ fn assert_box_is_marked<const N: usize>(
     assert!(ends().all(|end| !between.contains(&end.x)), "nothing between the two");
 }
 
-/// Starts from a block with a tunnel along x, in which a column of one interval keeps nothing more empty.
+/// Starts from a block with a tunnel along x, in which a column of one interval can't keep anything more
+/// empty.
 fn start_in_tunnel<const N: usize>(studio: &mut WorldHarness<N>)
 where
     Grid<N>: Size,
@@ -72,7 +73,7 @@ where
     take_item(studio, RIGHT, BenchItem::Tool(Tool::Rotary));
 }
 
-/// A burr cuts sideways from within a tunnel, without and with its mirror, on a turned stool.
+/// A burr cuts sideways from inside a tunnel, without and with its mirror, on a turned stool.
 #[test]
 fn what_closure_brought_back_is_marked_where_it_is() {
     let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
@@ -104,7 +105,7 @@ fn what_closure_brought_back_is_marked_where_it_is() {
         step_with_bit_at(&mut studio, RIGHT, Vec3::new(16.0, 16.0, 14.0), false);
         studio.step(&TickInput { commands: commands::SYMMETRY, ..TickInput::default() });
     }
-    // What goes is no refusal.
+    // Removed voxels aren't marked as refused.
     let mut removed = 0;
     studio.step(&TickInput { pointer: PointerCommand::Return { hand: 1 }, ..TickInput::default() });
     take_item(&mut studio, RIGHT, BenchItem::Tool(Tool::Rotary));
@@ -117,8 +118,8 @@ fn what_closure_brought_back_is_marked_where_it_is() {
     assert!(removed > 30, "{removed}");
 }
 
-/// So fast that the bit, of which a mark takes in a voxel more than its radius, isn't near where a tick's way began
-/// when it ends.
+/// A stroke so fast that the bit ends a tick far from where the tick's path began. A mark includes a voxel
+/// more than the bit's radius.
 #[test]
 fn a_fast_mirrored_stroke_is_marked_along_its_way() {
     static STUDIO: Mutex<WorldHarness<128>> = Mutex::new(WorldHarness::new());

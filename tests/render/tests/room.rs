@@ -8,7 +8,7 @@ use paros_shaders::scene::{resting_placement, resting_studio};
 use paros_shaders::{Camera, Image, LitRoom, Ray, RenderOptions, TwinScene, TwinSettings};
 use paros_shaders::{lit_studio, render_image, render_image_in_room};
 
-/// A ray from a side of the cube over the stool straight down.
+/// Returns a ray straight down from the top of the cube over the stool.
 fn down(x: f32, z: f32) -> Ray {
     Ray { origin: Vec3::new(x, 1.0, z), direction: Vec3::NEG_Y }
 }
@@ -23,7 +23,7 @@ fn rays_meet_the_stool_and_the_floor() {
     }
 }
 
-/// The sum of the radiance of the stool under a place.
+/// Returns the sum of the stool's radiance under a place.
 fn stool_light(room: &LitRoom, maps: &RangeMaps<64>, at: Vec3) -> f32 {
     let plain = TwinScene::new(maps, 0.0, TwinSettings::default());
     let scene = TwinScene { light: room.light, room: Some(room), ..plain };
@@ -36,7 +36,8 @@ fn the_sun_comes_through_the_window_and_the_sculpture_hides_it() {
     let (room, mut dark_room) = (lit_studio(), lit_studio());
     dark_room.light.sun_color = Vec3::ZERO;
     let sun = Vec3::from_array(SUN_DIRECTION);
-    // Where the shadow of a place over the stool's middle falls; towards the sun, where none falls.
+    // The place of the shadow of a point over the stool's middle; for a negative height, a place towards the
+    // sun, without shadow.
     let shadow = |height: f32| -Vec3::new(sun.x, 0.0, sun.z) * (height / sun.y);
     let empty = RangeMaps::<64>::new();
     with_maps_of_ball(|ball| {
@@ -52,7 +53,7 @@ fn the_sun_comes_through_the_window_and_the_sculpture_hides_it() {
     });
 }
 
-/// Around the sculpture something else is drawn, and the sculpture in other light where it was.
+/// The room replaces the background, and the sculpture is drawn in the same place in other light.
 #[test]
 fn the_same_sculpture_is_drawn_in_the_room() {
     let options = RenderOptions { width: 48, height: 36, samples: 1, ..RenderOptions::default() };
@@ -68,7 +69,8 @@ fn the_same_sculpture_is_drawn_in_the_room() {
     assert!(middle != alone.pixel(24, 16) && middle.iter().all(|part| *part > 90), "{middle:?}");
 }
 
-/// Hands and tools alone stand in the plain studio, which is as it was wherever none of them is seen.
+/// Hands and tools alone are drawn in the plain studio, which stays the same wherever none of them is
+/// visible.
 #[test]
 fn hands_are_drawn_in_the_plain_studio() {
     let options = RenderOptions { width: 96, height: 72, samples: 1, ..RenderOptions::default() };
@@ -82,7 +84,7 @@ fn hands_are_drawn_in_the_plain_studio() {
         })
     };
     let hands = LitRoom::of_hands_in_studio(&resting_studio(), resting_placement());
-    // The tools lie on the bench, beside the stool.
+    // The tools lie on the bench beside the stool.
     let near = Camera::orbiting(0.4, 0.25);
     assert!(differing(&near, &hands) < 96 * 72 / 100);
     let wide = Camera { angle: 1.2, ..near };

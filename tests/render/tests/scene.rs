@@ -1,4 +1,4 @@
-//! The studio: its meshes, and what an assembled frame shows.
+//! The studio: its meshes, and the contents of an assembled frame.
 
 use std::collections::HashMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -23,7 +23,7 @@ fn lock_studio() -> MutexGuard<'static, WorldHarness<64>> {
     STUDIO.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// All meshes, by what holds of them.
+/// Returns all meshes.
 fn all_meshes() -> Vec<MeshId> {
     let mut all = vec![MeshId::Room, MeshId::Outside, MeshId::Workbench, MeshId::StoolBase];
     all.extend([MeshId::StoolTop, MeshId::Shard, MeshId::Chip, MeshId::Speck]);
@@ -48,7 +48,7 @@ fn the_tables_hold_every_mesh() {
         (vertices, triangles),
         (meshes::all_vertices().len(), meshes::all_indices().len() / 3)
     );
-    // What a frame draws but for particles: everything, with one pair of hands.
+    // The triangles of a frame without particles: every mesh, with one pair of hands.
     let pair = [MeshId::of_left_hand, MeshId::of_right_hand]
         .map(|of| of(HandShape::Closed).indices().len() / 3);
     let drawn = triangles - pair.iter().sum::<usize>();
@@ -94,10 +94,10 @@ fn meshes_are_closed_and_face_outward() {
     }
 }
 
-/// Half the thickness of a saw's blade as it is drawn, in metres.
+/// Half the thickness of the drawn saw blade, in metres.
 const DISC_HALF_THICKNESS: f32 = 0.0018;
 
-/// How far a point is from a bit's analytic surface, in metres.
+/// Returns the distance of a point from a bit's analytic surface, in metres.
 fn distance_from_surface(bit: ToolBit, p: Vec3) -> f32 {
     match bit.spec().shape {
         BitShape::Ball { radius_um } => (p.length() - radius_um as f32 * 1e-6).abs(),
@@ -130,7 +130,7 @@ fn a_bit_is_seen_where_it_cuts() {
         let (mut lo, mut hi, mut brush) = (Vec3::MAX, Vec3::MIN, 0);
         for vertex in mesh.vertices() {
             let p = Vec3::from_array(vertex.position);
-            // A blade's shank ends at its middle.
+            // A blade's shank ends at the blade's centre.
             let behind = if bit == ToolBit::DiscSaw { -0.015 } else { reach.z - 0.002 };
             let shank = p.z > behind && p.truncate().length() < 0.0125;
             if shank && distance_from_surface(bit, p) > 1e-4 {
@@ -172,7 +172,7 @@ fn a_held_tool_is_at_the_freshest_grip_pushed_out() {
     let push = studio.world.push_out_metres(RIGHT);
     assert!(push.length() > 0.01, "{push}");
     let mut scene = SceneAssembler::new();
-    // Without a fresher grip the drawn tip is the core's.
+    // Without a newer grip the drawn tip equals the core's.
     let list = scene.assemble_frame(&studio.world, &fresh_at(0.0));
     let tip = studio.world.hand_state(RIGHT).bit_centre_pose(0.13).0 + push;
     let drawn = list.instances_of(MeshId::MediumBall)[0].transform_point(Vec3::ZERO);
@@ -237,7 +237,7 @@ fn what_turns_and_falls_is_between_two_ticks() {
     assert!((between - 0.5 * (heights[1] + heights[2])).abs() < 1e-5, "{between} in {heights:?}");
 }
 
-/// Carves for a while and returns the scene after each tick's frame, as seen by `each`.
+/// Carves for a while and calls `each` after each tick's frame. Returns the time of the last frame.
 fn carve_strokes(
     studio: &mut WorldHarness<64>,
     scene: &mut SceneAssembler,
@@ -293,7 +293,7 @@ fn the_same_ticks_and_times_show_the_same() {
 #[test]
 fn a_removed_island_falls_as_one_and_breaks() {
     let mut studio = lock_studio();
-    // A stone on a thin stem, which is cut.
+    // A stone on a thin stem, which is cut through.
     studio.start_from_voxels(|[x, y, z]| {
         y < 8
             || y >= 40 && (20..44).contains(&x) && (20..44).contains(&z) && y < 56
@@ -311,7 +311,7 @@ fn a_removed_island_falls_as_one_and_breaks() {
     });
     assert!(removed);
     let voxel = studio.world.stool_frame().voxel_metres();
-    // In voxels over the stool.
+    // Heights in voxels over the stool.
     let heights = |scene: &SceneAssembler, mesh| -> Vec<f32> {
         let shards = scene.draw_list().instances_of(mesh).iter();
         shards.map(|m| (m.transform_point(Vec3::ZERO).y - STOOL_TOP.y) / voxel).collect()
@@ -339,7 +339,7 @@ fn a_removed_island_falls_as_one_and_breaks() {
     assert!(heights(&scene, MeshId::Chip).is_empty(), "and are gone");
 }
 
-/// Drives the burr through the stem until `each` has seen enough.
+/// Moves the burr through the stem until `each` returns true.
 fn stroke_until(studio: &mut WorldHarness<64>, mut each: impl FnMut(&WorldHarness<64>) -> bool) {
     step_with_bit_at(studio, RIGHT, Vec3::new(10.0, 24.0, 32.0), false);
     for i in 0..400 {

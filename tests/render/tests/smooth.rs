@@ -1,8 +1,8 @@
-//! How smooth the fast path is: surface, normals and outline of solids that are known exactly,
-//! voxelised by the voxels' centres.
+//! The smoothness of the fast path: surface, normals and outline of analytic solids, voxelised by the voxels'
+//! centres.
 //!
 //! Planted faults, and what catches each (tried by hand):
-//! - `gradient.rs`: the narrow gradient alone -> `normals_have_no_terraces`; the wide one alone ->
+//! - `gradient.rs`: the narrow gradient alone -> `normals_have_no_terraces`; the wide gradient alone ->
 //!   `grooves_keep_their_contrast`.
 //! - `fast.rs`, `refine_hit`: the first sample inside is the surface -> `a_spheres_surface`.
 //! - `fast.rs`: the surface where the density is 0.35 -> `a_spheres_surface`, `a_spheres_outline`.
@@ -20,19 +20,19 @@ use paros_tests_render::view::build_maps_and_field;
 use rayon::prelude::*;
 
 const N: usize = 128;
-/// Off the lattice's points and planes.
+/// A centre off the lattice's points and planes.
 const MIDDLE: Vec3 = Vec3::new(63.7, 62.2, 64.45);
 
 fn sphere_solid(radius: f32) -> Solid {
     Solid { shape: SolidShape::Sphere { radius }, centre: MIDDLE, rotation: Quat::IDENTITY }
 }
 
-/// As the axes lie, and askew.
+/// Returns two rotations: parallel to the axes, and oblique.
 fn test_turns() -> [Quat; 2] {
     [Quat::IDENTITY, Quat::from_euler(EulerRot::YXZ, 0.5, 0.4, 0.3)]
 }
 
-/// Evenly spread directions (a spiral).
+/// Returns evenly distributed directions (a spiral).
 fn sphere_directions(count: u32) -> Vec<Vec3> {
     let way = |i| {
         let y = 1.0 - 2.0 * (i as f32 + 0.5) / count as f32;
@@ -43,14 +43,14 @@ fn sphere_directions(count: u32) -> Vec<Vec3> {
     (0..count).map(way).collect()
 }
 
-/// Mean errors on what is seen of a solid from all around.
+/// Mean errors over views of a solid from all directions.
 #[derive(Clone, Copy, Default, Debug)]
 struct SmoothErrors {
     hits: f32,
-    /// Of the fast surface's place, in voxels; the farthest.
+    /// Errors of the fast surface's position in voxels: mean and maximum.
     off: f32,
     farthest: f32,
-    /// Of the normals, in degrees.
+    /// Errors of the normals in degrees: of the fast path and of the paper's.
     fast: f32,
     paper: f32,
 }
@@ -94,7 +94,7 @@ fn measure_errors(solid: &Solid) -> SmoothErrors {
     mean
 }
 
-/// In the mean of what is seen from all around; and nowhere off by much more than half a voxel.
+/// Holds for the mean over views from all directions; no single hit is off by much more than half a voxel.
 #[test]
 fn a_spheres_surface_is_within_a_quarter_of_a_voxel() {
     for radius in [30.0, 43.3, 50.0] {
@@ -119,15 +119,15 @@ fn normals_err_a_quarter_as_much_as_the_papers() {
     }
 }
 
-/// The mean of these and their 95th percentile, in degrees.
+/// Returns the mean and the 95th percentile of angles in degrees.
 fn mean_and_p95(mut degrees: Vec<f32>) -> [f32; 2] {
     assert!(degrees.len() > 3000);
     degrees.sort_by(f32::total_cmp);
     [degrees.iter().sum::<f32>() / degrees.len() as f32, degrees[degrees.len() * 95 / 100]]
 }
 
-/// How far normals are off, where rays from `start` away from a middle, along ways from it, meet a surface around it;
-/// outwards if that starts within.
+/// Returns the errors of normals where rays that start at the distance `start` from a middle meet the surface
+/// around it; the rays point outwards if they start inside.
 fn normal_errors(
     field: &DensityField<N>,
     middle: Vec3,
@@ -153,7 +153,7 @@ fn normals_have_no_terraces() {
         );
         assert!(mean <= 0.9 && most <= 2.2, "{radius}: {mean}, {most}");
     }
-    // A bowl in a block, looked at from its middle; its rim is left out.
+    // A bowl in a block, seen from its centre, without its rim.
     let (radius, middle) = (70.0f32, Vec3::new(63.7, 130.2, 64.45));
     let bowl = DenseVolume::from_fn(N, |at| {
         let voxel = Vec3::from_array(at.map(|c| c as f32 + 0.5));
@@ -166,8 +166,8 @@ fn normals_have_no_terraces() {
     assert!(mean <= 0.9 && most <= 2.2, "{mean}, {most}");
 }
 
-/// What light from aside makes of grooves two voxels wide, against the four samples of level 1 that a narrow
-/// normal takes.
+/// Compares the contrast of grooves two voxels wide in oblique light with the contrast of the four samples of
+/// level 1 that a narrow normal uses.
 #[test]
 fn grooves_keep_their_contrast() {
     let light = Vec3::new(-0.68, 0.6, 0.42).normalize();
@@ -201,7 +201,7 @@ fn grooves_keep_their_contrast() {
     assert!(ratios.iter().all(|ratio| (0.8..1.3).contains(ratio)), "{ratios:?}");
 }
 
-/// The normal by four samples of level 1, at the corners of a tetrahedron.
+/// Returns the normal from four samples of level 1, at the corners of a tetrahedron.
 fn gradient_of_four(field: &DensityField<N>, at: Vec3) -> Vec3 {
     let corners = [[1.0, -1.0, -1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, 1.0, 1.0]];
     let sum: Vec3 = corners
@@ -212,7 +212,7 @@ fn gradient_of_four(field: &DensityField<N>, at: Vec3) -> Vec3 {
     sum.normalize()
 }
 
-/// From every side, near and far: where a ray that swings outwards last meets the fast surface.
+/// Finds from every side, near and far, where a ray that swings outwards last meets the fast surface.
 #[test]
 fn a_spheres_outline_is_a_circle() {
     for radius in [30.0, 50.0] {

@@ -26,7 +26,7 @@ fn build_field<const N: usize>(maps: &RangeMaps<N>) -> Box<DensityField<N>> {
     field
 }
 
-/// Rays that cross the grid's surroundings in every way: oblique, along axes, from inside.
+/// A strategy for rays that cross the grid's surroundings in every way: oblique, along axes, from inside.
 fn any_ray(n: f32) -> impl Strategy<Value = Ray> {
     let place = move |low: f32, high: f32| {
         [low * n..high * n, low * n..high * n, low * n..high * n].prop_map(Vec3::from_array)
@@ -96,7 +96,7 @@ proptest! {
         with_maps_of_16(&dense, |maps| check_march(&dense, maps, &rays))?;
     }
 
-    /// In columns of two intervals and of four, mostly with gaps.
+    /// Tests columns of two and of four intervals, mostly with gaps.
     #[test]
     fn march_finds_what_any_interval_holds(
         voxels in any_voxels(16),
@@ -177,13 +177,13 @@ fn visibility_is_seven_tenths_to_the_number_of_blocked_samples() {
     assert!((part - 0.7f32.powi(10)).abs() < 1e-6);
     let empty = DenseVolume::empty(16);
     assert_eq!(with_maps_of_16(&empty, |maps| sun_visibility(maps, at(0.1), way, 0.0)), 1.0);
-    // A way of 16 voxels has samples at 0.8, 2.4, ... 15.2: three of them lie between 5 and 9.
+    // A path of 16 voxels has samples at 0.8, 2.4, ... 15.2: three of them lie between 5 and 9.
     let slab = DenseVolume::from_fn(16, |[_, y, _]| (5..9).contains(&y));
     let part = with_maps_of_16(&slab, |maps| sun_visibility(maps, at(0.0), way, 0.3));
     assert!((part - 0.7f32.powi(3)).abs() < 1e-6, "{part}");
 }
 
-/// Calls with rays that meet the ball inside its outline, from every side.
+/// Calls `f` with rays that meet the ball inside its outline, from every side.
 fn for_ball_rays(mut f: impl FnMut(&Ray)) {
     for direction in sample_directions() {
         let (u, v) = light::tangent_basis(direction);
@@ -211,13 +211,13 @@ fn hits_are_within_a_voxel_of_a_ball_from_every_side() {
         });
         assert!(rays > 4000, "{rays}");
         assert!(blob_off <= 1.0, "{blob_off} voxels");
-        // Along a diagonal the steps are 1.73 voxels apart, and a first voxel is stepped over.
+        // Along a diagonal the steps are 1.73 voxels apart, so the march may step over a first voxel.
         assert!(face_off <= 1.75, "{face_off} voxels");
     });
 }
 
-/// Equation 1 knows seven voxels, so single normals err by a third of a right angle; over a few
-/// voxels the errors cancel, which is what the eye sees as the surface's shading.
+/// Equation 1 uses seven voxels, so single normals err by up to a third of a right angle. Over several voxels
+/// the errors cancel, which is what the eye sees as the surface's shading.
 #[test]
 fn normals_of_a_ball_point_outwards() {
     with_maps_of_ball(|maps| {
@@ -313,7 +313,7 @@ fn the_smooth_surface_keeps_sheets_and_rods() {
     }
 }
 
-/// What the sun alone makes of a point of the fast surface, at 128.
+/// Returns the shading of points of the fast surface by the sun alone, at 128.
 fn shade_sunlit(dense: &DenseVolume, normal: Vec3, sun: Vec3, points: &[Vec3]) -> Vec<Vec3> {
     let mut maps = Box::new(RangeMaps::<128>::new());
     dense.write_maps(&mut maps);
@@ -337,10 +337,11 @@ fn thin_stone_lets_warm_light_through() {
     assert!(block.max_element() < 0.001, "{block}");
 }
 
-/// A ledge over a floor under a sun overhead: dark where it nearly touches, softer from farther up.
+/// A ledge over a floor with the sun overhead: its shadow is dark where it nearly touches the floor, and
+/// softer from farther up.
 #[test]
 fn shadows_are_dark_at_a_contact_and_softer_from_afar() {
-    // Not from the box's edge on, where the ledge ends, too.
+    // Excludes the box's edge, where the ledge ends too.
     let points: Vec<Vec3> = (20..128).map(|x| Vec3::new(x as f32 + 0.5, 20.0, 64.0)).collect();
     let floor = DenseVolume::from_fn(128, |[_, y, _]| y < 20);
     let open = shade_sunlit(&floor, Vec3::Y, Vec3::Y, &points);

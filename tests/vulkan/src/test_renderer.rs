@@ -11,15 +11,15 @@ use paros_shaders::gpu::{
 use paros_shaders::upload::VolumeFormat;
 use paros_shell::require::require_or_skip;
 
-/// A device with validation, or None if the machine has none.
+/// Returns a device with validation, or `None` if the machine has no device.
 ///
 /// # Panics
-/// One is required and missing.
+/// A device is required and missing.
 pub fn test_device() -> Option<SharedGpu> {
     test_device_with(Options::default())
 }
 
-/// The same, with other options.
+/// Returns a device with validation and these options, or `None` if the machine has no device.
 ///
 /// # Panics
 /// As [`test_device`].
@@ -28,13 +28,13 @@ pub fn test_device_with(options: Options) -> Option<SharedGpu> {
     require_or_skip(Gpu::headless(&options)).expect("a Vulkan device and its validation")
 }
 
-/// The layers of a picture: red, green, blue, alpha.
+/// The views of a picture, each as pixels in red, green, blue, alpha.
 pub type Layers = Vec<Vec<[u8; 4]>>;
 
 /// A renderer with an offscreen target. Dropping it panics if validation reported anything.
 #[derive(Debug)]
 pub struct TestRenderer {
-    // Dropped before the renderer that it was made with.
+    // Declared first, so that it is dropped before the renderer that made it.
     /// The offscreen target.
     pub screen: OffscreenTarget,
     /// The renderer.
@@ -43,11 +43,11 @@ pub struct TestRenderer {
 }
 
 impl TestRenderer {
-    /// For volumes of a format, and pictures of an extent in pixels. Depth is kept
-    /// with one sample.
+    /// Creates a renderer for volumes of a format, and pictures of an extent in pixels. Depth is stored with
+    /// one sample.
     ///
     /// # Panics
-    /// A call that fails, here and below.
+    /// A Vulkan call fails, here and below.
     pub fn new(
         gpu: &SharedGpu,
         volume: VolumeFormat,
@@ -58,7 +58,7 @@ impl TestRenderer {
         Self::with_format(gpu, volume, format, extent)
     }
 
-    /// The same, of a format that can be read back.
+    /// Creates a renderer with a target format that can be read back.
     pub fn with_format(
         gpu: &SharedGpu,
         volume: VolumeFormat,
@@ -94,7 +94,7 @@ impl TestRenderer {
         (0..views).map(|view| self.screen.read_pixels(view).expect("pixels")).collect()
     }
 
-    /// Draws a frame, with as many pending uploads as its budget allows.
+    /// Draws a frame, with as many pending uploads as the budget allows.
     pub fn draw_with_pending_uploads<const N: usize, const K: usize>(
         &mut self,
         field: &mut DensityField<N, K>,
@@ -154,7 +154,7 @@ pub const AHEAD: Eye = Eye {
     fov: Fov { left: -0.5, right: 0.5, up: 0.5, down: -0.5 },
 };
 
-/// A request for a sculpture a metre wide, without a scene.
+/// Returns a request for a sculpture a metre wide, without a scene.
 #[must_use]
 pub fn metre_wide_sculpture_at_origin(eyes: &[Eye]) -> FrameRequest<'_> {
     let stand = SculpturePlacement { foot: Vec3::ZERO, side: 1.0, turn_radians: 0.0 };

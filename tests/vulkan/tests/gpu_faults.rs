@@ -1,9 +1,9 @@
-//! What the renderer does where the driver fails: memory that runs out at any call of the start, and
-//! a device that is lost at any frame. Each is a clear error; nothing is left on the device, as
-//! validation tells when it goes; and the next start draws the same picture.
+//! The renderer under driver failures: memory that runs out at any call of the start, and a device that is
+//! lost at any frame. Each failure must be a clear error, leave no object on the device (validation checks
+//! this when the device is destroyed), and the next start must draw the same picture.
 //!
-//! Faults that were found so: a fence, a framebuffer, a sampler, a pool of commands and a pipeline
-//! that nobody destroyed where a later call failed.
+//! Faults found by these tests: a fence, a framebuffer, a sampler, a command pool and a pipeline that were
+//! leaked when a later call failed.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -22,17 +22,17 @@ use paros_tests_vulkan::test_renderer::{AHEAD, metre_wide_sculpture_at_origin};
 const N: usize = 32;
 const SIZE: [u32; 2] = [96, 80];
 
-/// Faults are a process's: one test at a time.
+/// Serialises the tests, because fault injection is global to the process.
 static ALONE: Mutex<()> = Mutex::new(());
 
-/// An instance that validation looks at, whose devices can fail; none where there is none.
+/// Returns an instance with validation whose devices can fail; `None` if there is no device.
 fn locked_instance() -> Option<(MutexGuard<'static, ()>, Arc<Instance>)> {
     let guard = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     faults::set_planned_fault(None);
     let options = Options { validation: true, ..Options::default() };
     let instance =
         require_or_skip(Instance::create(&options)).expect("Vulkan and its validation")?;
-    // The layers alone are no driver.
+    // The layers may be installed without a driver.
     require_or_skip(create_device(&instance)).expect("a Vulkan device")?;
     Some((guard, instance))
 }
@@ -41,7 +41,7 @@ fn create_device(instance: &Arc<Instance>) -> Result<SharedGpu, Error> {
     Gpu::choose(instance.clone(), &failing_options(), |_, _| true)
 }
 
-/// A device whose calls can fail.
+/// Returns the options of a device whose calls can fail.
 fn failing_options() -> Options {
     Options { device_hook: Some(faults::wrap_device), ..Options::default() }
 }
@@ -58,7 +58,7 @@ fn ball_field() -> Box<DensityField<N>> {
     field
 }
 
-/// From the device to some frames of a picture: all that a shell does.
+/// Does everything that a shell does, from the device to some frames of a picture.
 fn start_and_draw(
     gpu: &SharedGpu,
     field: &DensityField<N>,
@@ -95,7 +95,7 @@ fn start_and_draw(
 fn memory_may_run_out_at_any_call_of_the_start() {
     let Some((_alone, instance)) = locked_instance() else { return };
     let field = ball_field();
-    // Every third call in the check; at night all.
+    // Every third call in the check; the nightly run fails each call.
     let step = scaled_step(3);
     for (calls, least) in [(CallGroup::Memory, 20), (CallGroup::Making, 150)] {
         let mut failures = 0;
@@ -104,7 +104,7 @@ fn memory_may_run_out_at_any_call_of_the_start() {
             let why =
                 if turn % 2 == 0 { FailureCause::DeviceMemory } else { FailureCause::HostMemory };
             let gpu = create_device(&instance).expect("a device");
-            // Some more calls fail with it, as memory does not come back by itself.
+            // Several calls in a row fail, because exhausted memory doesn't recover by itself.
             faults::set_planned_fault(Some(PlannedFault {
                 calls,
                 skipped_calls: after,
@@ -170,7 +170,7 @@ fn a_lost_device_is_told_and_the_next_draws_the_same() {
     assert_eq!(instance.validation_messages(), Vec::<String>::new());
 }
 
-/// A frame whose commands were never handed over is no reason to wait for it.
+/// A frame whose commands were never submitted isn't waited for.
 #[test]
 fn a_frame_that_failed_is_not_waited_for() {
     let Some((_alone, instance)) = locked_instance() else { return };
@@ -205,7 +205,7 @@ fn a_frame_that_failed_is_not_waited_for() {
     assert_eq!(instance.validation_messages(), Vec::<String>::new());
 }
 
-/// Asked for density maps, a device without them says so once, and draws without.
+/// A device without density maps reports their lack once if they are requested, and draws without them.
 #[test]
 fn without_density_maps_pictures_are_shaded_alike() {
     let Some((_alone, instance)) = locked_instance() else { return };

@@ -1,7 +1,7 @@
-//! Texels that a pixel of the fast path fetches: those of its light as its twin counts them, and a budget in the view
-//! that a sculpture fills, as from where one works on it.
+//! Number of texels that a pixel of the fast path fetches: the fetches for its light are compared with the
+//! twin's, and the total is limited in a view filled by the sculpture, as during work.
 //!
-//! The counts are the instrumented programs' own; `paros-bench render` has them of real sculptures.
+//! The instrumented programs count the fetches; `paros-bench render` reports them for real sculptures.
 
 use glam::{Quat, Vec3};
 use paros_core::volume::{Grid, Size};
@@ -16,12 +16,13 @@ use paros_tests_vulkan::test_renderer::{
     TestRenderer, metre_wide_sculpture_at_origin, test_device,
 };
 
-/// Texels in the mean, of the pixels that show the sculpture: what a headset's texture units allow.
+/// Maximum mean number of texels for the pixels that show the sculpture: what a headset's texture units can
+/// deliver.
 const BUDGET: f64 = 12.0;
-/// A picture of a headset's eye.
+/// Size of a headset's eye image, in pixels.
 const EYE_PIXELS: [u32; 2] = [1440, 1584];
 
-/// A ball in an arch: outlines, hollows, and stone in the sun and out of it.
+/// Returns a ball in an arch: it has outlines, hollows, and stone in the sun and in shadow.
 fn arch_with_ball<const N: usize>() -> Box<DensityField<N>>
 where
     Grid<N>: Size,
@@ -64,8 +65,8 @@ where
     Some(picture.iter().map(|&[r, g, b, _]| PixelCounts::from_srgb([r, g, b])).collect())
 }
 
-/// Beside its march, one texel a turn, a pixel fetches where its ray starts, the surface and the light: as the twin,
-/// whose rays start at the box, and whose room hides no sun.
+/// Besides its march, one texel a step, a pixel fetches texels for its ray's start, the surface and the
+/// light. These are as many as the twin's, whose rays start at the box and whose room blocks no sun.
 #[test]
 fn a_pixel_fetches_what_its_twin_does() {
     const N: usize = 64;
@@ -117,7 +118,7 @@ where
     assert!(mean <= BUDGET, "{N}: {mean} texels a pixel");
 }
 
-/// The ray through a pixel's middle, in voxels.
+/// Returns the ray through a pixel's centre, in voxels.
 fn ray_through(eye: &Eye, [width, height]: [u32; 2], pixel: usize, grid_side: usize) -> Ray {
     let (x, y) = (pixel as u32 % width, pixel as u32 / width);
     let across = |at: u32, of: u32| 2.0 * (at as f32 + 0.5) / of as f32 - 1.0;

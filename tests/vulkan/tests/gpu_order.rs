@@ -1,5 +1,5 @@
-//! What the order of drawing comes to, in fragments that the device shades: the sculpture between
-//! tools and room, as frames have it, against the sculpture first and last. The figures are printed.
+//! The cost of the drawing order, in fragments that the device shades: the sculpture between tools and room,
+//! as in real frames, against the sculpture first and last. The test prints the numbers.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -20,8 +20,8 @@ use paros_tests_vulkan::test_renderer::TestRenderer;
 
 const N: usize = 64;
 
-/// A visitor who leans over the stone, the tool before it: it hides some of the sculpture, and the
-/// sculpture some of the room.
+/// A visitor leans over the stone with the tool before it: the tool hides part of the sculpture, and the
+/// sculpture part of the room.
 #[test]
 fn the_order_shades_less_than_the_others() {
     static STUDIO: Mutex<WorldHarness<N>> = Mutex::new(WorldHarness::new());
@@ -98,9 +98,9 @@ fn the_order_shades_less_than_the_others() {
 
 fn check_counts(between: FragmentCounts, first: FragmentCounts, last: FragmentCounts) {
     assert!(between.sculpture > 0 && between.surroundings > 0);
-    // What tools hide of the sculpture is not shaded where the device tests the depth of a program
-    // that moves it away before it runs; lavapipe doesn't.
+    // Parts of the sculpture hidden by tools aren't shaded if the device tests the depth before it runs a
+    // program that only moves the depth away; lavapipe tests it afterwards.
     assert!(between.sculpture <= first.sculpture, "{between:?} {first:?}");
-    // What stands behind the sculpture is shaded for nothing before it.
+    // If the room is drawn before the sculpture, the parts behind the sculpture are shaded for nothing.
     assert!(between.surroundings < last.surroundings, "{between:?} {last:?}");
 }

@@ -1,4 +1,4 @@
-//! Panels on a GPU beside their CPU twin, and what they cost.
+//! Panels on a GPU against their CPU twin, and their cost.
 
 use glam::{Quat, Vec3};
 use paros_core::badge::BadgeNumber;
@@ -16,13 +16,13 @@ use paros_tests_vulkan::test_renderer::{TestRenderer, test_device};
 const SIZE: [u32; 2] = [640, 480];
 const BACKDROP: Vec3 = Vec3::new(0.2, 0.25, 0.3);
 
-/// An eye at a place that looks along -z.
+/// Returns an eye at a place, looking along -z.
 fn eye_at(x: f32) -> Eye {
     let fov = Fov { left: -0.5, right: 0.55, up: 0.4, down: -0.42 };
     Eye { position: Vec3::new(x, 1.5, 0.0), rotation: Quat::IDENTITY, fov }
 }
 
-/// A badge, buttons with icons, and a clock with a ring; aslant, and one partly over another.
+/// Returns oblique panels, one partly over another: a badge, buttons with icons, and a clock with a ring.
 fn panels() -> Vec<Panel> {
     let badge = BadgeNumber::new(1 << 18 | 4242).expect("a number").badge();
     let mut buttons = layout::welcome_buttons(0, 3);
@@ -58,7 +58,7 @@ fn the_gpu_draws_panels_as_its_twin_does() {
     let Some(gpu) = test_device() else { return };
     let eyes = [eye_at(-0.03), eye_at(0.03)];
     let panels = panels();
-    // As shells have them: of a visit, and a notice.
+    // Grouped as in the shells: a visit's panels, and a notice.
     let (first, rest) = panels.split_at(2);
     let twins = eyes.map(|eye| {
         let size = SIZE.map(|side| side as usize);
@@ -74,7 +74,7 @@ fn the_gpu_draws_panels_as_its_twin_does() {
             let differing = count_differing(layer, twin);
             let bare = twin.iter().filter(|pixel| **pixel == twin[0]).count();
             assert!(bare < twin.len() / 2, "panels fill the picture: {bare} pixels are bare");
-            // A texel's fraction has 8 bits on a GPU, and two neighbours share a derivative.
+            // A texel's fraction has 8 bits on a GPU, and two neighbouring pixels share a derivative.
             assert!(
                 differing <= 200,
                 "{samples} samples, {views} views: {differing} pixels differ"
@@ -89,7 +89,8 @@ fn the_gpu_draws_panels_as_its_twin_does() {
     }
 }
 
-/// A picture for a cell: shades that differ with the cell, and a dark corner, so that none is turned or exchanged.
+/// Returns a picture for a cell: shades that differ by cell, and a dark corner, so that rotated or exchanged
+/// pictures are detected.
 fn picture_of_cell(cell: u8) -> Image {
     let side = PANEL_CELL_TEXELS;
     let mut picture = Image::filled(side, side, [30 * cell, 0, 0]);
@@ -102,7 +103,7 @@ fn picture_of_cell(cell: u8) -> Image {
     picture
 }
 
-/// A panel aslant with every cell's picture, in two rows; their corners are round.
+/// Returns an oblique panel with every cell's picture, in two rows, with round corners.
 fn panel_of_cells() -> Panel {
     let mut panel = Panel::new([1000.0, 500.0]);
     panel.add_box(panel.rect(), &paros_shaders::panel::BoxStyle::default());
@@ -120,7 +121,7 @@ fn the_gpu_draws_the_pictures_of_cells_as_its_twin_does() {
     let Some(gpu) = test_device() else { return };
     let eyes = [eye_at(-0.03), eye_at(0.03)];
     let panels = [panel_of_cells()];
-    // One has none, and one is set twice.
+    // One cell has no picture, and one is set twice.
     let cells = [6, 0, 1, 2, 3, 4, 7];
     let mut pictures = PanelPictures::default();
     let size = SIZE.map(|side| side as usize);
@@ -148,7 +149,7 @@ fn the_gpu_draws_the_pictures_of_cells_as_its_twin_does() {
         }
         assert!(!drawing.renderer.set_panel_picture(PANEL_CELLS as u8, &another), "no cell");
         assert!(!drawing.renderer.set_panel_picture(0, &Image::filled(9, 9, [0; 3])), "too small");
-        // A frame uploads one of them.
+        // A frame uploads one picture.
         for _ in 1..cells.len() {
             let layers = drawing.draw_picture(&request(eyes, &[&panels]));
             assert!(count_differing(&layers[0], &twins[0]) > 3000, "a frame uploads one");
@@ -158,7 +159,7 @@ fn the_gpu_draws_the_pictures_of_cells_as_its_twin_does() {
             let differing = count_differing(layer, twin);
             assert!(differing <= 200, "{samples} samples, {views} views: {differing} differ");
         }
-        // One that changes with every frame leaves the others their turn.
+        // A picture that changes in every frame doesn't starve the others.
         assert!(drawing.renderer.set_panel_picture(7, &another));
         let turns = [0, 0].map(|cell| {
             assert!(drawing.renderer.set_panel_picture(cell, &picture_of_cell(cell)));
@@ -168,7 +169,7 @@ fn the_gpu_draws_the_pictures_of_cells_as_its_twin_does() {
     }
 }
 
-/// What stands before a panel hides it, and a panel hides what is behind.
+/// An object before a panel hides it, and a panel hides objects behind it.
 #[test]
 fn panels_are_tested_against_the_room() {
     let Some(gpu) = test_device() else { return };
@@ -196,8 +197,8 @@ fn panels_are_tested_against_the_room() {
     assert_eq!(count_differing(&bare, &picture(&[panel])), 0, "from behind");
 }
 
-/// The most texels that a pixel of a quad fetches: the program samples shapes and pictures, each in a function of its own
-/// that is called for quads of one kind; and no loop stands in it.
+/// A pixel of a quad fetches at most one texel: the program samples shapes and pictures, each in its own
+/// function that is called only for quads of its kind, and it has no loop.
 #[test]
 fn a_pixel_of_a_quad_fetches_one_texel_at_most() {
     const OP_FUNCTION: u32 = 54;

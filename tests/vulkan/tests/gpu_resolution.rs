@@ -1,5 +1,5 @@
-//! Dynamic resolution: a part of the images is drawn as a picture of that size would be, and looks like the whole.
-//! A window's is scaled up under its panels.
+//! Dynamic resolution: a part of the images is drawn like a picture of that size, and looks like the whole. A
+//! window's picture is scaled up under its panels.
 
 use std::sync::LazyLock;
 
@@ -29,7 +29,7 @@ static OWL: LazyLock<Box<DensityField<N>>> = LazyLock::new(|| {
     field
 });
 
-/// An eye and its neighbour.
+/// Returns a pair of eyes.
 fn eyes() -> [Eye; 2] {
     [AHEAD, Eye { position: AHEAD.position + Vec3::X * 0.063, ..AHEAD }]
 }
@@ -40,7 +40,7 @@ fn renderer(gpu: &SharedGpu, [samples, views]: [u32; 2], extent: [u32; 2]) -> Te
     made
 }
 
-/// The owl in the first `drawn` pixels of the images; the pixels of these alone.
+/// Draws the owl in the first `drawn` pixels of the images. Returns only the pixels of this part.
 fn draw(renderer: &mut TestRenderer, path: RenderPath, drawn: [u32; 2]) -> Layers {
     renderer.screen.target.set_drawn_extent(drawn);
     let views = renderer.renderer.format().views as usize;
@@ -55,7 +55,7 @@ fn draw(renderer: &mut TestRenderer, path: RenderPath, drawn: [u32; 2]) -> Layer
     renderer.draw_picture(&request).into_iter().map(cut).collect()
 }
 
-/// The pixel of a picture nearest to the middle of each of another size, in linear interpolation.
+/// Resamples a picture to another size by linear interpolation at the pixels' centres.
 fn resample(pixels: &[[u8; 4]], from: [u32; 2], to: [u32; 2]) -> Vec<[f32; 3]> {
     let at = |x: u32, y: u32| pixels[(y * from[0] + x) as usize];
     let place = |i: u32, k: usize| {
@@ -117,7 +117,7 @@ fn a_picture_of_less_resolution_looks_like_the_full_one() {
     }
 }
 
-/// What is drawn aside is that part, scaled up; the overlay has each of its pixels.
+/// The picture equals the separately drawn part, scaled up; the overlay keeps full resolution.
 #[test]
 fn a_picture_is_scaled_up_under_the_overlay() {
     let Some(gpu) = test_device() else { return };
@@ -145,13 +145,13 @@ fn a_picture_is_scaled_up_under_the_overlay() {
                 sum += (f32::from(pixel[1]) - expected[1]).abs();
             }
         }
-        // The device mixes linear light, this test its encoding.
+        // The device interpolates linear light, this test encoded values.
         let mean = sum / shown.len() as f32;
         assert!(mean < 0.5, "{drawn:?}: {mean} of 255");
     }
 }
 
-/// Pixels across and down of the overlay's square.
+/// Range of the overlay's square across and down, in pixels.
 const SQUARE: std::ops::Range<usize> = 31..64;
 
 /// Draws a picture with a white square over it.

@@ -1,5 +1,5 @@
-//! The studio drawn by the renderer, from the visitor's eyes. Pictures go to the target's folder
-//! for temporary files.
+//! The studio drawn by the renderer, from the visitor's eyes. Pictures are written to the target's folder for
+//! temporary files.
 
 use std::path::PathBuf;
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
@@ -32,17 +32,17 @@ fn studio() -> MutexGuard<'static, WorldHarness<64>> {
     STUDIO.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A desk and what it shows: the owl, or nothing.
+/// A renderer for a sculpture in the studio: the owl, or nothing.
 struct SceneRig {
     test_renderer: TestRenderer,
-    /// How far the figure is turned, beyond the stool.
+    /// The figure's rotation relative to the stool.
     turn: f32,
 }
 
 const SIZE: [u32; 2] = [640, 480];
 
 impl SceneRig {
-    /// The owl for one eye, or none where there is no device.
+    /// Creates a rig with the owl for one eye, or returns `None` if there is no device.
     fn with_owl(samples: u32) -> Option<Self> {
         Some(Self::on(&test_device()?, [samples, 1]))
     }
@@ -64,7 +64,7 @@ impl SceneRig {
         self.test_renderer.upload_field(&FIELDS[1]);
     }
 
-    /// A picture of the scene, or of the sculpture alone, for each eye.
+    /// Draws the scene, or the sculpture alone, for each eye.
     fn draw(
         &mut self,
         scene: &SceneAssembler,
@@ -91,7 +91,7 @@ impl SceneRig {
         })
     }
 
-    /// The same for one eye.
+    /// Draws the scene for one eye.
     fn draw_for_one_eye(&mut self, scene: &SceneAssembler, path: RenderPath) -> Vec<[u8; 4]> {
         self.draw(scene, true, path, &VISITOR).remove(0)
     }
@@ -101,7 +101,7 @@ impl SceneRig {
     }
 }
 
-/// Where the picture is taken from.
+/// The camera of a picture.
 #[derive(Clone, Copy)]
 struct ViewSpec {
     eye: Vec3,
@@ -109,7 +109,7 @@ struct ViewSpec {
     angle: f32,
 }
 
-/// A standing visitor.
+/// The view of a standing visitor.
 const VISITOR: ViewSpec =
     ViewSpec { eye: Vec3::new(0.0, 1.6, 0.25), at: Vec3::new(0.05, 1.0, -0.75), angle: 1.2 };
 
@@ -120,7 +120,7 @@ impl ViewSpec {
         Quat::from_mat3(&glam::Mat3::from_cols(right, right.cross(ahead), -ahead))
     }
 
-    /// One of so many eyes.
+    /// Returns the eye number `i` of `of` eyes.
     fn eye(&self, i: u32, of: u32) -> Eye {
         let rotation = self.rotation();
         let aside = 0.063 * (i as f32 - 0.5 * (of - 1) as f32);
@@ -133,7 +133,7 @@ impl ViewSpec {
         }
     }
 
-    /// The pixel that shows a point of the room to one eye of one.
+    /// Returns the index of the pixel that shows a point of the room, for a single eye.
     fn pixel_index(&self, point: Vec3) -> usize {
         let clip = self.eye(0, 1).clip_from_room() * point.extend(1.0);
         let [w, h] = SIZE.map(|pixels| pixels as f32);
@@ -143,7 +143,7 @@ impl ViewSpec {
     }
 }
 
-/// The textures of a figure, and of nothing.
+/// The textures of a figure, and of an empty volume.
 static FIELDS: LazyLock<[Box<DensityField<N>>; 2]> = LazyLock::new(|| {
     let mut plane: Box<BitGrid<N>> = Box::new(BitGrid::new());
     let mut maps: Box<RangeMaps<N>> = Box::new(RangeMaps::new());
@@ -154,7 +154,7 @@ static FIELDS: LazyLock<[Box<DensityField<N>>; 2]> = LazyLock::new(|| {
     fields
 });
 
-/// The studio at rest, the rotary tool in the right hand at a grip.
+/// Returns the studio at rest with the rotary tool in the right hand at a grip.
 fn held_at(grip: Vec3, rotation: Quat) -> SceneAssembler {
     let mut studio = studio();
     studio.start_session(SessionMode::FreeForm);
@@ -213,7 +213,7 @@ fn the_room_is_drawn_from_the_visitors_eyes() {
     }
 }
 
-/// The figure's shadow lies on the stool: away from the sun, which stands to the left and behind
+/// Checks that the figure's shadow lies on the stool, away from the sun, which stands to the left and behind
 /// the visitor.
 fn check_shadow(show: &mut SceneRig, name: &str, path: RenderPath) {
     let scene = held_at(ASIDE.0, ASIDE.1);
@@ -224,7 +224,7 @@ fn check_shadow(show: &mut SceneRig, name: &str, path: RenderPath) {
     show.show_owl();
     let mut dark = 0;
     let sun = Vec3::from_array(SUN_DIRECTION);
-    // Towards it the figure's foot, which ends 16 cm from the middle, darkens the stool beside it.
+    // On the sunny side, the figure's foot, which ends 16 cm from the middle, darkens the stool beside it.
     let aside = Vec3::new(sun.x, 0.0, sun.z).normalize();
     let contact = [0.165, 0.17, 0.175, 0.2, 0.22].map(|metres| {
         let pixel = VISITOR.pixel_index(STOOL_TOP + aside * metres);
@@ -234,10 +234,10 @@ fn check_shadow(show: &mut SceneRig, name: &str, path: RenderPath) {
     assert!(darkens, "{name}: {contact:.2?}");
     let ground = |height: f32| STOOL_TOP - Vec3::new(sun.x, 0.0, sun.z) * (height / sun.y);
     for i in 0..10 {
-        // Where the shadow of the figure's axis falls on the stool's top, beside the figure.
+        // A point in the shadow of the figure's axis on the stool's top, beside the figure.
         let at = VISITOR.pixel_index(ground((0.3 + 0.01 * i as f32) * BOX_SIDE));
         dark += i32::from(rgb_sum(with[at]) * 10 < rgb_sum(without[at]) * 8);
-        // Towards the sun there is none.
+        // On the sunny side there is no shadow.
         let at = VISITOR.pixel_index(ground((-0.3 - 0.01 * i as f32) * BOX_SIDE));
         assert!(
             (rgb_sum(with[at]) - rgb_sum(without[at])).abs() < 12,
@@ -253,7 +253,7 @@ fn tools_and_sculpture_hide_each_other() {
     let middle = STOOL_TOP + Vec3::Y * (0.4 * BOX_SIDE);
     let ahead = (VISITOR.eye - middle).normalize();
     for (name, path) in PATHS {
-        // The tool's tip points up in both, before the figure and behind it.
+        // The tool's tip points up in both pictures, before the figure and behind it.
         for (place, towards, hides) in [("before", 0.35, true), ("behind", -0.30, false)] {
             let grip = middle + ahead * towards;
             let scene = held_at(grip, Quat::from_rotation_x(1.2));
@@ -262,7 +262,7 @@ fn tools_and_sculpture_hide_each_other() {
             write_png_file(&format!("scene-{name}-{place}"), &both);
             show.show_nothing();
             let tool = show.draw_for_one_eye(&scene, path);
-            // Where the tool is, seen from its instance's own points.
+            // The tool's pixels, projected from points of its instance.
             let (mut seen, mut all) = (0, 0);
             for instance in scene.draw_list().instances_of(MeshId::of_tool(Tool::Rotary)) {
                 for vertex in MeshId::of_tool(Tool::Rotary).vertices() {
@@ -278,7 +278,7 @@ fn tools_and_sculpture_hide_each_other() {
     }
 }
 
-/// A hand between the sun and the box, out of which the figure's own rays have passed there.
+/// A hand between the sun and the box: the figure's own shadow rays have left the box before they reach it.
 #[test]
 fn shadows_fall_on_the_sculpture() {
     let Some(mut show) = SceneRig::with_owl(1) else { return };
@@ -290,7 +290,7 @@ fn shadows_fall_on_the_sculpture() {
         let dark = show.draw_for_one_eye(&hidden, path);
         write_png_file(&format!("scene-{name}-hidden"), &dark);
         let alone = show.draw_alone(&lit, path);
-        // Where the sun's rays meet nothing else, the figure is as it is alone.
+        // Where nothing else blocks the sun, the figure looks the same as alone.
         let on_figure = alone.iter().map(|pixel| *pixel != alone[0]);
         let (mut all, mut darker, mut lighter) = (0, 0, 0);
         for ((light, dark), _) in light.iter().zip(&dark).zip(on_figure).filter(|(_, on)| *on) {
@@ -302,7 +302,8 @@ fn shadows_fall_on_the_sculpture() {
     }
 }
 
-/// The map holds the figure too, but nothing of it is beyond where its own rays leave the box.
+/// The shadow map contains the figure too, but no part of it lies beyond the point where its own rays leave
+/// the box.
 #[test]
 fn the_figure_is_lit_as_it_is_alone() {
     let Some(mut show) = SceneRig::with_owl(1) else { return };
@@ -312,7 +313,7 @@ fn the_figure_is_lit_as_it_is_alone() {
             show.turn = turn as f32 * 0.7;
             let alone = show.draw_alone(&scene, path);
             let within = show.draw_for_one_eye(&scene, path);
-            // Lower down the stool's top may hide what stands on it.
+            // Lower down, the stool's top may hide objects that stand on it.
             let above = alone.iter().zip(&within).take(VISITOR.pixel_index(STOOL_TOP));
             let on_figure = above.filter(|(pixel, _)| **pixel != alone[0]);
             let other = on_figure.filter(|(a, b)| (rgb_sum(**a) - rgb_sum(**b)).abs() > 3).count();
@@ -353,7 +354,8 @@ fn chips_are_drawn_and_fade() {
     assert!(seen.iter().all(|count| (8..20_000).contains(count)), "{seen:?} pixels show chips");
 }
 
-/// The burr is refused within a tunnel of the studio's stone; the mark is seen over the owl that is drawn.
+/// Closure refuses a cut of the burr inside a tunnel in the studio's stone; the mark shows over the drawn
+/// owl.
 #[test]
 fn what_closure_brought_back_is_drawn_and_fades() {
     let Some(mut show) = SceneRig::with_owl(4) else { return };
@@ -388,7 +390,7 @@ fn without_a_scene_nothing_but_the_sculpture_is_drawn() {
     for (name, path) in PATHS {
         let before = show.draw_alone(&scene, path);
         write_png_file(&format!("scene-{name}-alone"), &before);
-        // What the map holds of a scene doesn't matter to a picture without one.
+        // The shadow map of a scene doesn't affect a picture without a scene.
         show.draw(&scene, true, path, &VISITOR);
         let after = show.draw_alone(&scene, path);
         assert_eq!(count_differing(&before, &after), 0, "{name}");

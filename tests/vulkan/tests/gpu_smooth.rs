@@ -1,7 +1,7 @@
-//! How smooth the outline of the fast path is where the device takes four samples of a pixel.
+//! The smoothness of the fast path's outline with four samples a pixel.
 //!
 //! Planted faults, and what catches each (tried by hand):
-//! - `pipelines.rs`: alpha is no coverage; `fast.wgsl`: a margin of 0.01; whole coverage of all rays that
+//! - `pipelines.rs`: alpha isn't coverage; `fast.wgsl`: a margin of 0.01; whole coverage of all rays that
 //!   hit -> `an_outline_has`.
 
 use glam::{Quat, Vec3};
@@ -18,11 +18,11 @@ use paros_tests_render::outline::check_profile;
 use paros_tests_render::view::build_maps_and_field;
 
 const EXTENT: [u32; 2] = [240, 240];
-/// What the picture shows on each side of its middle, in radians.
+/// Half of the picture's field of view, in radians.
 const FIELD: f32 = 0.35;
 
-/// What part of each pixel a sphere covers at 4 samples, of radius 24 in 64 voxels, a voxel about
-/// two and a half pixels wide: told by what shines through of two backdrops.
+/// Measures the coverage of each pixel by a sphere at 4 samples. The radius is 24 in 64 voxels, and a voxel
+/// is about two and a half pixels wide. Coverage follows from how much of two backdrops shines through.
 fn measure_coverage(
     gpu: &paros_shaders::gpu::SharedGpu,
     eye: &Eye,
@@ -62,7 +62,7 @@ fn measure_coverage(
     black.iter().zip(&white).map(|(b, w)| 1.0 - (linear(w[1]) - linear(b[1]))).collect()
 }
 
-/// In single precision, and in halves as on a headset.
+/// Tests single precision, and half precision as on a headset.
 #[test]
 fn an_outline_has_three_levels_of_coverage() {
     [true, false].into_iter().for_each(check_outline);
@@ -78,8 +78,8 @@ fn check_outline(single: bool) {
         let fov = Fov { left: -FIELD, right: FIELD, up: FIELD, down: -FIELD };
         let eye = Eye { position, rotation: Quat::from_rotation_x(-down), fov };
         let middle = eye.rotation.inverse() * (Vec3::new(0.0, 0.5, 0.0) - position);
-        // Pixels by eighths of the outline and quarters of coverage; what covers more than a pixel
-        // whose middle the sphere covers, in pixels along the outline.
+        // Counts pixels by eighths of the outline and quarters of coverage, and the area covered beyond the
+        // pixels whose centres the sphere covers, which the outline's length turns into a width.
         let (mut levels, mut more) = ([[0; 5]; 8], 0.0);
         let covered = measure_coverage(&gpu, &eye, &field);
         let origin = (position + Vec3::new(0.5, 0.0, 0.5)) * 64.0;
@@ -104,19 +104,19 @@ fn check_outline(single: bool) {
         for levels in levels {
             assert!(levels.iter().all(|&pixels| pixels > 0), "{levels:?}");
         }
-        // Devices round up to whole samples as they like: by up to an eighth of a pixel.
+        // Devices round coverage up to whole samples differently, by up to an eighth of a pixel.
         assert!((more / round).abs() < 0.2, "the outline is {} pixels off", more / round);
     }
     let messages = gpu.instance.validation_messages();
     assert!(messages.is_empty(), "validation: {}", messages.join("\n"));
 }
 
-/// A pixel's width at a distance of one.
+/// Returns a pixel's width at a distance of one.
 fn pixel_width() -> f32 {
     2.0 * FIELD.tan() / EXTENT[0] as f32
 }
 
-/// The unit direction through a place of the picture, as the eye sees it.
+/// Returns the unit direction through a place of the picture, in the eye's frame.
 fn ray_ahead([x, y]: [f32; 2]) -> Vec3 {
     let [width, height] = EXTENT.map(|pixels| pixels as f32 / 2.0);
     Vec3::new((x - width) * pixel_width(), (height - y) * pixel_width(), -1.0).normalize()
@@ -126,8 +126,8 @@ fn pixel_middle(i: usize) -> [f32; 2] {
     [i % EXTENT[0] as usize, i / EXTENT[0] as usize].map(|c| c as f32 + 0.5)
 }
 
-/// How far outside of the sphere's outline a place in the picture lies, in pixels, and at which part
-/// of the way around it; of a sphere whose middle the eye sees there.
+/// Returns the distance in pixels of a place outside the outline of a sphere with centre `middle` in the
+/// eye's frame, and the place's position around the outline.
 fn outline_offset(middle: Vec3, at: [f32; 2]) -> (f32, f32) {
     let ray = ray_ahead(at);
     let away = ray * middle.dot(ray) - middle;

@@ -1,13 +1,13 @@
-//! The device's textures of a sculpture, read back: after hundreds of edits, at night thousands, among which strokes are
-//! taken back and sessions loaded, and after an island's fall, the range maps are the world's, and all that is derived
-//! from them is what a rebuild from nothing gives.
+//! Reads back the device's textures of a sculpture after hundreds of edits (thousands in the nightly run),
+//! with undos, loads and an island's fall in between. The range maps must equal the world's, and all derived
+//! textures must equal a complete rebuild.
 //!
-//! Uploads go the way that the shells' do: a tick is noted, a frame takes what its budget allows
-//! through the ring's staging memory, and frames are drawn until nothing is left; by a program that
-//! writes what it can, and by copies alone.
+//! Uploads take the same way as in the shells: a tick is recorded, a frame uploads as much as its budget
+//! allows through the ring's staging memory, and frames are drawn until nothing is left. Tests both the
+//! compute program, where it can write, and copies alone.
 //!
-//! Faults that were planted: every 997th region is lost on its way; copies that overlap are not
-//! ordered (validation tells); what a load made dirty is not noted.
+//! Planted faults: every 997th region is lost in transit; overlapping copies aren't ordered (validation
+//! reports this); regions made dirty by a load aren't recorded.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -25,7 +25,7 @@ use paros_shaders::gpu::Options;
 use paros_shaders::upload::VolumeFormat;
 use paros_tests_vulkan::test_renderer::{TestRenderer, test_device_with};
 
-/// A sculpture's textures, and the device that is to hold them.
+/// A sculpture's textures, and the device that holds copies of them.
 struct TextureCheck<const N: usize, const K: usize> {
     test_renderer: TestRenderer,
     field: Box<DensityField<N, K>>,
@@ -56,7 +56,7 @@ where
         })
     }
 
-    /// A tick's changes, and a frame.
+    /// Records a tick's changes and draws a frame.
     fn note_and_draw(&mut self, world: &World<N, K>) {
         self.field.note_dirty_columns(world.volume().maps(), world.dirty_rects());
         self.draw_frame();
@@ -67,7 +67,7 @@ where
         self.frames += 1;
     }
 
-    /// Draws until nothing is left to upload; then the device holds what it should.
+    /// Draws until nothing is left to upload, then checks the device's textures.
     fn check_all(&mut self, world: &World<N, K>, when: &str) {
         while self.field.has_pending() {
             self.draw_frame();
@@ -76,7 +76,7 @@ where
     }
 }
 
-/// A session of random edits, with all that a visitor does besides; a load from time to time.
+/// Runs a session of random edits with all other actions of a visitor, and a load from time to time.
 fn run_random_edits<const N: usize, const K: usize>(
     studio: &mut WorldHarness<N, K>,
     held: &mut TextureCheck<N, K>,
@@ -118,7 +118,7 @@ fn run_random_edits<const N: usize, const K: usize>(
         } else if !saved.is_empty() && done > edits / 8 * (loads + 1) + edits / 16 {
             studio.world.load(&core::mem::take(&mut saved)).expect("what was saved");
             loads += 1;
-            // The next tick forgets that everything is dirty.
+            // The next tick clears the state in which everything is dirty.
             held.note_and_draw(&studio.world);
             held.check_all(&studio.world, &format!("after load {loads}"));
         }
@@ -139,7 +139,7 @@ fn run_random_edits<const N: usize, const K: usize>(
     assert!(bits.len() >= 3 && undone >= 3 && redone >= 1 && loads >= 3);
 }
 
-/// The upper half on a thin stalk that is sawn through.
+/// Saws through a thin stalk that carries the upper half.
 fn saw_through_stalk<const N: usize, const K: usize>(
     studio: &mut WorldHarness<N, K>,
     held: &mut TextureCheck<N, K>,

@@ -1,6 +1,6 @@
-//! The GPU's sculpture against the CPU twin's, on both paths.
+//! The GPU's picture of the sculpture against the CPU twin's, on both paths.
 //!
-//! Percentages are of the pixels inside the box's outline, at one sample.
+//! Percentages refer to the pixels inside the box's outline, at one sample.
 
 use glam::{Quat, Vec3};
 use paros_core::RangeMaps;
@@ -24,10 +24,10 @@ const EXTENT: [u32; 2] = [200, 168];
 const N: usize = 64;
 const NEAR: f32 = 0.04;
 const FAR: f32 = 60.0;
-/// The stool's, for each of the three eyes.
+/// The stool's rotation for each of the three eyes.
 const TURNS: [f32; 3] = [0.4, 1.9, 3.6];
 
-/// What the two pictures agree in, of the pixels inside the box's outline.
+/// Counts of agreement between two pictures, over the pixels inside the box's outline.
 #[derive(Default)]
 struct Agreement {
     pixels: u32,
@@ -37,10 +37,10 @@ struct Agreement {
     same_color: u32,
 }
 
-/// Pixels, and their depths.
+/// A picture's pixels and their depths.
 type Picture = (Vec<[u8; 4]>, Vec<f32>);
 
-/// A renderer and what it draws into.
+/// A renderer with its target.
 struct TwinRig {
     gpu: SharedGpu,
     renderer: Renderer,
@@ -48,8 +48,8 @@ struct TwinRig {
 }
 
 impl TwinRig {
-    /// None where there is no device. The fast path computes in halves unless `single`; None where
-    /// the device has no use for them.
+    /// Creates the rig, or returns `None` if there is no device. The fast path computes in half precision
+    /// unless `single`; returns `None` if the device doesn't support half precision.
     fn new(single: bool, volume: VolumeFormat) -> Option<Self> {
         let options = Options { validation: true, single_precision: single, ..Options::default() };
         let gpu = require_or_skip(Gpu::headless(&options)).expect("Vulkan")?;
@@ -95,13 +95,14 @@ fn the_gpu_draws_what_its_twin_draws() {
     check_agreement(true, &[RenderPath::Fast, RenderPath::Paper(PaperVariant::Whole)], eye);
 }
 
-/// What a headset's GPU runs. The paper's path has no such variant.
+/// Tests the half-precision variant, which runs on a headset's GPU. The paper's path has no such variant.
 #[test]
 fn the_gpu_draws_in_halves_what_its_twin_draws() {
     check_agreement(false, &[RenderPath::Fast], eye);
 }
 
-/// Visitors lean in. The paper's path draws the box's front faces, and shows nothing from inside.
+/// Tests eyes inside the box, as visitors lean in. The paper's path draws the box's front faces, and shows
+/// nothing from inside.
 #[test]
 fn from_inside_the_box_the_gpu_draws_what_its_twin_draws() {
     for single in [true, false] {
@@ -109,7 +110,7 @@ fn from_inside_the_box_the_gpu_draws_what_its_twin_draws() {
     }
 }
 
-/// Both intervals of a column are drawn: what only a second one can hold.
+/// Both intervals of a column are drawn, also voxels that only a second interval can represent.
 #[test]
 fn the_gpu_draws_two_intervals_as_its_twin_does() {
     let Some(mut rig) = TwinRig::new(true, VolumeFormat::of::<N, 2>()) else { return };
@@ -121,7 +122,7 @@ fn the_gpu_draws_two_intervals_as_its_twin_does() {
     rig.check_validation();
 }
 
-/// The same voxels in columns of one interval and of two, up to the last voxel that a byte can tell.
+/// The same voxels in columns of one interval and of two, up to the largest coordinate of a byte.
 #[test]
 fn two_intervals_draw_what_one_draws_at_256() {
     let mut bits = Box::new(BitGrid::<256>::new());
@@ -141,7 +142,8 @@ fn two_intervals_draw_what_one_draws_at_256() {
     }
 }
 
-/// The paper's pictures of the closure of a set of voxels in columns of K intervals, and their depths.
+/// Draws the paper path's pictures of the closure of a set of voxels in columns of K intervals. Returns the
+/// pictures with their depths.
 fn draw_bits<const N: usize, const K: usize>(bits: &BitGrid<N>) -> Option<Vec<Picture>>
 where
     Grid<N>: Size,
@@ -190,7 +192,7 @@ fn check_volume<const K: usize>(
     }
 }
 
-/// A figure that stone covers in part.
+/// Tests a figure that is partly covered by stone.
 #[test]
 fn a_bared_figure_shines_as_its_twin_does() {
     for single in [true, false] {
@@ -205,7 +207,7 @@ fn a_bared_figure_shines_as_its_twin_does() {
     }
 }
 
-/// The full march asks more of the maps and finds the same voxels.
+/// The full march reads the maps more often and finds the same voxels.
 #[test]
 fn a_full_march_draws_what_the_quick_one_draws() {
     let Some(mut rig) = TwinRig::new(true, VolumeFormat::of::<N, 1>()) else { return };
@@ -236,8 +238,8 @@ fn check_full_march(rig: &mut TwinRig, name: &str) {
     }
 }
 
-/// Its rays start where beams of them may, unlike its twin's, and so step over other parts of what
-/// is thinner than a step.
+/// Unlike the twin's rays, the GPU's may start where their beams start, and so step over other parts of
+/// features thinner than a step.
 #[test]
 fn the_gpu_keeps_what_is_thin() {
     let Some(mut rig) = TwinRig::new(true, VolumeFormat::of::<N, 1>()) else { return };
@@ -324,9 +326,9 @@ fn eye(view: usize) -> Eye {
     eye_at(position, down)
 }
 
-/// Eyes in the box and outside of the stone, and one before the box with the near plane in it. None
-/// looks along a long inner outline: there two rays that start half a voxel apart may end far apart,
-/// and only the GPU's start where beams of them may.
+/// Returns an eye in the box and outside the stone, or an eye before the box with the near plane inside it.
+/// None of them looks along a long inner outline: there, two rays that start half a voxel apart may end far
+/// apart, and only the GPU's rays may start where their beams start.
 fn eye_inside(view: usize) -> Eye {
     let (position, down) = [
         (Vec3::new(0.1, 0.8, 0.45), 0.5f32),
@@ -341,7 +343,7 @@ fn eye_at(position: Vec3, down: f32) -> Eye {
     Eye { position, rotation: Quat::from_rotation_x(-down), fov }
 }
 
-/// The ray through a pixel's middle, and how much of its unit direction lies along the eye's axis.
+/// Returns the ray through a pixel's centre, and the component of its unit direction along the eye's axis.
 fn pixel_ray(eye: &Eye, x: usize, y: usize) -> (Ray, f32) {
     let [l, r, u, d] = [eye.fov.left, eye.fov.right, eye.fov.up, eye.fov.down].map(f32::tan);
     let [width, height] = EXTENT.map(|pixels| pixels as f32);
@@ -351,7 +353,7 @@ fn pixel_ray(eye: &Eye, x: usize, y: usize) -> (Ray, f32) {
     (Ray { origin: eye.position, direction }, 1.0 / view.length())
 }
 
-/// `light::dither` of the shaders.
+/// Equals `light::dither` of the shaders.
 fn dither(x: usize, y: usize) -> f32 {
     let dot = x as f32 * 0.067_110_56 + y as f32 * 0.005_837_15;
     (52.982_92 * dot.fract()).fract()
@@ -370,7 +372,7 @@ fn test_volumes() -> Vec<(&'static str, DenseVolume)> {
     vec![("ball", ball), ("pair", pair.closure()), ("steps", steps.closure())]
 }
 
-/// Volumes that columns of one interval can't hold.
+/// Returns volumes that columns of one interval can't represent.
 fn hollow_volumes() -> Vec<(&'static str, DenseVolume)> {
     let middle = |[x, y, z]: [i32; 3]| [x - 32, y - 30, z - 32];
     let square = |at: [i32; 3]| middle(at).map(|c| c * c);
@@ -382,7 +384,7 @@ fn hollow_volumes() -> Vec<(&'static str, DenseVolume)> {
         let holes = x + y < 13 * 13 || y + z < 13 * 13 || x + z < 9 * 9;
         wall && !room && !holes || x + z < 6 * 6 && at[1] < 40 || at[1] < 4
     });
-    // Holes through a block, crosswise.
+    // Holes drilled crosswise through a block.
     let drilled = DenseVolume::from_fn(N, |at| {
         let [x, y, z] = square(at);
         let [dx, dy, dz] = middle(at);
@@ -394,7 +396,7 @@ fn hollow_volumes() -> Vec<(&'static str, DenseVolume)> {
     vec![("lantern", close(&lantern)), ("drilled", close(&drilled))]
 }
 
-/// The closure in columns of two intervals.
+/// Returns the closure in columns of two intervals.
 fn close(voxels: &DenseVolume) -> DenseVolume {
     LayeredVolume::new(voxels, 2).voxels().clone()
 }

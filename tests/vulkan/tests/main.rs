@@ -1,4 +1,4 @@
-//! Tests of the renderer: one binary, so that the core is instantiated once.
+//! Tests of the renderer. All are one binary, so that the core is instantiated only once.
 
 mod gpu_faults;
 mod gpu_fetches;

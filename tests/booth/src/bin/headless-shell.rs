@@ -1,8 +1,9 @@
-//! A shell without a picture: visits one after the other, each of which cuts another stone, brought to a booth.
+//! A shell without rendering, which holds visits one after the other and uploads them to a booth. Each visit
+//! makes a different cut.
 //!
-//! `headless-shell FOLDER VISITS SEED`: the folder has an enrolment beside its sessions. Standard output tells
-//! `kept ID` once a visitor would read *kept here*, `signed ID` once it is *kept at the booth*, and `done` at the end,
-//! when the booth has all.
+//! `headless-shell FOLDER VISITS SEED`: the folder contains an enrolment beside its sessions. Standard output
+//! reports `kept ID` when a visitor would read *kept here*, `signed ID` at *kept at the booth*, and `done`
+//! once the booth has every sculpture.
 #![forbid(unsafe_code)]
 
 use std::path::Path;
@@ -45,7 +46,7 @@ fn main() -> ExitCode {
 fn run(folder: &Path, visits: u32, seed: u64) -> ExitCode {
     let (mut resident, mut stl_buffers) =
         (Grid::<128>::lock_world(), Grid::<128>::lock_stl_buffers());
-    // Blocks of stone: figures take a second to be made, which no start here needs.
+    // Starts from plain blocks of stone: generating figures takes a second, and the tests don't need them.
     let blocks = resident.start_volumes.load(|_, maps| {
         maps.fill_block();
         Ok::<(), std::convert::Infallible>(())
@@ -86,12 +87,12 @@ fn run(folder: &Path, visits: u32, seed: u64) -> ExitCode {
 }
 
 fn open_link(enrolment: &Enrolment) -> Result<CourierLink, String> {
-    // Who kills a booth doesn't wait for a minute until its answer is missed.
+    // A test that kills the booth shouldn't wait a minute for the request's timeout.
     let times = LinkTimes { put: Duration::from_secs(3), ..LinkTimes::default() };
     Ok(Box::new(paros_upload_https::open_link(&enrolment.booth_address(), times)))
 }
 
-/// A visit's input with a command.
+/// Returns the tick's input with a visit command.
 fn told(command: VisitCommand) -> TickInput {
     let visit = VisitInput { presence: Presence::Worn, is_used: true, command };
     TickInput { visit, ..TickInput::default() }
@@ -100,12 +101,12 @@ fn told(command: VisitCommand) -> TickInput {
 struct Shell<'a> {
     studio: Studio<'a, 128>,
     courier: Arc<Courier>,
-    /// What was told last.
+    /// The last reported lines.
     told: Vec<String>,
 }
 
 impl Shell<'_> {
-    /// One visit, whose cut no other visit has.
+    /// Holds one visit, with a cut unique to its seed.
     fn hold_visit(&mut self, seed: u64) {
         let press = |action| told(VisitCommand::Press(action));
         for input in [
@@ -147,7 +148,7 @@ impl Shell<'_> {
         }
     }
 
-    /// Until a finished sculpture's files are written and its parcel is kept.
+    /// Runs until a finished sculpture's files are written and its parcel is stored.
     fn run_to_the_end(&mut self) {
         loop {
             let state = self.courier.booth_state();

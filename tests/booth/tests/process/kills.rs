@@ -1,4 +1,4 @@
-//! Booth and shell are killed at random, and what a visitor read stays true.
+//! Kills booth and shell at random, and checks that the visitors' messages stay true.
 
 use std::collections::BTreeSet;
 use std::io::{BufRead as _, BufReader};
@@ -11,13 +11,14 @@ use paros_models::random_visitor::RandomSource;
 
 use crate::rig::{Place, Told};
 
-/// How often each is killed; `PAROS_KILLS` says otherwise.
+/// Number of kills of each program, overridden by `PAROS_KILLS`.
 const KILLS: u32 = 6;
 
-/// Visits of a shell until it is killed: more than it comes to.
+/// Visits that a shell is started with: more than it can finish before it is killed.
 const VISITS: u32 = 50;
 
-/// A free port that the system hands to nobody who asks for any: while the booth is dead, nobody takes it.
+/// Finds a free port outside the range of ephemeral ports, so that no other program gets it while the booth
+/// is dead.
 fn find_kept_place() -> String {
     let mut ports = 20_000..30_000;
     let is_free = |port: &u16| TcpListener::bind(("127.0.0.1", *port)).is_ok();
@@ -57,14 +58,14 @@ fn killed_at_any_moment_nothing_that_was_kept_is_lost_and_nothing_is_kept_twice(
         booth = place.start_booth_at(&listen);
         reading.join().expect("lines").iter().for_each(|line| told.add(line));
     }
-    // One that nobody kills brings the rest.
+    // A last shell, which isn't killed, uploads the rest.
     let last = place.run_shell_to_the_end(1, u64::from(kills));
     told.kept.extend(last.kept);
     let parcels = place.parcels_at_booth();
     let ids: BTreeSet<_> = parcels.iter().map(|(facts, _)| facts.id.to_string()).collect();
     let lost: Vec<_> = told.kept.iter().filter(|id| !ids.contains(*id)).collect();
     assert!(lost.is_empty(), "kept and lost: {lost:?}");
-    // Each visit cuts another stone: a volume that is there twice is a sculpture that is.
+    // Each visit makes a different cut, so equal volumes mean that a sculpture was stored twice.
     let volumes: BTreeSet<_> = parcels.iter().map(|(_, volume)| volume).collect();
     assert_eq!(volumes.len(), parcels.len(), "kept twice");
     assert!(parcels.len() as u32 > kills / 20, "they were hardly ever alive: {}", parcels.len());

@@ -1,4 +1,5 @@
-//! A booth and a shell as processes: what visits leave comes there, whoever is killed in between.
+//! A booth and a shell as processes: every sculpture reaches the booth, whichever process is killed in
+//! between.
 
 mod kills;
 mod rig;
@@ -34,7 +35,7 @@ fn visits_sculptures_come_to_a_booth() {
     let own = place.volumes().into_iter().map(pack).collect();
     assert_eq!(kept, own, "the visitors' own volumes");
     wait_for_log(&running, "state=Made", 2);
-    // The second badge is leased: the booth was heard by then.
+    // The second badge is leased, because the booth has been reached by then.
     let badges: Vec<_> = parcels.iter().map(|(facts, _)| facts.badge.expect("shown")).collect();
     assert_ne!(badges[0], badges[1]);
 }

@@ -1,4 +1,4 @@
-//! Folders of a booth and a shell, and their processes.
+//! The folders and processes of a booth and a shell.
 
 use std::fs;
 use std::io::Read as _;
@@ -12,23 +12,23 @@ use paros_protocol::{DeviceName, UploadFacts};
 use paros_upload::enrolment::{FleetFile, NewDevice, enrol_by_fleet, enrolment_file};
 use paros_upload_https::HttpsCaller;
 
-/// How long anything may take.
+/// Timeout of every wait.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// A booth's folder and a shell's.
+/// The folders of a booth and a shell.
 pub(crate) struct Place {
     folder: PathBuf,
     booth: PathBuf,
 }
 
-/// What a shell told.
+/// The reports of a shell.
 #[derive(Default, Debug)]
 pub(crate) struct Told {
-    /// Ids of sculptures that a visitor read *kept here* of.
+    /// Ids of sculptures reported as *kept here*.
     pub(crate) kept: Vec<String>,
-    /// Those of which it was *kept at the booth*.
+    /// Ids of sculptures reported as *kept at the booth*.
     pub(crate) signed: Vec<String>,
-    /// Whether the booth has all.
+    /// `true` if the booth has every sculpture.
     pub(crate) is_done: bool,
 }
 
@@ -39,7 +39,7 @@ impl Told {
             Some(("signed", id)) => self.signed.push(id.into()),
             _ => self.is_done |= line == "done",
         }
-        // What the booth has was kept before, though nobody looked in between.
+        // A sculpture at the booth was stored here first, even if the shell didn't report that step.
         if let Some(id) = self.signed.last().filter(|id| !self.kept.contains(id)) {
             self.kept.push(id.clone());
         }
@@ -66,7 +66,7 @@ impl Place {
         BoothProcess::start(&self.booth, &self.folder, None)
     }
 
-    /// The same, at a place.
+    /// Starts the booth at an address.
     pub(crate) fn start_booth_at(&self, listen: &str) -> BoothProcess {
         BoothProcess::start(&self.booth, &self.folder, Some(listen))
     }
@@ -109,7 +109,7 @@ impl Place {
         told
     }
 
-    /// All that the booth keeps: the head of each sculpture, and its packed volume.
+    /// Returns every sculpture at the booth: its facts and its packed volume.
     pub(crate) fn parcels_at_booth(&self) -> Vec<(UploadFacts, Vec<u8>)> {
         let names = fs::read_dir(self.folder.join("booth/sculptures")).expect("a folder");
         let paths = names.map(|entry| entry.expect("a file").path());
@@ -122,7 +122,7 @@ impl Place {
         kept.map(read).collect()
     }
 
-    /// The volumes in the shell's folder.
+    /// Returns the volumes in the shell's folder.
     pub(crate) fn volumes(&self) -> Vec<Vec<u8>> {
         let names = fs::read_dir(self.shell_folder().join("sculptures")).expect("a folder");
         let paths = names.map(|entry| entry.expect("a file").path());
@@ -131,7 +131,7 @@ impl Place {
     }
 }
 
-/// Waits until a booth's log has a text so often.
+/// Waits until a booth's log contains a text `count` times.
 pub(crate) fn wait_for_log(booth: &BoothProcess, text: &str, count: usize) {
     let begun = Instant::now();
     while booth.read_log().matches(text).count() < count {

@@ -1,4 +1,4 @@
-//! Exit search and slide: how a bit leaves the stone that an undo or a fill has put around it.
+//! Exit search and slide: how a bit leaves stone that an undo or a fill has put around it.
 
 use glam::{Quat, Vec3};
 use paros_core::edit::{Pose, SUBUNITS_PER_VOXEL};
@@ -7,8 +7,8 @@ use paros_models::dense::DenseVolume;
 
 use super::stone::{STONE_64, lock_stone, table_bit, voxel_micrometres};
 
-/// A bit whose centre is in the stone has no way: it stands until its hand is where the bit may be, and then
-/// is there.
+/// A bit whose centre is in the stone can't move. It stays until its hand is at a place that is free for the
+/// bit, and then jumps there.
 #[test]
 fn a_buried_bit_stands_until_its_hand_is_free() {
     let mut stone = lock_stone(&STONE_64);
@@ -23,7 +23,7 @@ fn a_buried_bit_stands_until_its_hand_is_free() {
             assert_eq!((held.pose, held.jumped), (at(expected), is_free), "bit {number}");
             assert_eq!((held.blocked, held.ran_out), (!is_free, false), "bit {number}");
         }
-        // However far; to the other side of the stone, too.
+        // The distance doesn't matter, even across the stone.
         for to in [60.0, 500.0, -30.0] {
             let up = stone.freeze(&bit, &at(20.0), &at(to));
             assert_eq!((up.pose, up.blocked, up.jumped), (at(to), false, true), "bit {number}");
@@ -31,7 +31,7 @@ fn a_buried_bit_stands_until_its_hand_is_free() {
     }
 }
 
-/// Between the buried bit and its hand lies a hollow in which it would be free. The way there is through stone.
+/// Between the buried bit and its hand lies a cavity that would be free. The path to it leads through stone.
 #[test]
 fn no_way_leads_through_stone() {
     let mut stone = lock_stone(&STONE_64);
@@ -48,8 +48,8 @@ fn no_way_leads_through_stone() {
     }
 }
 
-/// A bit slides along the floor below a beam. Its way is clear, but its chord, which is what an edit sweeps and
-/// where the next tick goes on, leads through the beam: the bit doesn't slide.
+/// A bit slides along the floor below a beam. Its path is free, but the chord, which the edit sweeps and the
+/// next tick starts from, leads through the beam, so the bit doesn't slide.
 #[test]
 fn no_slide_cuts_a_corner_of_stone() {
     let mut stone = lock_stone(&STONE_64);
@@ -61,7 +61,7 @@ fn no_slide_cuts_a_corner_of_stone() {
             &DenseVolume::from_fn(64, |[x, y, _]| y < 20 || beam(x, y)),
             &DenseVolume::empty(64),
         );
-        // A tick's steps don't take it all the way.
+        // One tick's steps don't cover the whole path.
         let mut slid = stone.freeze(&bit, &at(30.0, 30.0), &at(44.0, -22.5));
         if slid.ran_out {
             slid = stone.freeze(&bit, &slid.pose, &at(44.0, -22.5));
@@ -72,7 +72,7 @@ fn no_slide_cuts_a_corner_of_stone() {
     }
 }
 
-/// As after an undo: in a slot narrower than the bit, whose walls penetrate it on both sides.
+/// As after an undo: the bit is in a slot narrower than itself, whose walls penetrate it on both sides.
 #[test]
 fn a_bit_comes_out_of_a_slot() {
     let mut stone = lock_stone(&STONE_64);
@@ -92,7 +92,7 @@ fn a_bit_comes_out_of_a_slot() {
                 pose = stone.freeze(&bit, &pose, &at(80.0)).pose;
             }
             assert_eq!(pose, at(80.0), "bit {number}, turned by {turn}, {width} voxels");
-            // Not through the wall.
+            // The bit doesn't pass through the wall.
             let aside = Pose { position: Vec3::new(62.0, 20.1, 32.3), rotation };
             let held = stone.freeze(&bit, &at(20.1), &aside);
             assert!(
@@ -121,8 +121,8 @@ fn a_blocked_bit_slides() {
     assert!((position.y - rest).abs() < 0.8, "{position}, {rest}");
 }
 
-/// A hand that presses its bit deep into the figure moves half around it: the bit goes along on the surface, over every
-/// stair of a voxel, and stays where the figure is nearest to the hand.
+/// A hand presses its bit deep into the figure and moves half around it: the bit follows on the surface, over
+/// every voxel step, and stays where the figure is nearest to the hand.
 #[test]
 fn a_bit_goes_around_a_figure_with_a_hand_that_presses_deep() {
     let mut stone = lock_stone(&STONE_64);
@@ -145,7 +145,7 @@ fn a_bit_goes_around_a_figure_with_a_hand_that_presses_deep() {
                 rotation: Quat::IDENTITY,
             };
             let mut pose = at(0.0, touching + 1.0);
-            // 2 voxels a tick, as a hand at 0.5 m/s; 6 voxels deep.
+            // 2 voxels a tick, as for a hand at 0.5 m/s, and 6 voxels deep.
             for degrees in (0..180).step_by(5) {
                 pose = stone.freeze(&ball, &pose, &at(degrees as f32, touching - 6.0)).pose;
                 let behind = (pose.position - middle).normalize().dot(around(degrees as f32));

@@ -1,5 +1,5 @@
 //! Collision detection and freeze against the model, which walks over plain voxels, and against walls of
-//! every tilt.
+//! every inclination.
 
 mod exits;
 mod plates;
@@ -126,8 +126,8 @@ fn assert_freeze_follows_walk(
     Ok(frozen)
 }
 
-/// Asserts that the bit's centre meets no voxel of the stone on its straight way, unless the bit jumped or
-/// its bite lets its centre into stone anyway; and that it jumps from stone alone.
+/// Asserts that the bit's centre meets no stone on its straight path, unless the bit jumped or its bite lets
+/// its centre into stone; and that a bit jumps only out of stone.
 fn check_way_through_the_open(
     block: &ContactModel,
     bit: &GridBit,
@@ -152,7 +152,7 @@ fn check_way_through_the_open(
     Ok(())
 }
 
-/// The greatest distance, in voxels, that a point of the bit moves between two poses.
+/// Returns the greatest distance, in voxels, that a point of the bit moves between two poses.
 fn longest_point_path(bit: &GridBit, a: &Pose, b: &Pose) -> f32 {
     let half = match bit.shape {
         GridShape::Ball(_) => Vec3::ZERO,
@@ -183,11 +183,11 @@ proptest! {
     #[test]
     fn no_step_is_longer_than_a_quarter_voxel(bit in any_bits(), from in any_poses(16), motion in any_motions(16)) {
         let mut last = from;
-        // Only along its plane does a disc take longer ones: of a voxel, and what it turns.
+        // Only a disc may take longer steps, and only within its plane: one voxel, plus its rotation.
         let most = if matches!(bit.shape, GridShape::Disc { .. }) { 1.01 } else { 0.2525 };
         for next in path_poses(&bit, &from, &motion.apply_to(&from)).take(400) {
             let way = longest_point_path(&bit, &last, &next);
-            // Positions thousands of voxels off are held to a two-thousandth of a voxel.
+            // The tolerance for positions thousands of voxels away is a two-thousandth of a voxel.
             prop_assert!(way < most, "a step of {way} voxels");
             let across = (next.position - last.position).dot(last.rotation * Vec3::X).abs();
             let is_disc = matches!(bit.shape, GridShape::Disc { .. });
@@ -200,7 +200,8 @@ proptest! {
 proptest! {
     #![proptest_config(random_cases(70))]
 
-    /// From any pose, deep inside too, as after an undo, a fill or a load; in the stone, and held by the mask alone.
+    /// Tests starts from any pose, deep inside included, as after an undo, a fill or a load; both in the
+    /// stone and held by the mask alone.
     #[test]
     fn freeze_is_the_walk_from_anywhere(
         MaskedVolume { volume, mask } in closed_volumes_with_inner_mask(16),
@@ -222,7 +223,7 @@ proptest! {
         }
     }
 
-    /// From outside, a bit's penetration never exceeds its bite, and is 0 in the mask.
+    /// A bit that starts outside never penetrates deeper than its bite, and never enters the mask.
     #[test]
     fn from_outside_nothing_gets_deeper_than_its_bite(
         MaskedVolume { volume, mask } in closed_volumes_with_inner_mask(16),
@@ -246,8 +247,8 @@ proptest! {
     }
 }
 
-/// Asserts how far a tick walks: along a floor every four steps cost five, as the four are tried at once
-/// before; in free air the first four cost one, then every sixteen.
+/// Asserts how far a tick walks. Along a floor every four steps cost five, because one combined test precedes
+/// them; in free air the first four steps cost one, and then every sixteen.
 fn assert_tick_reach<const N: usize>(stone: &'static Mutex<ContactHarness<N>>)
 where
     Grid<N>: Size,
@@ -278,7 +279,7 @@ fn a_tick_goes_so_far_at_256() {
     assert_tick_reach::<256>(&STONE_256);
 }
 
-/// Two slabs with a gap between them: every bit meets either.
+/// Two slabs with a gap between them: every bit meets both.
 #[test]
 fn a_mask_is_met_beyond_its_gap() {
     let slabs = [Range::new(0, 9), Range::new(40, 63)];
@@ -310,9 +311,10 @@ fn a_mask_is_met_beyond_its_gap() {
     }
 }
 
-/// A file that smooths is held by the mask alone, and one swept test decides whether a stretch of its way is free. A
-/// cover of the file's inside, deeper than its bite, may be cut into fewer pieces and then reaches farther than a cover
-/// of the whole file. A mask voxel in the former alone doesn't stop the file, so its way costs no single steps.
+/// A smoothing file is stopped by the mask alone, and one swept test decides whether a stretch of its path is
+/// free. A cover of the file's inside that is deeper than its bite may be cut into fewer pieces, and then
+/// reaches farther than a cover of the whole file. A mask voxel in the former alone doesn't stop the file, so
+/// its path costs no single steps.
 #[test]
 fn a_stretch_beside_the_mask_alone_is_tested_once() {
     let bit = table_bit(ToolBit::File as u8, 16);

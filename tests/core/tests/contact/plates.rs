@@ -1,4 +1,4 @@
-//! Tunnelling tests: no bit passes a wall one voxel thick, of any tilt.
+//! Tunnelling tests: no bit passes a wall one voxel thick, whatever its inclination.
 
 use glam::{IVec3, Vec3};
 use paros_core::edit::Pose;
@@ -9,8 +9,8 @@ use proptest::prelude::*;
 
 use super::stone::{STONE_64, any_rotations, lock_stone, table_bit};
 
-/// A plate one voxel thick across the grid: the voxels through whose middle third the plane runs
-/// along the normal's longest axis.
+/// A plate one voxel thick across the grid: the voxels that the plane crosses within their middle third along
+/// the normal's longest axis.
 #[derive(Clone, Copy, Debug)]
 struct Plate {
     normal: Vec3,
@@ -18,7 +18,7 @@ struct Plate {
 }
 
 impl Plate {
-    /// The signed distance of a point from the plate's middle plane.
+    /// Returns the signed distance of a point from the plate's middle plane.
     fn signed_height(&self, point: Vec3) -> f32 {
         (point - self.middle).dot(self.normal)
     }
@@ -43,7 +43,8 @@ fn any_plates() -> impl Strategy<Value = Plate> {
     })
 }
 
-/// A strategy for paths across a plate: tilt, and the lengths before and behind it in voxels.
+/// A strategy for paths across a plate: its inclination, and the path's lengths before and behind it in
+/// voxels.
 fn any_crossings() -> impl Strategy<Value = (Vec3, f32, f32)> {
     let lengths =
         prop_oneof![Just(30.0f32), Just(45.0), Just(300.0), Just(6000.0), 30.0..3000.0f32];
@@ -54,7 +55,7 @@ fn any_crossings() -> impl Strategy<Value = (Vec3, f32, f32)> {
 proptest! {
     #![proptest_config(random_cases(16))]
 
-    /// Every bit of the table, at both grid sizes, at any speed, rotating on the way.
+    /// Tests every bit of the table at both grid sizes, at any speed, rotating on its path.
     #[test]
     fn nothing_passes_a_plate_one_voxel_thick(
         plate in any_plates(),
@@ -84,7 +85,7 @@ proptest! {
             let bite = if as_mask { 0 } else { bit.bite };
             prop_assert!(frozen.blocked, "bit {number} at {n} went through");
             prop_assert!(depth <= bite, "bit {number} at {n}: {depth} of {bite}");
-            // Beside the grid a slide may lead round the plate's edge.
+            // Outside the grid a slide may lead round the plate's edge.
             let beside = frozen.pose.position - Vec3::splat(32.0);
             if beside.abs().max_element() < 31.0 {
                 let height = plate.signed_height(frozen.pose.position);

@@ -1,4 +1,4 @@
-//! Test harness of contact: a volume with its mask, the bits of the table, and a strategy for rotations.
+//! Test harness of contact: a volume with its mask, the table of bits, and a strategy for rotations.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -59,17 +59,17 @@ pub(crate) fn lock_stone<T>(stone: &'static Mutex<T>) -> MutexGuard<'static, T> 
     stone.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What a bit that doesn't run may go in a tick.
+/// Returns the path budget of a tick for a bit that doesn't run.
 pub(crate) fn tick_budget(n: usize) -> WayBudget {
     WayBudget::of_steps(max_bit_steps_per_tick(n))
 }
 
-/// The side of a voxel in micrometres, in a grid of `n`^3.
+/// Returns the side of a voxel in micrometres, in a grid of `n`^3.
 pub(crate) fn voxel_micrometres(n: usize) -> f32 {
     BOX_SIDE / n as f32 * 1e6
 }
 
-/// The table's bit of a number, in a grid of `n`^3.
+/// Returns the bit with a number in the table, in a grid of `n`^3.
 pub(crate) fn table_bit(number: u8, n: usize) -> GridBit {
     ToolBit::from_number(number).expect("a bit of the table").to_grid_bit(voxel_micrometres(n))
 }

@@ -11,7 +11,7 @@ use paros_core::{Brush, RangeMaps, Volume};
 use paros_models::dense::DenseVolume;
 use proptest::prelude::*;
 
-/// A journal that keeps everything.
+/// A journal that records everything.
 pub(super) struct JournalNotes {
     pub(super) columns: Vec<(Axis, (usize, usize), Column)>,
     pub(super) added: DenseVolume,
@@ -125,7 +125,7 @@ pub(super) fn any_strokes(n: i32, longest: usize) -> impl Strategy<Value = Vec<S
     let shape = prop_oneof![
         4 => (prop_oneof![at(), on()], radius()).prop_map(|(a, r)| BrushSpec::Capsule(a, a, r)),
         3 => (at(), at(), radius()).prop_map(|(a, b, r)| BrushSpec::Capsule(a, b, r)),
-        // The rows that its bounds and its layers claim are rounded each in its own way.
+        // A capsule whose bounds and layers round their rows differently.
         1 => (on(), on(), 1..n / 3).prop_map(|(a, b, r)| BrushSpec::Capsule(a, b, r * SUBUNITS_PER_VOXEL - 1)),
         2 => (half(), pose()).prop_map(|(half, pose)| BrushSpec::Box(half, pose)),
         2 => (half(), pose(), pose()).prop_map(|(half, a, b)| BrushSpec::Sweep(half, a, b)),
@@ -143,7 +143,7 @@ pub(super) fn any_strokes(n: i32, longest: usize) -> impl Strategy<Value = Vec<S
     proptest::collection::vec(stroke, 1..=longest)
 }
 
-/// Flattening to a plane through the grid, inclined anyhow or along the axes.
+/// A strategy for flattening to a plane through the grid, inclined arbitrarily or parallel to the axes.
 fn any_flattening(n: i32) -> impl Strategy<Value = EditOperation> {
     let through = [0..n, 0..n, 0..n].prop_map(|at| IVec3::from_array(at) * SUBUNITS_PER_VOXEL);
     let part = || prop_oneof![2 => -FIXED_ONE..=FIXED_ONE, 1 => Just(0), 1 => Just(FIXED_ONE), 1 => Just(-FIXED_ONE)];
@@ -155,13 +155,13 @@ fn any_flattening(n: i32) -> impl Strategy<Value = EditOperation> {
     })
 }
 
-/// Smoothing of any reach, dithered in a ball or not.
+/// A strategy for smoothing with any radius, dithered in a ball or not.
 fn any_smoothing(n: i32) -> impl Strategy<Value = EditOperation> {
     let at = [0..n, 0..n, 0..n].prop_map(|at| IVec3::from_array(at) * SUBUNITS_PER_VOXEL);
     let ball = (at, 0..n * SUBUNITS_PER_VOXEL / 2, any::<u64>())
         .prop_map(|(at, radius, seed)| Dither { piece: BrushPiece::sphere(at, radius), seed });
     let dither = prop_oneof![1 => Just(None), 3 => ball.prop_map(Some)];
-    // A greater one is dear to the model.
+    // A larger radius makes the model slow.
     let radius = prop_oneof![5 => Just(1), 4 => Just(3), 1 => Just(MAX_SMOOTHING_RADIUS)];
     (radius, dither).prop_map(|(radius, dither)| EditOperation::Smooth { radius, dither })
 }

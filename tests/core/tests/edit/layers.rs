@@ -1,5 +1,5 @@
 //! Sequences of edits, island passes, undo and redo in volumes of K intervals a column, K = 1 to 4, against
-//! the model of the closure rule: every voxel, every column, every count.
+//! the model of the closure rule: every voxel, column and count is compared.
 
 use glam::{IVec3, Quat, Vec3};
 use paros_core::edit::{EditOperation, EditReport, EditScratch, Pose, SUBUNITS_PER_VOXEL};
@@ -36,7 +36,7 @@ where
     rows: BitGrid<N>,
     model: LayeredVolume,
     dense_mask: DenseVolume,
-    /// What undo and redo lead to, the next one last.
+    /// The volumes that undo and redo lead to, the next one last.
     undoable: Vec<LayeredVolume>,
     redoable: Vec<LayeredVolume>,
 }
@@ -67,7 +67,7 @@ where
         harness
     }
 
-    /// The report; `None` where the brush is too large to smooth.
+    /// Applies a stroke and returns its report, or `None` if the brush is too large to smooth.
     fn apply_stroke(&mut self, stroke: &Stroke) -> Option<EditReport> {
         let Stroke { shape, operation, mirrored } = stroke;
         let brush = shape.to_brush();
@@ -104,7 +104,7 @@ where
         Some(report)
     }
 
-    /// Runs a pass, and a second one that changes nothing.
+    /// Runs an island pass, and a second pass that must change nothing.
     fn clear_islands(&mut self) {
         let before = self.model.voxels().clone();
         if before.occupied().all(|[_, y, _]| y > 0) && self.dense_mask.is_empty() {
@@ -122,7 +122,7 @@ where
         }
     }
 
-    /// The number of removed voxels, and whether there was no support.
+    /// Runs a pass. Returns the number of removed voxels, and `true` if there was no support.
     fn run_pass(&mut self) -> (u32, bool) {
         self.islands.request_pass();
         loop {
@@ -178,7 +178,7 @@ where
         self.model.assert_tight_and_saturated();
     }
 
-    /// Asserts that exactly the changed columns were journalled, once, with their old values.
+    /// Asserts that exactly the changed columns were journalled, once each, with their old values.
     fn assert_changes_were_told(&self, columns: &[ChangedColumn<K>]) {
         for (i, &(axis, at, old)) in columns.iter().enumerate() {
             assert_eq!(self.before.column(axis, at), old, "{axis:?} {at:?}");
@@ -196,7 +196,7 @@ where
 
 type ChangedColumn<const K: usize> = (Axis, ColumnAddress, Column<K>);
 
-/// A journal of the core that keeps what it is told.
+/// A core journal that also records its calls.
 struct JournalNotes<J, const K: usize> {
     journal: J,
     columns: Vec<ChangedColumn<K>>,
@@ -230,7 +230,7 @@ where
     }
 }
 
-/// Volumes and masks, of which half aren't closed.
+/// A strategy for volumes and masks, half of which aren't closed.
 fn any_starts(n: usize) -> impl Strategy<Value = MaskedVolume> {
     let open =
         any_voxels(n).prop_map(move |volume| MaskedVolume { volume, mask: DenseVolume::empty(n) });
@@ -248,8 +248,8 @@ where
     harness.undo_and_redo();
 }
 
-/// Drills 12 holes of radius 4, 25 deep, into a ball of radius 56, from directions all round, one after the other.
-/// Returns the voxels within the bits, and those of them that are there still.
+/// Drills 12 holes of radius 4 and depth 25 into a ball of radius 56, from directions all round. Returns the
+/// number of voxels within the bits, and how many of those are still there.
 fn drill_holes<const K: usize>() -> (u32, u32) {
     let mut volume = Box::new(Volume::<128, K>::new());
     let mut scratch = Box::new(EditScratch::<128>::new());
@@ -261,7 +261,7 @@ fn drill_holes<const K: usize>() -> (u32, u32) {
     volume.set_voxels(|bits| ball.insert_into_empty_bits(bits));
     let (mut within, mut left) = (0, 0);
     for i in 0..12 {
-        // A spiral of Fibonacci over the sphere.
+        // A Fibonacci spiral over the sphere.
         let (height, turn) = (1.0 - (i as f32 + 0.5) / 6.0, i as f32 * 2.399_963);
         let across = (1.0 - height * height).sqrt();
         let out = Vec3::new(across * turn.cos(), height, across * turn.sin());
@@ -285,8 +285,9 @@ fn drill_holes<const K: usize>() -> (u32, u32) {
     (within, left)
 }
 
-/// A stone whose columns through the middle hold as many gaps as they can, three voxels long and one from the
-/// next, and a carve of two voxels a side in the middle: it comes back whole, and is told where it is.
+/// Builds a stone whose middle columns hold as many gaps as they can, each three voxels long and one apart,
+/// and carves a cube of two voxels in the middle. Asserts that closure restores the cube and that the report
+/// gives its place.
 fn check_box_of_what_came_back<const K: usize>() {
     let cavity = |along: i32| {
         along < 14 && (0..K as i32 - 1).any(|i| (10 - 4 * i..13 - 4 * i).contains(&along))
@@ -318,7 +319,7 @@ fn what_came_back_has_a_box() {
     check_box_of_what_came_back::<4>();
 }
 
-/// A second interval keeps holes that the first one refuses.
+/// With a second interval, columns keep holes that one interval can't represent.
 #[test]
 fn drilled_holes_stay_with_two_intervals() {
     let [one, two] = [drill_holes::<1>(), drill_holes::<2>()];

@@ -169,8 +169,8 @@ proptest! {
     }
 }
 
-/// Translation invariance: strokes on a volume of 32^3, moved by `shift` voxels along x in a larger grid, give
-/// the model's result of the unmoved ones.
+/// Translation invariance: strokes on a volume of 32^3, moved by `shift` voxels along x in a larger grid,
+/// give the model's result of the unmoved strokes.
 fn assert_shifted_strokes_do_the_same<const N: usize>(
     harness: &Mutex<EditHarness<N>>,
     MaskedVolume { volume, mask }: &MaskedVolume,
@@ -259,7 +259,8 @@ fn any_inner_strokes() -> impl Strategy<Value = Vec<Stroke>> {
 proptest! {
     #![proptest_config(random_cases(10))]
 
-    /// An edit reads only the words of a row that its brush touches: any of them, and across their borders.
+    /// An edit reads only the words of a row that its brush touches. Tests any words, and brushes across word
+    /// borders.
     #[test]
     fn strokes_in_any_words_of_a_row_do_the_same(
         start in closed_volumes_with_inner_mask(32), shift in prop_oneof![0..=96i32, 36..=60i32], far in 0..=224i32, strokes in any_inner_strokes(),
@@ -273,8 +274,8 @@ proptest! {
     }
 }
 
-/// Balls that end at the last voxel of a word, or begin at the first: inside a block nothing is near enough to the
-/// surface to be carved.
+/// Balls that end at a word's last voxel or begin at its first. Inside a block, no surface is near enough for
+/// a carve.
 #[test]
 fn an_edit_looks_past_the_words_of_its_brush() {
     static HARNESS: Mutex<EditHarness<128>> = Mutex::new(EditHarness::new());
@@ -294,7 +295,7 @@ fn an_edit_looks_past_the_words_of_its_brush() {
     }
 }
 
-/// One stroke across the whole of the largest grid, of which only the border is not word-aligned.
+/// One stroke across the whole largest grid, where only the grid's border isn't word-aligned.
 #[test]
 fn a_stroke_across_256_follows_the_definition() {
     static HARNESS: Mutex<EditHarness<256>> = Mutex::new(EditHarness::new());

@@ -1,4 +1,4 @@
-//! What a stroke did, in figures.
+//! Measurements of a stroke.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -8,30 +8,31 @@ use paros_core::edit::Pose;
 use paros_core::internals::{BitAction, BrushBounds, BrushPiece};
 use paros_core::volume::{BitGrid, BitSet, Grid, Size};
 
-/// What a stroke did. Lengths are the greatest of any measured tick, in millimetres.
+/// Measurements of a stroke. Lengths are the maximum over all measured ticks, in millimetres.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub(crate) struct StrokeFigures {
-    /// How far the bit was behind its hand, along the stone.
+    /// The bit's lag behind its hand, along the stone.
     pub(crate) behind: f32,
-    /// How far it was above its hand's place.
+    /// The bit's height above its hand's place.
     pub(crate) above: f32,
-    /// How far it was beside its hand's way.
+    /// The bit's sideways distance from its hand's path.
     pub(crate) aside: f32,
-    /// Measured ticks in which it stood.
+    /// Number of measured ticks in which the bit stood.
     pub(crate) stood: u32,
-    /// Voxels at the bit where its hand had it that the tool is to change, and how many of them it left.
+    /// Number of voxels that the tool should change at the bit's place in the hand, and how many of them it
+    /// left.
     pub(crate) asked: u32,
     pub(crate) left: u32,
-    /// Voxels that changed outside the bit's own way.
+    /// Number of changed voxels outside the bit's own path.
     pub(crate) stray: u32,
-    /// Measured ticks at whose place of the hand nothing was changed.
+    /// Number of measured ticks in which nothing had changed at the hand's place.
     pub(crate) bare: u32,
-    /// Parts into which what was changed falls.
+    /// Number of connected parts of the changed voxels.
     pub(crate) parts: u32,
 }
 
 impl StrokeFigures {
-    /// Enters a tick's lag.
+    /// Adds a tick's lag.
     pub(crate) fn measure_lag(&mut self, frozen: &Pose, raw: &Pose, grip: Quat, voxel_mm: f32) {
         let to_surface = (raw.rotation * grip.inverse()).inverse();
         let lag = to_surface * (raw.position - frozen.position) * voxel_mm;
@@ -49,7 +50,7 @@ impl fmt::Display for StrokeFigures {
     }
 }
 
-/// The voxels that a stroke changed.
+/// The voxels changed by a stroke.
 pub(crate) struct ChangedVoxels<const N: usize>
 where
     Grid<N>: Size,
@@ -73,7 +74,7 @@ where
         }
     }
 
-    /// Counts what a stroke was to change, and what it changed outside the bit's way.
+    /// Counts the voxels that a stroke should change, and those it changed outside the bit's path.
     pub(crate) fn count(
         &self,
         action: BitAction,
@@ -98,7 +99,7 @@ where
         }
     }
 
-    /// Whether a piece holds a changed voxel.
+    /// Returns `true` if a piece contains a changed voxel.
     pub(crate) fn overlaps(&self, piece: &BrushPiece) -> bool {
         let Some(BrushBounds { lo, hi }) = piece.bounds(N) else {
             return false;
@@ -111,7 +112,7 @@ where
         })
     }
 
-    /// Parts that are joined by faces.
+    /// Counts the parts that are connected by faces.
     pub(crate) fn count_parts(&self) -> u32 {
         let voxels = rows::<N>()
             .flat_map(|(y, z)| self.voxels.row(y, z).iter_ones().map(move |x| [x, y, z]));
@@ -138,7 +139,8 @@ fn rows<const N: usize>() -> impl Iterator<Item = (usize, usize)> {
     (0..N * N).map(|i| (i / N, i % N))
 }
 
-/// The voxels of a row that aren't what most of their 3 x 3 x 3 neighbourhood is: bumps, pits and corners.
+/// Returns the voxels of a row that differ from the majority of their 3 x 3 x 3 neighbourhood: bumps, pits
+/// and corners.
 fn odd_ones<const N: usize>(grid: &BitGrid<N>, (y, z): (usize, usize)) -> <Grid<N> as Size>::Row
 where
     Grid<N>: Size,

@@ -1,21 +1,21 @@
-//! A stroke of every bit over flat, convex and concave stone, through the world: how far the bit is behind its
-//! hand, and whether it does what its tool is for.
+//! A stroke of every bit over flat, convex and concave stone, through the world: how far the bit lags behind
+//! its hand, and whether the tool does its work.
 //!
-//! A hand comes down on the stone with its trigger pulled, pressed so many millimetres into it, and goes on at a
-//! constant speed: up to the bit's bite in each tick. `tests/goldens/tool-strokes-*.txt` hold the figures of some
-//! strokes of every bit; `PAROS_GOLDEN=write cargo test -p paros-tests-core tool_strokes` writes them.
+//! A hand comes down on the stone with its trigger pulled, presses `pressed_mm` into it, and moves on at a
+//! constant speed of up to the bit's bite a tick. `tests/goldens/tool-strokes-*.txt` hold the measurements of
+//! some strokes of every bit; `PAROS_GOLDEN=write cargo test -p paros-tests-core tool_strokes` writes them.
 //! `every_press_and_speed`, which is ignored, draws a grid of them; `.ci/nightly` runs it.
 //!
-//! The greatest lag of that grid behind the hand, in millimetres, pressed 0 to 10 mm at 0.03 m/s and more:
+//! The greatest lag behind the hand in that grid, in millimetres, pressed 0 to 10 mm at 0.03 m/s and more:
 //!
 //! | bit | at 128 | at 256 | where |
 //! |---|---|---|---|
 //! | rotary bits, nozzle, file, float | 0 | 0 | |
-//! | point chisel | 14 | 14 | at 0.245 m/s: the way of a blow's period |
+//! | point chisel | 14 | 14 | at 0.245 m/s: the path of a blow's period |
 //! | flat chisel | 18 | 18 | at 0.216 m/s |
 //!
-//! A chisel stands between two blows, of which there is one in every sixth or eighth tick, and cuts its hand's whole
-//! way at the next. A file goes through the stone that it smooths.
+//! A chisel stands between two blows, which come every sixth or eighth tick, and cuts its hand's whole path
+//! at the next blow. A file passes through the stone that it smooths.
 
 mod figures;
 mod scene;
@@ -36,15 +36,15 @@ use self::stone::Stone;
 static AT_128: Mutex<Scene<128>> = Mutex::new(Scene::new());
 static AT_256: Mutex<Scene<256>> = Mutex::new(Scene::new());
 
-/// What its bite allows, in millimetres a tick.
+/// Returns the top speed that a bit's bite allows, in millimetres a tick.
 fn top_speed(bit: ToolBit) -> f32 {
     bit.spec().bite_um as f32 * 1e-3
 }
 
-/// Of a hand at 0.03 m/s, in millimetres a tick.
+/// The speed of a hand at 0.03 m/s, in millimetres a tick.
 const SLOW: f32 = 30.0 / 72.0;
 
-/// Lists strokes over all stone.
+/// Lists strokes over every kind of stone.
 fn list_strokes(presses_and_speeds: impl Fn(Stone, ToolBit) -> Vec<[f32; 2]>) -> Vec<Stroke> {
     let mut strokes = Vec::new();
     for (stone, is_rough) in Stone::ALL.into_iter().flat_map(|s| [(s, false), (s, true)]) {
@@ -58,7 +58,7 @@ fn list_strokes(presses_and_speeds: impl Fn(Stone, ToolBit) -> Vec<[f32; 2]>) ->
     strokes
 }
 
-/// Draws strokes. Each keeps the rules of its tool.
+/// Draws strokes and asserts that each keeps the rules of its tool.
 fn draw_strokes<const N: usize>(
     scene: &Mutex<Scene<N>>,
     strokes: impl Iterator<Item = Stroke>,
@@ -83,7 +83,7 @@ where
     drawn
 }
 
-/// Whether a stroke keeps the rules that hold at any press and speed.
+/// Returns `true` if a stroke keeps the rules that hold at any press and speed.
 fn keeps_rules(stroke: &Stroke, figures: &StrokeFigures) -> bool {
     let Stroke { bit, stone, is_rough, pressed_mm, speed_mm } = *stroke;
     let StrokeFigures { behind, aside, stood, asked, left, stray, bare, parts, .. } = *figures;
@@ -102,23 +102,23 @@ fn keeps_rules(stroke: &Stroke, figures: &StrokeFigures) -> bool {
         ToolBit::PointChisel | ToolBit::FlatChisel => {
             behind <= if speed_mm > SLOW { 20.0 } else { 3.0 }
         }
-        // What is even already stays so.
+        // Even stone stays even.
         ToolBit::File if stone == Stone::Flat && !is_rough => follows(0.1) && parts == 0,
-        // Round stone has steps, which are as odd as what is rough.
-        // It works the plane of its pull, which leaves round stone.
+        // Round stone has steps, which count as odd voxels as roughness does. The float works the plane of
+        // its pull, which leaves round stone.
         ToolBit::Float => follows(0.1),
-        // It is set and struck, not drawn.
+        // The pitching chisel is set and struck, not drawn.
         ToolBit::PitchingChisel => true,
         ToolBit::File => follows(0.1) && (stone != Stone::Flat || left <= asked / 4),
     };
-    // A bit that slid goes on from there straight to its hand's way.
+    // A bit that slid returns from there straight to its hand's path.
     let can_slide = matches!(bit.spec().shape, BitShape::Box { .. });
     let most_stray = if can_slide { asked / 100 } else { 0 };
-    // A file smooths beyond itself.
+    // A file smooths beyond its own path.
     (stray <= most_stray || bit.spec().action.is_rubbing()) && is_true_to_its_tool
 }
 
-/// What the golden files hold.
+/// Returns the presses and speeds of the golden files.
 fn presses_and_speeds(stone: Stone, bit: ToolBit) -> Vec<[f32; 2]> {
     let top = top_speed(bit);
     match stone {
@@ -127,8 +127,9 @@ fn presses_and_speeds(stone: Stone, bit: ToolBit) -> Vec<[f32; 2]> {
     }
 }
 
-/// Draws the first one in `parts` of the strokes, at night all of them, and compares their figures with the golden
-/// file's; or writes that file. A stroke's figures depend on the ticks before it, so that none can be left out between.
+/// Draws the first of `parts` shares of the strokes (the nightly run draws all), and compares the
+/// measurements with the golden file, or writes that file. A stroke's measurements depend on the ticks before
+/// it, so strokes in between can't be left out.
 fn check_or_write_golden<const N: usize>(scene: &Mutex<Scene<N>>, parts: u32)
 where
     Grid<N>: Size,

@@ -14,22 +14,23 @@ use paros_models::world_harness::WorldHarness;
 use super::figures::{ChangedVoxels, StrokeFigures};
 use super::stone::{BOX_MM, Stone, grip_of, reach_of};
 
-/// Ticks after the hand is down in which a bit may still catch up, and ticks that are measured then.
+/// Ticks after the hand is down in which a bit may still catch up, and the number of measured ticks after
+/// them.
 const SETTLING_TICKS: u32 = 16;
 pub(crate) const MEASURED_TICKS: u32 = 40;
 
-/// From how high above the stone, and how far in a tick, the hand comes down, in millimetres.
+/// The height from which the hand comes down, and its descent a tick, in millimetres.
 const APPROACH_MM: f32 = 3.0;
 const DESCENT_MM: f32 = 1.0;
 
-/// A stroke of a bit.
+/// A stroke to draw.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Stroke {
     pub(crate) bit: ToolBit,
     pub(crate) stone: Stone,
     pub(crate) is_rough: bool,
     pub(crate) pressed_mm: f32,
-    /// Of the hand along the stone, in millimetres a tick.
+    /// The hand's speed along the stone, in millimetres a tick.
     pub(crate) speed_mm: f32,
 }
 
@@ -41,7 +42,7 @@ impl fmt::Display for Stroke {
     }
 }
 
-/// A world, and the stone that its sessions start from.
+/// A world with the stone that its sessions start from.
 pub(crate) struct Scene<const N: usize>
 where
     Grid<N>: Size,
@@ -49,7 +50,7 @@ where
     harness: WorldHarness<N, 2>,
     stone: Option<(Stone, bool)>,
     changed: ChangedVoxels<N>,
-    /// What the bit swept, and where its hand had it.
+    /// The voxels that the bit swept, and those at the bit's places in its hand.
     swept: BitGrid<N>,
     asked: BitGrid<N>,
 }
@@ -85,7 +86,7 @@ where
         self.changed.before.copy_from(self.harness.world.volume().rows());
     }
 
-    /// Draws a stroke and returns its figures.
+    /// Draws a stroke and returns its measurements.
     pub(crate) fn draw(&mut self, stroke: Stroke) -> StrokeFigures {
         self.start(stroke);
         let Stroke { bit, stone, pressed_mm, speed_mm, .. } = stroke;
@@ -105,13 +106,13 @@ where
         self.step(&pose_at(0), false);
         let mut figures = StrokeFigures::default();
         let mut places = Vec::new();
-        // The hand rests at the end of its way until the tool has bitten once more.
+        // The hand rests at the end of its path until the tool has bitten once more.
         for tick in 1..last + u32::from(bit.spec().bite_period) {
             let last_raw = self.harness.world.hand_state(RIGHT).raw_pose;
             let before = self.step(&pose_at(tick), true);
             let hand = self.harness.world.hand_state(RIGHT);
             let (frozen, raw) = (hand.frozen_pose, hand.raw_pose);
-            // A bit that follows its hand goes the hand's own way, or slides beside it.
+            // A bit that follows its hand takes the hand's own path, or slides beside it.
             for (from, to) in [(before, frozen), (last_raw, raw)] {
                 let brush = grid_bit.swept_brush(&from, &to);
                 brush.pieces().for_each(|piece| insert_piece(&mut self.swept, &piece));
@@ -135,7 +136,7 @@ where
         self.harness.check_invariants();
     }
 
-    /// Runs a tick with the hand there. Returns where the bit was before.
+    /// Runs a tick with the hand at a pose. Returns the bit's pose before the tick.
     fn step(&mut self, pose: &Pose, trigger_down: bool) -> Pose {
         let at = self.harness.world.hand_with_bit_at(RIGHT, pose);
         let trigger = if trigger_down { 255 } else { 0 };

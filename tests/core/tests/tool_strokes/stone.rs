@@ -1,4 +1,4 @@
-//! Stone with a surface that a stroke follows, and how a hand turns each bit to it.
+//! Stones whose surface a stroke follows, and the grip with which a hand turns each bit to it.
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -10,7 +10,7 @@ use paros_core::session::ToolBit;
 /// Side of the grid in millimetres.
 pub(crate) const BOX_MM: f32 = 450.0;
 
-/// What a stroke leads over. Round stone is a part of a ball of 180 mm radius.
+/// The stone of a stroke. Round stone is a part of a ball of 180 mm radius.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Stone {
     Flat,
@@ -21,8 +21,8 @@ pub(crate) enum Stone {
 impl Stone {
     pub(crate) const ALL: [Stone; 3] = [Stone::Flat, Stone::Convex, Stone::Concave];
 
-    /// The surface `along` voxels from the middle of the path: a point of it, and the rotation that takes y to
-    /// its normal and -z to the direction of the path. `side` is the grid's.
+    /// Returns the surface `along` voxels from the path's middle: a point of it, and the rotation that takes
+    /// y to its normal and -z to the path's direction. `side` is the grid's.
     pub(crate) fn surface_at(self, side: f32, along: f32) -> Pose {
         let radius = ball_radius(side);
         let (about, turn, out) = match self {
@@ -31,13 +31,13 @@ impl Stone {
             Stone::Concave => (self.ball_centre(side), along / radius, -radius),
         };
         let rotation = Quat::from_rotation_x(turn);
-        // Not in a plane of symmetry of the voxels.
+        // Keeps out of the voxels' planes of symmetry.
         let aside = Vec3::X * 0.3;
         Pose { position: about + aside + rotation * Vec3::Y * out, rotation }
     }
 
-    /// Whether a voxel is of the stone. Rough stone has a bump of a voxel in every eighth
-    /// place, and as many pits.
+    /// Returns `true` if a voxel is stone. Rough stone has a bump of a voxel at one place in eight, and as
+    /// many pits.
     pub(crate) fn contains(self, side: usize, voxel: [usize; 3], is_rough: bool) -> bool {
         let [x, y, z] = voxel.map(|i| i as f32 + 0.5);
         let n = side as f32;
@@ -48,7 +48,7 @@ impl Stone {
             Stone::Concave if y > 0.6 * n => return false,
             Stone::Concave => -from_ball,
         };
-        // By columns along y: nothing floats.
+        // Roughness is by columns along y, so that nothing floats.
         let rough = match mix_bits((voxel[0] | voxel[2] << 16) as u64) % 8 {
             0 if is_rough => 1.0,
             1 if is_rough => -1.0,
@@ -67,8 +67,8 @@ const fn ball_radius(side: f32) -> f32 {
     0.4 * side
 }
 
-/// How a hand turns a bit to stone whose normal is y, on its way along -z: a cylinder lies across its way, a
-/// grinder on its disc, a chisel is pushed ahead, and a file lies along its way.
+/// Returns a bit's grip for stone with normal y and a path along -z: a cylinder lies across the path, a
+/// grinder flat on its disc, a chisel is pushed ahead, and a file lies along the path.
 pub(crate) fn grip_of(bit: ToolBit) -> Quat {
     match bit {
         ToolBit::Cylinder => Quat::from_rotation_y(FRAC_PI_2),
@@ -80,7 +80,7 @@ pub(crate) fn grip_of(bit: ToolBit) -> Quat {
     }
 }
 
-/// How far a bit reaches from its centre toward stone whose normal is y, in voxels.
+/// Returns a bit's extent from its centre toward stone with normal y, in voxels.
 pub(crate) fn reach_of(bit: &GridBit, grip: Quat) -> f32 {
     let subunits = match bit.shape {
         GridShape::Ball(radius) => radius as f32,

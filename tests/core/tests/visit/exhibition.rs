@@ -1,4 +1,4 @@
-//! A visit that is told and watched in a world, tick by tick, beside its model.
+//! A visit that is driven and observed in a world, tick by tick, beside its model.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -15,19 +15,19 @@ pub(crate) const N: usize = 32;
 
 static HARNESS: Mutex<WorldHarness<N>> = Mutex::new(WorldHarness::new());
 
-/// What a hand does for some ticks.
+/// A hand's action for some ticks.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Deed {
     Nothing,
     Take(u8),
     Cut,
-    /// Where nothing was cut before.
+    /// Cuts at a fresh place.
     CutAside,
     Undo,
     Turn,
 }
 
-/// Some ticks with the same presence, use and deed, and a command in the first.
+/// Some ticks with constant presence, use and deed, and a command in the first.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stretch {
     pub(crate) ticks: u32,
@@ -37,17 +37,17 @@ pub(crate) struct Stretch {
     pub(crate) deed: Deed,
 }
 
-/// A visit that is told and watched, beside its model.
+/// A visit that is driven and observed, beside its model.
 pub(crate) struct Exhibition {
     pub(crate) harness: MutexGuard<'static, WorldHarness<N>>,
     pub(crate) model: VisitModel,
-    /// The phases that it was in, each once in a row.
+    /// The visit's phases so far, without repeats in a row.
     pub(crate) phases: Vec<VisitPhase>,
     pub(crate) finished: u32,
 }
 
 impl Exhibition {
-    /// Opened, with a clock of so many seconds.
+    /// Opens a visit with a clock of `length` seconds.
     pub(crate) fn open(length: u16) -> Self {
         let mut harness = HARNESS.lock().unwrap_or_else(PoisonError::into_inner);
         harness.reset();
@@ -71,21 +71,21 @@ impl Exhibition {
         self.tell(Presence::Worn, VisitCommand::Press(action));
     }
 
-    /// So many seconds in which a worn headset is used, and a hand does something.
+    /// Runs some seconds with a worn headset in use and a hand's action.
     pub(crate) fn do_for(&mut self, seconds: f32, deed: Deed) {
         let ticks = (seconds * TICK_RATE as f32) as u32;
         let (presence, command) = (Presence::Worn, VisitCommand::None);
         self.run(&Stretch { ticks, presence, is_used: true, command, deed });
     }
 
-    /// So many seconds in which nobody wears it.
+    /// Runs some seconds with the headset off.
     pub(crate) fn leave_for(&mut self, seconds: u32) {
         let (presence, command) = (Presence::Off, VisitCommand::None);
         let ticks = seconds * TICK_RATE;
         self.run(&Stretch { ticks, presence, is_used: false, command, deed: Deed::Nothing });
     }
 
-    /// To sculpting, with something cut.
+    /// Advances to sculpting and cuts something.
     pub(crate) fn cut_something(&mut self) {
         self.tell(Presence::Worn, VisitCommand::None);
         self.press(PanelAction::Confirm);
@@ -117,7 +117,7 @@ impl Exhibition {
             Deed::Nothing => {}
             Deed::Take(item) => input.pointer = PointerCommand::Take { hand: RIGHT as u8, item },
             Deed::Cut | Deed::CutAside => {
-                // Down from above the stone, again and again.
+                // The hand comes down from above the stone again and again.
                 let height = N as f32 * (1.1 - 0.02 * (tick % 36) as f32);
                 let aside = if deed == Deed::CutAside { 6.0 } else { 0.0 };
                 let place = Vec3::new(N as f32 / 2.0 + aside, height, N as f32 / 2.0);
@@ -131,7 +131,7 @@ impl Exhibition {
         input
     }
 
-    /// Compares the tick with the model's.
+    /// Compares the tick with the model's tick.
     fn compare(&mut self, told: &VisitInput, turns: bool) {
         let world = &self.harness.world;
         let edited = |smooths: Option<bool>| {
@@ -145,7 +145,7 @@ impl Exhibition {
         };
         let holds_tool = (0..2).any(|hand| world.held_tool(hand).is_some());
         let seen = SeenTick {
-            // What was taken may have been put back, by what the visit decided.
+            // The visit may have put a tool back in the tick in which it was taken.
             holds_tool: holds_tool
                 || world.events().iter().any(|event| matches!(event, WorldEvent::Took { .. })),
             touches: (0..2).any(|hand| world.hand_contact(hand).is_some_and(|c| c.overlap > 0)),

@@ -1,4 +1,4 @@
-//! Visits in the world: beside their naive model, and what must hold of them whatever visitors do.
+//! Visits in the world, against their naive model and the invariants that hold whatever visitors do.
 
 mod exhibition;
 mod presence;
@@ -75,8 +75,8 @@ fn any_stretch() -> impl Strategy<Value = Stretch> {
 proptest! {
     #![proptest_config(random_cases(10))]
 
-    /// Each tick does what the model's does; afterwards attract is reached whatever came before, and what was sculpted
-    /// was finished.
+    /// Each tick follows the model. Afterwards the visit always reaches attract, and every sculpture was
+    /// finished.
     #[test]
     fn visits_follow_their_model(
         stretches in prop::collection::vec(any_stretch(), 1..60),
@@ -120,7 +120,7 @@ fn a_visit_goes_from_attract_to_badge_and_back() {
     assert_eq!(exhibition.phases[1..], way);
 }
 
-/// Without a press the times lead on, and what stands is taken.
+/// Without a press, timeouts advance the visit with its default choices.
 #[test]
 fn who_presses_nothing_sculpts_all_the_same() {
     let mut exhibition = Exhibition::open(600);
@@ -175,11 +175,11 @@ fn what_was_sculpted_is_kept_when_the_visitor_goes_and_nothing_is_kept_of_nothin
     exhibition.press(PanelAction::Confirm);
     exhibition.leave_for(10);
     assert_eq!((exhibition.finished, exhibition.phase()), (1, VisitPhase::Attract));
-    // Asleep, and back a minute later: another visitor.
+    // The headset slept and is back a minute later: the visitor is a new one.
     exhibition.cut_something();
     exhibition.tell(Presence::Worn, VisitCommand::Away { seconds: 60 });
     assert_eq!(exhibition.phase(), VisitPhase::HandsOff);
-    // Who has had it on since need not take it off.
+    // A visitor who has worn it since then needn't take it off.
     exhibition.do_for(4.0, Deed::Nothing);
     exhibition.tell(Presence::Worn, VisitCommand::Exported);
     assert_eq!((exhibition.finished, exhibition.phase()), (2, VisitPhase::Handover));
@@ -207,7 +207,7 @@ fn the_staff_extends_ends_and_resets() {
     assert!(exhibition.finished == 1, "a reset keeps what was sculpted");
 }
 
-/// Who has said to be done, or whose time was up, may be gone when the staff comes.
+/// After *done* or the end of the time, the visitor may be gone when the staff arrives.
 #[test]
 fn the_staff_resets_while_hands_are_off() {
     let reset = VisitCommand::Staff(StaffCommand::Reset);
@@ -222,7 +222,7 @@ fn the_staff_resets_while_hands_are_off() {
     assert_eq!((exhibition.phase(), exhibition.finished), (VisitPhase::Export, 1));
     exhibition.tell(Presence::Worn, VisitCommand::Exported);
     assert_eq!(exhibition.phase(), VisitPhase::Handover, "nobody waits for a badge");
-    // Where nothing was cut there is nothing to wait for.
+    // If nothing was cut, there is nothing to wait for.
     exhibition.leave_for(10);
     exhibition.tell(Presence::Worn, VisitCommand::None);
     exhibition.press(PanelAction::Confirm);
@@ -233,7 +233,7 @@ fn the_staff_resets_while_hands_are_off() {
     assert_eq!((exhibition.phase(), exhibition.finished), (VisitPhase::Attract, 1));
 }
 
-/// A save in the middle of a visit goes on as if uninterrupted.
+/// A visit loaded from a save continues as if uninterrupted.
 #[test]
 fn a_visit_goes_on_from_its_save() {
     let mut exhibition = Exhibition::open(40);
@@ -260,8 +260,8 @@ fn a_visit_goes_on_from_its_save() {
     assert!(run(&mut exhibition) == uninterrupted);
 }
 
-/// With hands off, what floats falls before the sculpture is final, though a stroke could be done again, which has
-/// islands wait otherwise; and a hand that goes on cuts nothing.
+/// During hands-off, floating stone falls before the sculpture is final, even if a redo is possible, which
+/// otherwise delays island removal. A hand that works on cuts nothing.
 #[test]
 fn what_floats_falls_before_the_sculpture_is_final() {
     let mut exhibition = Exhibition::open(600);
@@ -285,7 +285,7 @@ fn what_floats_falls_before_the_sculpture_is_final() {
     exhibition.press(PanelAction::Skip { all: true });
     exhibition.do_for(0.05, Deed::Take(BenchItem::Tool(Tool::Rotary).number() as u8));
     exhibition.do_for(0.5, Deed::Cut);
-    // The pass that this calls for waits for what can be redone.
+    // The pass requested by this undo waits while a redo is possible.
     exhibition.do_for(0.02, Deed::Undo);
     let undone = exhibition.harness.world.undo_counts();
     assert!(undone.redoable > 0, "{undone:?}");

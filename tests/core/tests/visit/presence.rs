@@ -1,11 +1,12 @@
-//! How long a visitor may rest, as it is told before it is over.
+//! The time that a visitor may rest, which the visit announces before it is over.
 
 use paros_core::session::TICK_RATE;
 use paros_core::visit::{PanelAction, PlanSetting, Presence, VisitCommand, VisitPhase};
 
 use super::exhibition::{Deed, Exhibition, Stretch};
 
-/// Rests by the tick until nobody is waited for any more: what is told of that comes true. Returns the seconds.
+/// Rests tick by tick until the visit no longer waits for the visitor, and asserts that the announced time is
+/// right. Returns the seconds.
 fn rest_until_gone(exhibition: &mut Exhibition, presence: Presence) -> u32 {
     let (phase, mut ticks) = (exhibition.phase(), 0u32);
     while exhibition.phase() == phase {
@@ -30,7 +31,7 @@ fn it_is_told_how_long_a_visitor_may_rest() {
     let mut exhibition = Exhibition::open(600);
     assert_eq!(exhibition.harness.world.visit().ticks_until_gone(), None, "nobody is there");
     exhibition.tell(Presence::Unknown, VisitCommand::None);
-    // Five seconds of standing still, then as long as one may be off.
+    // Five seconds of standing still, then as long as a headset may be off.
     assert_eq!(rest_until_gone(&mut exhibition, Presence::Unknown), 15);
     exhibition.leave_for(1);
     exhibition.tell(Presence::Unknown, VisitCommand::None);
@@ -46,7 +47,7 @@ fn it_is_told_how_long_a_visitor_may_rest() {
     exhibition.tell(Presence::Worn, VisitCommand::Exported);
     assert_eq!(exhibition.phase(), VisitPhase::Badge);
     assert_eq!(rest_until_gone(&mut exhibition, Presence::Unknown), 10);
-    // Without a clock use is what a session lasts by.
+    // Without a clock, a session lasts as long as the headset is in use.
     let mut exhibition = {
         drop(exhibition);
         Exhibition::open(0)

@@ -1,4 +1,4 @@
-//! An exhibition's day: the world, its host, and who is there.
+//! An exhibition's day: the world, its host, and the present visitor.
 
 use std::fs;
 use std::path::Path;
@@ -16,16 +16,16 @@ use paros_visit::{ExportState, POINTERS, Pointer, VisitHost, VisitOptions, room_
 
 pub(crate) const N: usize = 128;
 
-/// Seconds of a session, so that a day has many.
+/// Length of a session in seconds: short, so that a day has many.
 const LENGTH: u16 = 25;
 
-/// Ticks from aiming at a button to pressing it: a third of a second.
+/// Number of ticks from aiming at a button to pressing it: a third of a second.
 const AIMING_TICKS: u32 = TICK_RATE / 3;
 
 /// A visitor's body.
 #[derive(Clone, Copy)]
 pub(crate) struct Body {
-    /// The hand that works, and the one that points.
+    /// The working hand; the other hand points.
     pub(crate) hand: usize,
     pub(crate) has_both_hands: bool,
     pub(crate) eye_height: f32,
@@ -33,14 +33,14 @@ pub(crate) struct Body {
 
 pub(crate) const STANDING: Body = Body { hand: 1, has_both_hands: true, eye_height: 1.65 };
 
-/// A day: the world, its host, and who is there.
+/// An exhibition's day: the world, its host, and the present visitor.
 pub(crate) struct Day<'a, 's> {
     pub(crate) runner: &'a mut TickRunner<'s, N, INTERVALS>,
     pub(crate) host: VisitHost,
     pub(crate) body: Body,
     pub(crate) presence: Presence,
     pub(crate) export: ExportState,
-    /// Sculptures that were finished, and badges that were shown.
+    /// Number of finished sculptures, and number of badges shown.
     pub(crate) finished: u32,
     pub(crate) badges: u32,
     pub(crate) is_sculpted: bool,
@@ -65,7 +65,7 @@ impl Day<'_, '_> {
         self.world().visit().phase()
     }
 
-    /// A tick in which the working hand does what `input` says, or points.
+    /// Runs a tick in which the working hand performs `input`, or points.
     pub(crate) fn tick(&mut self, pointer: Option<Pointer>, mut input: TickInput) {
         let eye_height = self.body.eye_height;
         let head = Vec3::new(0.0, eye_height, 0.02 * (self.world().tick() as f32 * 0.1).sin());
@@ -85,7 +85,7 @@ impl Day<'_, '_> {
         self.check_tick(was_sculpted);
     }
 
-    /// What holds whatever visitors do: what was sculpted is finished before anything else begins.
+    /// Checks the invariants of a tick: a sculpture is finished before anything else begins.
     pub(crate) fn check_tick(&mut self, was_sculpted: bool) {
         let world = self.runner.world();
         for event in world.events() {
@@ -119,7 +119,7 @@ impl Day<'_, '_> {
         assert_eq!(self.phase(), VisitPhase::Welcome);
     }
 
-    /// The headset comes off, and stays so until nobody waits for its visitor any more.
+    /// Takes the headset off and waits until the visit no longer waits for its visitor.
     pub(crate) fn leave(&mut self) {
         self.presence = Presence::Off;
         for _ in 0..200 {
@@ -131,7 +131,7 @@ impl Day<'_, '_> {
         panic!("{:?} goes on without anybody", self.phase());
     }
 
-    /// Presses the button that does what begins so. False where there is none.
+    /// Presses the button whose action begins with `action`. Returns `false` if there is no such button.
     pub(crate) fn press(&mut self, action: &str) -> bool {
         let found = self.host.buttons().find(|(name, _)| name.starts_with(action));
         let Some((_, target)) = found else { return false };
@@ -139,7 +139,7 @@ impl Day<'_, '_> {
         let origin = Vec3::new(side, self.body.eye_height - 0.3, 0.1);
         let direction = target - origin;
         let pointer = Pointer { origin, direction, is_pressed: false, fingertip: None };
-        // Nothing is pressed that has only just appeared.
+        // A button that has just appeared can't be pressed yet.
         (0..AIMING_TICKS).for_each(|_| self.tick(Some(pointer), TickInput::default()));
         for is_pressed in [true, false] {
             self.tick(Some(Pointer { is_pressed, ..pointer }), TickInput::default());
@@ -160,7 +160,7 @@ impl Day<'_, '_> {
         self.tick(None, TickInput { pointer, ..TickInput::default() });
     }
 
-    /// The held bit goes into the stone from the front, and along it.
+    /// Moves the held bit into the stone from the front, and along it.
     pub(crate) fn stroke(&mut self, height: f32) {
         for tick in 0..110i16 {
             let x = 40.0 + 0.4 * f32::from(tick);
@@ -174,7 +174,7 @@ impl Day<'_, '_> {
         }
     }
 
-    /// From the welcome to sculpting, the guided steps skipped one by one.
+    /// Goes from the welcome to sculpting, skipping the guided steps one by one.
     pub(crate) fn begin(&mut self, start: &str) {
         self.must_press("Press(Confirm)");
         self.must_press(start);
@@ -191,7 +191,7 @@ impl Day<'_, '_> {
         assert_eq!(self.phase(), VisitPhase::HandsOff);
     }
 
-    /// To the badge and, with it seen, to the end.
+    /// Goes to the badge, sees it, and goes to the end.
     pub(crate) fn take_badge_and_leave(&mut self) {
         let before = self.badges;
         while self.phase() != VisitPhase::Badge {
@@ -208,7 +208,7 @@ impl Day<'_, '_> {
     }
 }
 
-/// Records a visitor's day by a name, plays it again, and returns how many sculptures were finished.
+/// Records a visitor's day under a name, replays it, and returns the number of finished sculptures.
 pub(crate) fn record_day(name: &str, visitor: impl FnOnce(&mut Day<'_, '_>)) -> u32 {
     let (bytes, finished) = with_fresh_world::<N, INTERVALS, _>(|mut runner| {
         runner.start_recording();

@@ -1,5 +1,5 @@
-//! An exhibition's day with scripted visitors, held by the host that both shells have: each is recorded, and leads to
-//! the same digests when it is played again.
+//! An exhibition's day with scripted visitors, run by the host that both shells use. Each day is recorded,
+//! and its replay gives the same digests.
 
 mod day;
 
@@ -10,11 +10,12 @@ use paros_core::visit::{GuideStep, Presence, VisitPhase};
 use paros_core::{HandInput, TickInput};
 use paros_models::random_visitor::RandomSource;
 
-/// Ticks of who presses everything: two minutes; an hour with `PAROS_PRESS_TICKS=259200`.
+/// Length of the visit that presses everything, in ticks: two minutes; an hour with
+/// `PAROS_PRESS_TICKS=259200`.
 const PRESS_TICKS: u32 = 120 * TICK_RATE;
 
-/// Who does what the panels ask for: takes a tool, touches, cuts, smooths, undoes, turns; then sculpts until the time
-/// is up. `.ci/run` plays it in the other builds and shells.
+/// A visitor who follows the panels: takes a tool, touches, cuts, smooths, undoes, turns; then sculpts until
+/// the time is up. `.ci/run` replays this day in the other builds and shells.
 #[test]
 fn a_visitor_who_follows_the_panels() {
     let finished = record_day("visit-followed", |day| {
@@ -85,7 +86,8 @@ fn left_handed_one_handed_and_seated_visitors_reach_everything() {
     assert_eq!(finished, 4);
 }
 
-/// Nothing is pressed, nothing is cut: all times lead on, nothing is kept, and the next one is welcome.
+/// A visitor who presses nothing and cuts nothing: timeouts advance the visit, nothing is kept, and the next
+/// visitor is welcomed.
 #[test]
 fn a_visitor_who_presses_nothing() {
     let finished = record_day("visit-nothing", |day| {
@@ -105,7 +107,7 @@ fn a_visitor_who_presses_nothing() {
     assert_eq!(finished, 0);
 }
 
-/// The headset comes off in each phase in turn; what was cut before is kept, and the next visitor is welcome.
+/// The headset comes off in each phase in turn. Any cut is kept, and the next visitor is welcomed.
 #[test]
 fn visitors_who_leave_in_every_phase() {
     let finished = record_day("visit-left", |day| {
@@ -114,7 +116,7 @@ fn visitors_who_leave_in_every_phase() {
         day.put_on(STANDING);
         day.must_press("Press(Confirm)");
         day.leave();
-        // Guided and sculpting, without a cut and with one.
+        // Guided and sculpting, each without and with a cut.
         for is_cut in [false, true] {
             for is_guided in [true, false] {
                 day.put_on(STANDING);
@@ -147,7 +149,7 @@ fn visitors_who_leave_in_every_phase() {
     assert_eq!(finished, 2 + 3);
 }
 
-/// Tools are taken and let go of in mid-air, again and again; each comes back.
+/// Tools are taken and released in mid-air again and again; each returns.
 #[test]
 fn a_child_who_throws_the_tools() {
     record_day("visit-thrown", |day| {
@@ -207,7 +209,7 @@ fn staff_who_extends_recentres_and_ends() {
     assert_eq!(finished, 1);
 }
 
-/// Whatever is pressed in whatever order, attract is reached in the end, and no sculpture is lost on the way.
+/// Any presses in any order lead to attract in the end, and no sculpture is lost.
 #[test]
 fn a_visitor_who_presses_everything() {
     let ticks = std::env::var("PAROS_PRESS_TICKS").ok().and_then(|ticks| ticks.parse().ok());

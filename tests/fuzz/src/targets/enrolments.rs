@@ -1,5 +1,5 @@
-//! Files of an enrolment, a device's own and a fleet's: refused with the file and what was expected, or written again
-//! and read as the same.
+//! Enrolment files, a device's own and a fleet's: rejected with the file's name and the expected value, or
+//! unchanged by a round trip.
 
 use paros_upload::enrolment::{EnrolError, Enrolment, FleetFile};
 
@@ -37,7 +37,7 @@ fn describe(read: Result<(), EnrolError>) -> String {
         Err(error) => {
             let told = error.to_string();
             assert!(error.is_input() && told.starts_with("enrolment.toml: "), "{told}");
-            // Which field it is, not what the parser of TOML says of it.
+            // The field's name, without the TOML parser's message.
             told.split(':').nth(1).unwrap_or_default().into()
         }
     }

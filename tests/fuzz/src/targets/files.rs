@@ -1,4 +1,5 @@
-//! Volume files, trace files and inputs: refused at an offset inside them, or written again as the same bytes.
+//! Volume files, trace files and inputs: rejected at an offset inside the bytes, or unchanged by a round
+//! trip.
 
 use paros_core::codec::ByteReader;
 use paros_core::codec::trace::{HEADER_BYTES, RECORD_BYTES, TraceHeader};
@@ -53,7 +54,7 @@ pub(super) const TRACE: FuzzTarget = FuzzTarget {
             trace.header().write(&mut to);
             trace.records().for_each(|record| record.write(&mut to));
             assert!(to.len() == bytes.len());
-            // One interval is read as 0 or 1.
+            // One interval may be encoded as 0 or 1.
             assert!(again[HEADER_BYTES..] == bytes[HEADER_BYTES..]);
             "a trace".into()
         }
@@ -106,7 +107,7 @@ fn rmap_seeds() -> Vec<Vec<u8>> {
     vec![of::<1>(Figure::Toy), of::<2>(Figure::Toy), of::<4>(Figure::Toy), of::<2>(Figure::Cat)]
 }
 
-/// Decodes as a volume of each number of intervals.
+/// Decodes as a volume of each supported number of intervals.
 fn decode(bytes: &[u8]) -> String {
     format!("{}; {}; {}", decode_as::<1>(bytes), decode_as::<2>(bytes), decode_as::<4>(bytes))
 }
@@ -137,7 +138,7 @@ fn decode_as<const K: usize>(bytes: &[u8]) -> String {
     }
 }
 
-/// CRC-32 as IEEE 802.3 has it.
+/// Computes the CRC-32 of IEEE 802.3.
 fn crc32(bytes: &[u8]) -> u32 {
     let step = |crc: u32| crc >> 1 ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 };
     !bytes.iter().fold(!0, |crc, &byte| (0..8).fold(crc ^ u32::from(byte), |crc, _| step(crc)))

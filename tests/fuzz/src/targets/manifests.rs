@@ -1,5 +1,5 @@
-//! Runtime manifest files: what is wrong is told in one line, or the library has a place and a name for the
-//! negotiation.
+//! Runtime manifest files: the result is an error of one line, or a library path and the negotiation
+//! function's name.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use paros_headset::runtime::{NEGOTIATE_FUNCTION, parse_manifest};
 
 use crate::engine::FuzzTarget;
 
-/// A file that isn't there: a library beside it has its folder.
+/// A file that doesn't exist; a relative library path is resolved against its folder.
 const FILE: &str = "/no/such/folder/active_runtime.json";
 
 pub(super) const MANIFEST: FuzzTarget = FuzzTarget {

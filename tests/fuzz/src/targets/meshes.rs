@@ -1,4 +1,4 @@
-//! Mesh files: an error with something to say, or a mesh that keeps its promises and can be baked.
+//! Mesh files: the result is an error with a message, or a mesh that keeps its invariants and can be baked.
 
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
@@ -105,7 +105,7 @@ pub(super) const GLTF: FuzzTarget = FuzzTarget {
     run: |bytes| check(MeshFormat::Gltf, bytes),
 };
 
-/// The sample files of a format.
+/// Returns the sample files of a format.
 fn seeds(format: MeshFormat) -> Vec<Vec<u8>> {
     let samples = all_samples().into_iter().filter(|(_, kind, _)| *kind == format);
     samples.map(|(_, _, bytes)| bytes).collect()

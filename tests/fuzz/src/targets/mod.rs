@@ -1,4 +1,4 @@
-//! What is fuzzed, and what must hold of it.
+//! The fuzz targets and their invariants.
 
 mod enrolments;
 mod files;

@@ -1,5 +1,5 @@
-//! What the outbox reads: the booth's messages and parcels. Refused at an offset within the bytes, or read as
-//! what they are: written again they are the same.
+//! The outbox's inputs: the booth's messages and parcels. They are rejected at an offset within the bytes, or
+//! unchanged by a round trip.
 
 use paros_core::session::SessionMode;
 use paros_protocol::{
@@ -11,7 +11,7 @@ use paros_protocol::{
 
 use crate::engine::FuzzTarget;
 
-/// An input is a byte that says which message, and the message.
+/// The input is a byte that selects the message, and the message.
 pub(super) const MESSAGE: FuzzTarget = FuzzTarget {
     name: "message",
     seeds: message_seeds,
@@ -31,7 +31,7 @@ pub(super) const MESSAGE: FuzzTarget = FuzzTarget {
     run: run_message,
 };
 
-/// An input is a parcel without its hash.
+/// The input is a parcel without its hash.
 pub(super) const PARCEL: FuzzTarget = FuzzTarget {
     name: "parcel",
     seeds: parcel_seeds,
@@ -60,7 +60,7 @@ const FACTS: UploadFacts = UploadFacts {
     trace_raw_bytes: 0,
 };
 
-/// Reads a message; its bytes again.
+/// Reads a message and encodes it again.
 type ReadAgain = fn(&[u8]) -> Result<Vec<u8>, ProtocolError>;
 
 macro_rules! messages {
@@ -121,7 +121,7 @@ fn run_message(bytes: &[u8]) -> String {
             assert_eq!(again.expect("it was written"), json);
             format!("message {kind}")
         }
-        // Where in the JSON it is differs with each input.
+        // The place within the JSON differs with each input.
         Err(ProtocolError::Json(why)) => format!("{kind}: {:?}", why.classify()),
         Err(why) => format!("{kind}: {why}"),
     }

@@ -1,5 +1,5 @@
-//! Saved worlds, with the header and checksum made right: refused at an offset inside them and the world left
-//! empty, or loaded, saved again as the same bytes, and sculpted with every invariant.
+//! Saved worlds, with header and checksum made valid: rejected at an offset inside the bytes with the world
+//! left empty; or loaded, saved again as the same bytes, and sculpted with every invariant.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -12,7 +12,7 @@ use paros_models::world_harness::WorldHarness;
 
 use crate::engine::FuzzTarget;
 
-/// An input is the number of intervals, 0 for one and else two, and what follows a save's header.
+/// The input is the number of intervals (0 for one, else two), and the bytes after a save's header.
 pub(super) const SAVE: FuzzTarget = FuzzTarget {
     name: "save",
     seeds,
@@ -72,7 +72,7 @@ fn load<const K: usize>(harness: &Harness<K>, body: &[u8]) -> String {
     format!("loaded {:?}", harness.world.session_state())
 }
 
-/// Undoes and redoes a few strokes, sculpting meanwhile.
+/// Undoes and redoes a few strokes, with sculpting in between.
 fn sculpt<const K: usize>(harness: &mut WorldHarness<16, K>) {
     let mut visitor = RandomVisitor::new(harness.world.tick());
     for tick in 0..12 {

@@ -1,5 +1,5 @@
-//! The file of settings, and texts of a console under their names: what is wrong is told in one line, with a place
-//! within the file; what is set, written again, is read as the same.
+//! The settings file, and a console's texts by setting name: errors have one line and a place within the
+//! file, and the accepted settings are unchanged by a round trip.
 
 use std::collections::HashSet;
 use std::fmt::Write;
@@ -75,7 +75,7 @@ fn own_figures() -> Vec<String> {
     vec!["lion".into()]
 }
 
-/// Checks a layer of a file's bytes. Returns what was found, without the file's own words.
+/// Checks a layer read from a file's bytes. Returns its findings without text of the file.
 fn check_layer(bytes: &[u8], layer: &SettingsLayer) -> String {
     assert!(bytes.len() as u64 <= MAX_BYTES);
     let names: HashSet<_> = layer.entries.iter().map(|entry| entry.setting.name).collect();
@@ -102,7 +102,8 @@ fn check_layer(bytes: &[u8], layer: &SettingsLayer) -> String {
     found
 }
 
-/// What is set, written as TOML, is read as the same: all but a PIN, which nothing writes.
+/// Asserts that the settings, written as TOML, are read back unchanged, except for a PIN, which is never
+/// written.
 fn check_written_again(loaded: &LoadedSettings) {
     let mut text = String::new();
     for (setting, origin) in
@@ -121,12 +122,13 @@ fn check_written_again(loaded: &LoadedSettings) {
     assert_eq!(LoadedSettings::merge(&[again]).settings, expected, "{text}");
 }
 
-/// The bytes as a console's text of each setting: it fits, or is told, and changes nothing else.
+/// Uses the bytes as a console's text for each setting: the text is accepted or reported, and changes no
+/// other setting.
 fn check_texts(bytes: &[u8]) -> String {
     let Ok(text) = std::str::from_utf8(bytes) else { return String::new() };
     let texts = SETTINGS.iter().map(|setting| (setting.name, text)).chain([(text, text)]);
     let layer = SettingsLayer::from_texts("console", texts, &own_figures());
-    // The last of two of a name is what is set.
+    // If a name occurs twice, the last value counts.
     let set_or_told = layer.entries.len() + layer.faults.len();
     assert!(set_or_told >= SETTINGS.len(), "{layer:?}");
     let loaded = LoadedSettings::merge(std::slice::from_ref(&layer));

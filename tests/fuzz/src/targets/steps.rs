@@ -1,5 +1,5 @@
-//! Sessions: whatever the inputs, every invariant holds after each tick, and a world that was saved and loaded
-//! goes on as it would have.
+//! Sessions: whatever the inputs, every invariant holds after each tick, and a saved and loaded world
+//! continues identically.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -15,7 +15,7 @@ use paros_models::world_harness::WorldHarness;
 
 use crate::engine::FuzzTarget;
 
-/// An input is a byte for the world and the session's mode, then what happens, a byte and what it takes.
+/// The input is a byte for the world and the session's mode, then actions, each a byte and its arguments.
 pub(super) const STEP: FuzzTarget = FuzzTarget {
     name: "step",
     seeds,
@@ -49,7 +49,7 @@ static LARGER: Mutex<WorldHarness<32, 2>> = Mutex::new(WorldHarness::new());
 fn seeds() -> Vec<Vec<u8>> {
     let seed = |seed: u8| {
         let mut dice = RandomSource::new(seed.into());
-        // Both hands take a tool, then they sculpt.
+        // Both hands take a tool, then sculpt.
         let mut bytes = vec![seed * 17, 0x20, 0, seed % 4, 0x21, 1, seed / 4];
         bytes.extend((0..200).map(|_| dice.next_bits() as u8 | 0x40));
         bytes
@@ -70,7 +70,7 @@ where
         [SessionMode::FreeForm, SessionMode::Constrained { figure: 0 }, SessionMode::Creative];
     match modes.get(usize::from(first & 3)) {
         Some(mode) => harness.start_session(*mode),
-        // Spindly things, of which pieces come off.
+        // Thin structures, from which pieces come off.
         None => {
             harness.start_from_voxels(|[x, y, z]| y < 2 || x % 5 < 2 && (z % 4 < 2 || y % 8 == 7))
         }
@@ -95,7 +95,7 @@ where
     format!("{:?} {seen:?}", harness.world.session_state())
 }
 
-/// What is left of an input, and what the hands do.
+/// The rest of an input, and the state of the hands.
 struct FuzzedSession<'a> {
     bytes: &'a [u8],
     hands: [HandInput; 2],
@@ -112,7 +112,7 @@ impl FuzzedSession<'_> {
         self.next_byte().unwrap_or(0)
     }
 
-    /// The ticks that a byte stands for, with those behind it that it takes.
+    /// Returns the ticks of an action byte, and consumes its arguments.
     fn next_inputs<const N: usize, const K: usize>(
         &mut self,
         what: u8,
@@ -125,7 +125,7 @@ impl FuzzedSession<'_> {
         match what {
             0..0x10 => return self.raw_input().into_iter().collect(),
             0x10..0x20 => {
-                // A session ends once in a while.
+                // Ends the session occasionally.
                 let commands = self.next_or_zero();
                 input.commands =
                     if commands == 0xff { commands } else { commands & !commands::FINISH };
@@ -158,7 +158,7 @@ impl FuzzedSession<'_> {
         vec![input]
     }
 
-    /// A pose in the stone or near it.
+    /// Returns a pose in the stone or near it.
     fn next_pose(&mut self, grid_side: usize) -> Pose {
         let coordinate = |byte: u8| (f32::from(byte) / 170.0 - 0.25) * grid_side as f32;
         let position = [(); 3].map(|()| coordinate(self.next_or_zero()));
@@ -168,7 +168,7 @@ impl FuzzedSession<'_> {
         Pose { position: Vec3::from_array(position), rotation }
     }
 
-    /// An input of which each byte is given, if it is one.
+    /// Returns an input given byte by byte, if it is valid.
     fn raw_input(&mut self) -> Option<TickInput> {
         let (bytes, rest) = self.bytes.split_at_checked(TickInput::BYTES)?;
         self.bytes = rest;

@@ -1,4 +1,4 @@
-//! The time of a headset's last use: refused at an offset within the bytes, or written again as the same bytes.
+//! The time of a headset's last use: rejected at an offset within the bytes, or unchanged by a round trip.
 
 use std::time::Duration;
 

@@ -1,11 +1,12 @@
-//! What staff type or say of a badge: read, or a word that is none is named; written again it is the same badge.
+//! The words of a badge as staff type or say them: read, or rejected with the unknown word named. The badge
+//! that was read is unchanged by a round trip.
 
 use paros_booth_rules::{HeardBadge, WordsFault};
 use paros_core::badge::{Badge, BadgeNumber, Language, write_words};
 
 use crate::engine::FuzzTarget;
 
-/// An input is text; what isn't UTF-8 of it is replaced, as a browser's form does.
+/// The input is text; invalid UTF-8 is replaced, as in a browser's form.
 pub(super) const WORDS: FuzzTarget = FuzzTarget {
     name: "words",
     seeds,
@@ -61,7 +62,7 @@ fn run(bytes: &[u8]) -> String {
     }
 }
 
-/// Accents that are letters of their own are passed over.
+/// Ignores accents that are separate characters.
 fn check_is_said(text: &str, word: &str) {
     let plain: String =
         text.chars().filter(|letter| !"\u{301}\u{308}\u{384}".contains(*letter)).collect();

@@ -1,4 +1,4 @@
-//! How much of a hidden figure is bared, counted anew in each tick.
+//! Model of the bared share of a hidden figure, recounted in each tick.
 
 use paros_core::WorldEvent;
 use paros_core::session::BaredEnds;
@@ -8,8 +8,8 @@ use super::StepModel;
 use super::volume::StepVolume;
 
 impl<const K: usize> StepModel<K> {
-    /// The ends of the figure's columns, and at how many of them the stone's end: each column of each axis by its own
-    /// list of ends.
+    /// Returns the number of ends of the figure's columns, and how many of them are also ends of the stone:
+    /// each column of each axis by its own list of ends.
     pub fn bared_ends(&self) -> BaredEnds {
         let mut ends = BaredEnds { bared: 0, all: 0 };
         if self.counted_axes < 3 {
@@ -36,7 +36,8 @@ impl<const K: usize> StepModel<K> {
         ends
     }
 
-    /// Counts the next axis of a figure. Whether it did; what is bared when all are counted was so from the start.
+    /// Counts the next axis of a figure. Returns `true` if there was one. Ends that are already bared when
+    /// all axes are counted were bared from the start.
     pub(super) fn count_next_axis(&mut self) -> bool {
         let counts = !self.mask.voxels().is_empty() && self.counted_axes < 3;
         if counts {
@@ -46,7 +47,7 @@ impl<const K: usize> StepModel<K> {
         counts
     }
 
-    /// The part that is bared, as it is saved.
+    /// Returns the bared share in the encoding of a save.
     pub(super) fn part_to_tell(&self) -> u8 {
         let BaredEnds { bared, all } = self.bared_ends();
         match bared * 100 {
@@ -57,10 +58,10 @@ impl<const K: usize> StepModel<K> {
         }
     }
 
-    /// Tells a tenth that wasn't bared before, and that the figure is found.
+    /// Reports a newly bared tenth, and that the figure is found.
     pub(super) fn tell_bared_part(&mut self) {
         let (before, now) = (self.told, self.part_to_tell());
-        // Nine tenths are bared where the figure is found.
+        // A figure counts as found at nine tenths.
         let tenths = |told: u8| if told < 10 { told } else { told - 1 };
         if tenths(now) > tenths(before) {
             self.events.push(WorldEvent::Bared { tenths: tenths(now) });

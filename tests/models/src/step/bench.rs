@@ -1,29 +1,30 @@
-//! Model of the workbench: where all items are, how hands take, drop and return them, and how large bits are.
+//! Model of the workbench: the places of all items, how hands take, drop and return them, and the sizes of
+//! bits.
 
 use glam::{Quat, Vec3};
 use paros_core::internals::{BENCH_ITEMS, BENCH_TOP, RoomPose, ToolPlace};
 use paros_core::session::{BenchItem, BitSize, TICK_RATE, Tool, ToolBit};
 
-/// Greatest distance at which a hand takes something, in metres.
+/// Greatest distance at which a hand takes an item, in metres.
 const GRAB_DISTANCE: f32 = 0.12;
 
-/// An item: where it is, and its pose if it fell.
+/// An item: its place, and its pose if it fell.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Item {
     place: ToolPlace,
     pose: RoomPose,
 }
 
-/// The bench.
+/// The model of the bench.
 #[derive(Clone, PartialEq, Debug)]
 pub struct BenchModel {
     items: [Item; BENCH_ITEMS],
-    /// Steps that each bit is larger than in the table.
+    /// The size of each bit, in steps from its size in the table.
     sizes: [i8; ToolBit::ALL.len()],
 }
 
 impl BenchModel {
-    /// Before any session: everything at home, no bit mounted.
+    /// Returns the bench before any session: every item at home, no bit mounted.
     pub fn before_sessions() -> Self {
         let nowhere = (Vec3::ZERO, Quat::from_xyzw(0.0, 0.0, 0.0, 0.0));
         BenchModel {
@@ -32,7 +33,7 @@ impl BenchModel {
         }
     }
 
-    /// At the start of a session: each tool carries its own bit.
+    /// Returns the bench at the start of a session: each tool carries its own bit.
     pub fn at_start() -> Self {
         let mut bench = Self::before_sessions();
         for bit in [ToolBit::MediumBall, ToolBit::PointChisel, ToolBit::Nozzle, ToolBit::File] {
@@ -41,7 +42,7 @@ impl BenchModel {
         bench
     }
 
-    /// The tool in a hand and the bit on it.
+    /// Returns the tool in a hand and the bit on it.
     pub fn held(&self, hand: usize) -> Option<(Tool, ToolBit)> {
         let tool = Tool::ALL
             .into_iter()
@@ -52,12 +53,12 @@ impl BenchModel {
         Some((tool, mounted.unwrap_or(tool.default_bit())))
     }
 
-    /// Where an item is.
+    /// Returns an item's place.
     pub fn place_of(&self, item: BenchItem) -> ToolPlace {
         self.items[item.number()].place
     }
 
-    /// An item's pose in the room, unless it is in a hand or on a tool.
+    /// Returns an item's pose in the room, unless it is in a hand or on a tool.
     pub fn pose_of(&self, item: BenchItem) -> Option<RoomPose> {
         match self.place_of(item) {
             ToolPlace::Hand(_) | ToolPlace::Mounted => None,
@@ -66,7 +67,8 @@ impl BenchModel {
         }
     }
 
-    /// The nearest tool within reach of a hand's grip, or bit of its tool within reach of grip or tip.
+    /// Returns the nearest tool within reach of a hand's grip, or bit of its tool within reach of grip or
+    /// tip.
     pub fn item_in_reach(&self, hand: usize, grip: Vec3, tip: Vec3) -> Option<BenchItem> {
         let held = self.held(hand).map(|(tool, _)| tool);
         let mut nearest: Option<(BenchItem, f32)> = None;
@@ -86,8 +88,8 @@ impl BenchModel {
         nearest.map(|(item, _)| item)
     }
 
-    /// Takes a tool into a hand, or mounts a bit on the tool that the hand holds. What was in its place
-    /// goes home. Returns whether anything happened.
+    /// Takes a tool into a hand, or mounts a bit on the tool that the hand holds. The previous tool or bit
+    /// goes home. Returns `true` if anything changed.
     pub fn take(&mut self, hand: usize, item: BenchItem) -> bool {
         let held = self.held(hand);
         match item {
@@ -121,14 +123,15 @@ impl BenchModel {
         }
     }
 
-    /// Puts the held tool back home. Returns it.
+    /// Returns the held tool to its home. Returns that tool.
     pub fn return_home(&mut self, hand: usize) -> Option<Tool> {
         let (tool, _) = self.held(hand)?;
         self.put(BenchItem::Tool(tool), ToolPlace::Home);
         Some(tool)
     }
 
-    /// Drops the held tool at the grip: near its home it is back there, elsewhere it falls. Returns it.
+    /// Drops the held tool at the grip: near its home it returns there, elsewhere it falls. Returns that
+    /// tool.
     pub fn drop_tool(&mut self, hand: usize, grip: RoomPose) -> Option<Tool> {
         let (tool, _) = self.held(hand)?;
         let item = BenchItem::Tool(tool);
@@ -138,8 +141,8 @@ impl BenchModel {
         Some(tool)
     }
 
-    /// A tick of what was dropped: it falls on bench or floor, lies there for ten seconds, and is at home
-    /// again.
+    /// Advances dropped items by a tick: each falls on bench or floor, lies there for ten seconds, and
+    /// returns home.
     pub fn step_dropped(&mut self) {
         for Item { place, pose: (at, _) } in &mut self.items {
             *place = match *place {
@@ -163,7 +166,7 @@ impl BenchModel {
         }
     }
 
-    /// Writes the bench as a save has it: each item's place with its ticks or hand, and its pose.
+    /// Writes the bench in a save's format: each item's place with its ticks or hand, and its pose.
     pub fn write(&self, to: &mut Vec<u8>) {
         for Item { place, pose } in &self.items {
             let (kind, ticks) = match *place {
@@ -180,12 +183,12 @@ impl BenchModel {
         to.extend(self.sizes.map(|steps| steps as u8));
     }
 
-    /// The steps that a bit is larger than in the table.
+    /// Returns the size of a bit, in steps from its size in the table.
     pub const fn size_of(&self, bit: ToolBit) -> i8 {
         self.sizes[bit as usize]
     }
 
-    /// Makes a bit larger or smaller, a step at a time until it comes in no other size.
+    /// Makes a bit larger or smaller, step by step, within its range of sizes.
     pub fn resize(&mut self, bit: ToolBit, steps: i32) {
         let size = &mut self.sizes[bit as usize];
         for _ in 0..steps.abs() {

@@ -1,4 +1,4 @@
-//! A world beside its model: after each tick everything that the world shows is what the model says.
+//! Compares a world with its model after each tick: everything visible of the world must equal the model's.
 
 use paros_core::internals::{DIGEST_PARTS, checksum, combine_digests, maps_digest};
 use paros_core::limits::max_save_bytes;
@@ -10,12 +10,12 @@ use crate::step::save::SplitSave;
 use crate::step::volume::Columns;
 use crate::step::{StepModel, ensure};
 
-/// The model of a world, and what is kept to compare them.
+/// The model of a world, and the data for comparing them.
 #[derive(Debug)]
 pub struct WorldComparison<const N: usize, const K: usize> {
     /// The model.
     pub model: StepModel<K>,
-    /// A copy of the world's columns that is kept up by the dirty rectangles alone.
+    /// A copy of the world's columns that is updated only by the dirty rectangles.
     stale: Columns<K>,
     save: Vec<u8>,
 }
@@ -24,7 +24,7 @@ impl<const N: usize, const K: usize> WorldComparison<N, K>
 where
     Grid<N>: Size,
 {
-    /// For a world that was cleared.
+    /// Creates the comparison for a cleared world.
     pub fn of_cleared_world() -> Self {
         WorldComparison {
             model: StepModel::new(N),
@@ -33,15 +33,15 @@ where
         }
     }
 
-    /// The world's save after the last tick.
+    /// Returns the world's save after the last tick.
     pub fn last_save(&self) -> &[u8] {
         &self.save
     }
 
-    /// Runs the model's tick, after the world's, and compares.
+    /// Runs the model's tick after the world's, and compares both.
     ///
     /// # Errors
-    /// What differs.
+    /// The difference.
     pub fn follow_tick(
         &mut self,
         world: &World<N, K>,
@@ -63,7 +63,7 @@ where
     /// Compares a world into which the last save was loaded.
     ///
     /// # Errors
-    /// What differs.
+    /// The difference.
     pub fn follow_load(&mut self, world: &World<N, K>) -> Result<(), String> {
         let mut again = vec![0; self.save.len()];
         ensure!(world.save(&mut again) == again.len(), "another length after a load");
@@ -119,7 +119,7 @@ where
         Ok(())
     }
 
-    /// Compares the maps, the rows and the copy that follows the dirty rectangles with the model's columns.
+    /// Compares the maps, the rows and the copy updated by the dirty rectangles with the model's columns.
     fn compare_maps(&mut self, world: &World<N, K>) -> Result<(), String> {
         update_stale(&mut self.stale, world.dirty_rects(), world.volume().maps());
         let (volume, mask) = (&self.model.volume, &self.model.mask);
@@ -140,7 +140,7 @@ where
                 ensure!(world.mask().line(axis, line) == masked, "mask, {axis:?} line {line}");
             }
         }
-        // Of large grids a part of the rows in each tick.
+        // On large grids only a part of the rows is compared in each tick.
         let parts = if N > 64 { 8 } else { 1 };
         for y in (0..N).filter(|y| *y as u64 % parts == self.model.tick % parts) {
             for (z, row) in world.volume().rows().layer(y).iter().enumerate() {
@@ -167,7 +167,7 @@ where
     }
 }
 
-/// Copies what lies in the dirty rectangles.
+/// Copies the columns in the dirty rectangles.
 fn update_stale<const N: usize, const K: usize>(
     stale: &mut Columns<K>,
     dirty: &DirtyRects,

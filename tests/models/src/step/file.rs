@@ -1,4 +1,4 @@
-//! Model of a file: how it smooths.
+//! Model of a file and its smoothing.
 
 use paros_core::edit::{Dither, EditOperation, EditReport, Pose, SUBUNITS_PER_VOXEL};
 use paros_core::internals::{BitAction, GridBit, GridShape};
@@ -14,7 +14,8 @@ use crate::step::hands::WayToFind;
 use crate::step::ledger::HandWork;
 
 impl<const K: usize> StepModel<K> {
-    /// Moves a file to its hand, or to where it was released, and smooths in every other tick, hands in turn.
+    /// Moves a file to its hand, or to the place where it was released, and smooths in every other tick, the
+    /// hands alternating.
     pub(super) fn rub(
         &mut self,
         hand: usize,
@@ -45,7 +46,7 @@ impl<const K: usize> StepModel<K> {
             return Ok((work, EditReport::default()));
         }
         let (is_finishing, is_light) = (!state.trigger, state.is_light);
-        // From where it edited last.
+        // The edit starts from the pose of the last edit.
         let brush = self.brush_of(bit);
         let affordable = |start: &Pose| work.allows_edit(&brush, start, &frozen);
         let start = self.trails[hand].front().copied().filter(affordable).unwrap_or(frozen);
@@ -69,20 +70,20 @@ impl<const K: usize> StepModel<K> {
         Ok((work, self.edit(operation, &swept, &brush.piece_at(&frozen).into())))
     }
 
-    /// Whether a file's edits fall on this tick: for the first hand on each odd one, for the second on each even one,
-    /// and where it works lightly on a quarter of them.
+    /// Returns `true` if a file's edits fall on this tick: odd ticks for the first hand, even ticks for the
+    /// second, and a quarter of these while it works lightly.
     const fn has_files_turn(&self, hand: usize, is_light: bool) -> bool {
         let ticks = if is_light { LIGHT_SMOOTHING_PERIOD } else { SMOOTHING_PERIOD };
         (self.tick + hand as u64) % ticks == 1
     }
 
-    /// What a bit edits.
+    /// Returns the brush of a bit's edits.
     pub(super) fn brush_of(&self, bit: ToolBit) -> GridBit {
         self.spec_of(bit).to_grid_brush(self.stool_frame().voxel_metres() * 1e6)
     }
 }
 
-/// A box without a rim, if anything is left of it.
+/// Returns a box shrunk by a rim, or `None` if nothing is left.
 fn shrunk_box(bit: &GridBit, rim_subunits: i32) -> Option<GridBit> {
     let GridShape::Box(half) = bit.shape else { return None };
     let left = half.to_array().map(|half| half - rim_subunits);

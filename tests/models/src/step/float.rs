@@ -1,4 +1,4 @@
-//! Model of a float: the plane that it works.
+//! Model of a float and the plane that it works.
 
 use glam::{IVec3, Vec3};
 use paros_core::edit::{EditOperation, HalfSpace, Pose};
@@ -9,8 +9,8 @@ use crate::step::StepModel;
 use crate::step::ledger::work_of_contact;
 
 impl<const K: usize> StepModel<K> {
-    /// Notes the plane of a float as its hand has it now: that of its underside, or of its other face where the stone
-    /// is on that side. Returns the work of looking.
+    /// Stores the plane of a float at its hand's present pose: that of its underside, or of its other face if
+    /// the stone is on that side. Returns the work of finding the stone.
     pub(super) fn lay_float(&mut self, hand: usize, bit: &GridBit) -> u32 {
         let pose = self.hands[hand].raw_pose;
         let contact = self.stone().contact_at(bit, &pose);
@@ -25,7 +25,7 @@ impl<const K: usize> StepModel<K> {
         work_of_contact(bit, &contact)
     }
 
-    /// What a float does at a pose.
+    /// Returns the operation of a float at a pose.
     pub(super) fn flattening(&self, hand: usize, pose: &Pose) -> EditOperation {
         let side = self.side();
         let own = self.hands[hand].above_float;

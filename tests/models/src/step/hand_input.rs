@@ -8,22 +8,22 @@ use paros_core::session::{HandState, HandTrail, RawPose, buttons};
 
 use crate::step::{NOWHERE, resize, stool};
 
-/// What a hand newly pressed in a tick.
+/// New presses of a hand in a tick.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct HandPresses {
-    /// The trigger.
+    /// `true` if the trigger was pulled.
     pub pulled: bool,
-    /// The grip.
+    /// `true` if the grip was squeezed.
     pub squeezed: bool,
-    /// Buttons.
+    /// The buttons pressed.
     pub buttons: u8,
-    /// 65,536ths of a turn by which a hand that holds the stool went round it.
+    /// The angle by which a hand that holds the stool moved round it, in 65,536ths of a turn.
     pub rim_turn: i32,
-    /// Steps by which the stick makes a bit larger.
+    /// Steps by which the stick enlarges a bit.
     pub larger_by: i32,
 }
 
-/// A hand that was never tracked.
+/// Returns the state of a hand that was never tracked.
 pub(super) fn untracked_hand() -> HandState {
     let nowhere = Pose { position: NOWHERE.0, rotation: NOWHERE.1 };
     HandState {
@@ -48,7 +48,7 @@ pub(super) fn untracked_hand() -> HandState {
     }
 }
 
-/// Applies a tick's input: the poses that are valid, and what is pressed while the hand is tracked.
+/// Applies a tick's input: the valid poses, and the presses of a tracked hand.
 pub(super) fn apply_input(hand: &mut HandState, input: &HandInput) -> HandPresses {
     hand.haptic = 0;
     let had_a_grip = hand.grip.1.length_squared() > 0.0;

@@ -1,4 +1,4 @@
-//! Model of a hand: what it does in a tick with the tool that it holds.
+//! Model of a hand: its actions in a tick with the tool that it holds.
 
 use paros_core::edit::{ANY_DEPTH, Contact, EditOperation, EditReport, Pose};
 use paros_core::internals::{BURIED_WITHIN, BitAction, FreezeResult, GridBit, WayBudget};
@@ -14,56 +14,57 @@ use crate::step::ledger::{HandWork, Ledger, work_of_contact};
 use crate::step::volume::{voxels_of_brush, whole_voxels};
 use crate::step::{StepModel, ensure};
 
-/// The distance from grip to bit, in metres.
+/// Returns the distance from grip to bit, in metres.
 pub(super) fn length_metres(tool: Tool) -> f32 {
     tool.length_um() as f32 * 1e-6
 }
 
-/// The ends of a way, and the bit that is to go it.
+/// The ends of a path to find, and the bit that moves along it.
 pub(super) struct WayToFind<'a> {
     pub grid_bit: &'a GridBit,
     pub from: &'a Pose,
     pub wanted: &'a Pose,
-    /// Whether the bit slides where it is stopped.
+    /// `true` if the bit slides when it is stopped.
     pub slides: bool,
-    /// Whether the mask alone holds it.
+    /// `true` if only the mask stops the bit.
     pub goes_through_stone: bool,
 }
 
-/// The way of a bit toward a pose.
+/// The path of a bit toward a pose.
 pub(super) struct BitWay {
-    /// What held the bit.
+    /// The obstacle that stopped the bit.
     obstacle: ContactModel,
     pub freeze: FreezeResult,
-    /// Where an edit is swept from: `None` where it is made at the end of the way alone.
+    /// The start of an edit's sweep; `None` if the edit is made only at the path's end.
     swept_from: Option<Pose>,
-    /// Whether it may edit: it was swept the tick before, or has caught up with its hand.
+    /// `true` if the bit may edit: it was swept in the tick before, or has caught up with its hand.
     pub may_edit: bool,
 }
 
 impl<const K: usize> StepModel<K> {
-    /// After a change of tool or bit: it was nowhere yet.
+    /// Forgets the bit's pose after a change of tool or bit.
     pub(super) fn forget_bit(&mut self, hand: usize) {
         let state = &mut self.hands[hand];
         (state.can_sweep, state.has_frozen_pose, state.trigger_ticks) = (false, false, 0);
         self.trails[hand].clear();
     }
 
-    /// Whether a hand's tool runs: its trigger is pulled, or there is way left of the last pull.
+    /// Returns `true` if a hand's tool runs: its trigger is pulled, or a part of the last pull's path is
+    /// left.
     pub(super) fn runs_tool(&self, hand: usize) -> bool {
         self.hands[hand].trigger || !self.trails[hand].is_empty()
     }
 
-    /// The tool and bit that a hand uses.
+    /// Returns the tool and bit that a hand uses.
     pub(super) fn tool_in_use(&self, hand: usize) -> Option<(Tool, ToolBit)> {
         let is_idle = !self.hands[hand].tracked || self.session != SessionState::Sculpting;
         self.bench.held(hand).filter(|_| !is_idle)
     }
 
-    /// Moves a hand's bit as far as volume and mask let it, and edits where its tool runs.
+    /// Moves a hand's bit as far as volume and mask allow, and edits if its tool runs.
     ///
     /// # Errors
-    /// The way leads where none may.
+    /// The path leads where it may not.
     pub(super) fn step_tool(
         &mut self,
         hand: usize,
@@ -106,7 +107,7 @@ impl<const K: usize> StepModel<K> {
         let contact = self.stone().contact_at(&grid_bit, &self.hands[hand].frozen_pose);
         let contact_work = if file.is_none() { work_of_contact(&grid_bit, &contact) } else { 0 };
         ledger.charge_work(contact_work);
-        // What was cut free or laid on is felt as what is touched.
+        // Voxels cut or laid are felt like voxels touched.
         let felt = Contact { overlap: contact.overlap + report.removed + report.added, ..contact };
         self.hands[hand].haptic = pulse(bit, &felt, &self.hands[hand], runs, speed_um);
         self.contacts[hand] = Some(contact);
@@ -122,8 +123,8 @@ impl<const K: usize> StepModel<K> {
         Ok(())
     }
 
-    /// Puts the pose that a hand wants at the end of the way that its bit is to cut. Returns how many poses that
-    /// are too old are left out.
+    /// Appends the pose that a hand wants to the path that its bit is to cut. Returns the number of dropped
+    /// poses, which were too old.
     fn note_way(&mut self, hand: usize, bit: ToolBit, is_new_pull: bool) -> u32 {
         let (state, trail) = (&self.hands[hand], &mut self.trails[hand]);
         if is_new_pull || !state.can_sweep {
@@ -138,9 +139,9 @@ impl<const K: usize> StepModel<K> {
         too_many as u32
     }
 
-    /// Walks to the oldest pose of the way and bites; and again, until there is no way left, or no work, or the
-    /// tool has no blow. The walk is straight; a pose to which neither it nor what was bitten leads nearer is left
-    /// behind after a slide toward it.
+    /// Walks to the oldest pose of the path and bites. Repeats this until no path or no work is left, or the
+    /// tool has no blow. The walk is straight; if neither the walk nor the bite leads nearer to a pose, the
+    /// pose is dropped after a slide toward it.
     fn follow_way(
         &mut self,
         hand: usize,
@@ -167,7 +168,7 @@ impl<const K: usize> StepModel<K> {
             let wanted = self.trails[hand].front().copied().unwrap_or(state.raw_pose);
             let from = if state.has_frozen_pose { state.frozen_pose } else { wanted };
             let slides = is_stuck || self.trails[hand].is_empty();
-            // A nozzle lays the rest of its way too when it is released.
+            // A released nozzle also lays paste on the rest of its path.
             let goes_through_stone = bit.spec().action == BitAction::Fill && self.runs_tool(hand);
             let way_of =
                 WayToFind { grid_bit, from: &from, wanted: &wanted, slides, goes_through_stone };
@@ -212,7 +213,7 @@ impl<const K: usize> StepModel<K> {
         Ok((work, total))
     }
 
-    /// Checks that a way leads the bit neither deeper than it may be nor through stone.
+    /// Checks that a path leads the bit neither deeper than allowed nor through stone.
     pub(super) fn check_way(
         &self,
         hand: usize,
@@ -231,8 +232,8 @@ impl<const K: usize> StepModel<K> {
         Ok(())
     }
 
-    /// The way of a hand's bit. The volume doesn't hold a nozzle that lays paste, or a file that smooths; one that
-    /// begins to in stone is where its hand is if the mask allows that.
+    /// Finds the path of a hand's bit. The volume doesn't stop a nozzle that lays paste or a file that
+    /// smooths; if one of these starts inside stone, it jumps to its hand if the mask allows that.
     pub(super) fn find_way(
         &self,
         state: &HandState,
@@ -253,12 +254,12 @@ impl<const K: usize> StepModel<K> {
         BitWay::walked(mask, state, way, budget)
     }
 
-    /// What holds bits.
+    /// Returns the obstacle for bits: volume and mask.
     pub(super) fn stone(&self) -> ContactModel {
         ContactModel::of_shared(self.volume.voxels(), self.mask.voxels())
     }
 
-    /// Applies a bit's edit with its brush, or with `smaller` where that is too large for smoothing.
+    /// Applies a bit's edit with its brush, or with `smaller` if the brush is too large for smoothing.
     pub(super) fn edit(
         &mut self,
         operation: EditOperation,
@@ -279,7 +280,7 @@ impl<const K: usize> StepModel<K> {
         self.edit_voxels(operation, &voxels, self.is_mirrored)
     }
 
-    /// Applies an edit of some voxels, which have their mirror image among them where it is mirrored.
+    /// Applies an edit of a set of voxels, which includes the mirror image if the edit is mirrored.
     pub(super) fn edit_voxels(
         &mut self,
         operation: EditOperation,
@@ -299,8 +300,8 @@ impl<const K: usize> StepModel<K> {
 }
 
 impl BitWay {
-    /// A bit that isn't swept yet edits nothing before its way ends otherwise than by the budget. One that jumped
-    /// isn't swept there.
+    /// Finds the path of a bit that isn't swept yet: it edits nothing until its path ends for a reason other
+    /// than the budget. A bit that jumped doesn't sweep the jump.
     fn walked(
         obstacle: ContactModel,
         state: &HandState,
@@ -321,7 +322,7 @@ impl BitWay {
     }
 }
 
-/// Whether a bit edits so many ticks after its trigger was pulled.
+/// Returns `true` if a bit edits this many ticks after its trigger was pulled.
 pub(super) fn is_blow_at(bit: ToolBit, trigger_ticks: u16) -> bool {
     let period = u16::from(bit.spec().bite_period);
     match bit.spec().flake_um {
@@ -330,7 +331,7 @@ pub(super) fn is_blow_at(bit: ToolBit, trigger_ticks: u16) -> bool {
     }
 }
 
-/// Checks that a bit is no deeper than its bite and than it was.
+/// Checks that a bit is no deeper than its bite or its previous depth.
 fn check_depths(
     obstacle: &ContactModel,
     bit: &GridBit,
@@ -344,8 +345,8 @@ fn check_depths(
     Ok(())
 }
 
-/// Whether the straight way of a bit's centre leads through the open, by points of it a 64th of a voxel apart. A
-/// bit so small that its bite lets its centre into a voxel may be anywhere.
+/// Returns `true` if the straight path of a bit's centre is free of stone, by sampling points a 64th of a
+/// voxel apart. A bit so small that its bite lets its centre into a voxel may be anywhere.
 fn is_way_open(volume: &DenseVolume, bit: &GridBit, from: &Pose, to: &Pose) -> bool {
     if from == to || bit.inscribed_radius_subunits() - BURIED_WITHIN < bit.bite {
         return true;
@@ -357,8 +358,8 @@ fn is_way_open(volume: &DenseVolume, bit: &GridBit, from: &Pose, to: &Pose) -> b
     })
 }
 
-/// The strength of a hand's pulse, 0 to 255: none without contact, strongest on the mask, else by speed; in the
-/// tool's rhythm while it runs, a quarter at rest.
+/// Returns the strength of a hand's pulse, 0 to 255: zero without contact, strongest on the mask, otherwise
+/// by speed; in the tool's rhythm while it runs, a quarter at rest.
 fn pulse(
     bit: ToolBit,
     contact: &Contact,

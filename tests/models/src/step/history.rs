@@ -1,5 +1,5 @@
-//! Model of the undo history: for each stroke a full copy of the volume's columns as they are on the other
-//! side of it, and the set of columns that it touched, which decides how much room it takes.
+//! Model of the undo history. Each stroke has a full copy of the volume's columns on the other side of the
+//! stroke, and the set of columns that it touched, which determines its size.
 
 use std::collections::BTreeSet;
 
@@ -11,9 +11,9 @@ use crate::step::volume::{ChangedColumn, ColumnName, Columns, StepVolume};
 /// One stroke.
 #[derive(Clone, PartialEq, Debug)]
 struct Entry<const K: usize> {
-    /// All columns as undo or redo of this entry makes them.
+    /// All columns after an undo or redo of this entry.
     other: Columns<K>,
-    /// The columns that were changed at any time of the stroke.
+    /// The columns changed at any time during the stroke.
     touched: BTreeSet<ColumnName>,
 }
 
@@ -21,31 +21,31 @@ struct Entry<const K: usize> {
 #[derive(Clone, PartialEq, Debug)]
 pub struct HistoryModel<const K: usize> {
     side: usize,
-    /// Oldest first.
+    /// The entries, oldest first.
     entries: Vec<Entry<K>>,
-    /// How many of them are applied; the others were undone.
+    /// The number of applied entries; the others were undone.
     applied: usize,
-    /// Whether the next change opens an entry.
+    /// `true` if the next change opens an entry.
     opens_entry: bool,
 }
 
 impl<const K: usize> HistoryModel<K> {
-    /// No strokes.
+    /// Creates an empty history.
     pub fn new(side: usize) -> Self {
         HistoryModel { side, entries: Vec::new(), applied: 0, opens_entry: false }
     }
 
-    /// The next change begins a new entry.
+    /// Begins a new entry at the next change.
     pub fn begin_stroke(&mut self) {
         self.opens_entry = true;
     }
 
-    /// The counts of strokes that can be undone and redone.
+    /// Returns the number of strokes that can be undone and redone.
     pub fn counts(&self) -> UndoCounts {
         UndoCounts { undoable: self.applied, redoable: self.entries.len() - self.applied }
     }
 
-    /// Notes an edit's changes; `before` are the volume's columns before it.
+    /// Records an edit's changes; `before` are the volume's columns before it.
     pub fn note_edit(&mut self, before: &Columns<K>, changes: &[ChangedColumn<K>]) {
         if self.opens_entry && !changes.is_empty() {
             self.open_entry(before);
@@ -53,7 +53,8 @@ impl<const K: usize> HistoryModel<K> {
         self.note_removal(before, changes);
     }
 
-    /// Notes the changes of an island removal, which belong to the newest stroke even if the next one has begun.
+    /// Records the changes of an island removal, which belong to the newest stroke even if the next stroke
+    /// has begun.
     pub fn note_removal(&mut self, before: &Columns<K>, changes: &[ChangedColumn<K>]) {
         if changes.is_empty() {
             return;
@@ -65,7 +66,7 @@ impl<const K: usize> HistoryModel<K> {
         newest.touched.extend(changes.iter().map(|change| change.name));
     }
 
-    /// Undoes the newest applied stroke. Returns whether there was one.
+    /// Undoes the newest applied stroke. Returns `false` if there is none.
     pub fn undo(&mut self, volume: &mut StepVolume<K>) -> bool {
         let Some(newest) = self.applied.checked_sub(1) else { return false };
         self.applied = newest;
@@ -73,7 +74,7 @@ impl<const K: usize> HistoryModel<K> {
         true
     }
 
-    /// Redoes the oldest undone stroke. Returns whether there was one.
+    /// Redoes the oldest undone stroke. Returns `false` if there is none.
     pub fn redo(&mut self, volume: &mut StepVolume<K>) -> bool {
         if self.applied == self.entries.len() {
             return false;
@@ -83,7 +84,7 @@ impl<const K: usize> HistoryModel<K> {
         true
     }
 
-    /// Writes the history as a save has it.
+    /// Writes the history in a save's format.
     pub fn write(&self, to: &mut Vec<u8>) {
         let packed = self.entries.len().saturating_sub(1);
         to.extend(u16::to_le_bytes(packed as u16));
@@ -100,12 +101,12 @@ impl<const K: usize> HistoryModel<K> {
         let ours = volume.columns().clone();
         let theirs = std::mem::replace(&mut self.entries[index].other, ours);
         volume.replace_columns(&theirs);
-        // What comes after belongs to a new entry.
+        // Later changes belong to a new entry.
         self.opens_entry = true;
     }
 
-    /// Drops what could be redone, or else the oldest strokes for which there is no more room beside the newest;
-    /// then opens an entry.
+    /// Drops the redo history, or else the oldest strokes that no longer fit beside the newest; then opens an
+    /// entry.
     fn open_entry(&mut self, before: &Columns<K>) {
         if self.applied < self.entries.len() {
             self.entries.truncate(self.applied);
@@ -124,7 +125,7 @@ impl<const K: usize> HistoryModel<K> {
 }
 
 impl<const K: usize> Entry<K> {
-    /// The entry's bytes: flags of the words of its bitmap that aren't zero, those words, and the columns.
+    /// Returns the entry's bytes: flags of the non-zero words of its bitmap, those words, and the columns.
     fn packed(&self, side: usize) -> Vec<u8> {
         let words_of_line = side.div_ceil(64);
         let mut bitmap = vec![0u64; 3 * side * words_of_line];

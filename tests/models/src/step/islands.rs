@@ -1,7 +1,7 @@
-//! The promise of island removal, for a volume that is edited meanwhile. The core's search says when a pass
-//! runs, in its save; what goes when it ends follows from what it had reached the tick before, and that is held
-//! between two bounds: it never reaches what nothing connects to ground, mask or an addition, and it ends in
-//! time.
+//! Model of island removal in a volume that is edited meanwhile. When a pass runs is read from the save of
+//! the core's search. The voxels removed at its end follow from what the search had reached the tick before.
+//! The model bounds the reached voxels: the search never reaches a voxel without a connection to ground, mask
+//! or an addition, and it ends in time.
 
 use std::collections::BTreeSet;
 
@@ -12,41 +12,41 @@ use crate::step::ensure;
 use crate::step::save::SeenPass;
 use crate::step::volume::Voxel;
 
-/// Ticks from an edit to the end of its pass at most, if one tick's visits are enough for it.
+/// Longest time from an edit to the end of its pass, in ticks, if one tick's visits are enough for the pass.
 pub const LONGEST_WAIT: u64 = 12;
 
-/// The same where there is a mask.
+/// Longest such time with a mask.
 pub const LONGEST_WAIT_BESIDE_MASK: u64 = 24;
 
-/// The passes of a session.
+/// The model of a session's passes.
 #[derive(Clone, Debug)]
 pub struct IslandModel {
     side: usize,
-    /// The tick of the oldest change that no running pass is about.
+    /// The tick of the oldest change that the running pass doesn't cover.
     requested_in: Option<u64>,
     running: Option<RunningPass>,
     /// Voxels that edits added in this tick.
     added: BTreeSet<Voxel>,
     /// The voxels that the last pass reported as kept.
     kept: BTreeSet<Voxel>,
-    /// Passes so far.
+    /// Number of passes so far.
     passes: u32,
-    /// What the core's save said after the last tick.
+    /// The pass in the core's save after the last tick.
     seen: SeenPass,
 }
 
 /// A pass in flight.
 #[derive(Clone, Debug)]
 struct RunningPass {
-    /// The tick of the oldest change that it is about.
+    /// The tick of the oldest change that the pass covers.
     requested_in: u64,
-    /// All that it may have reached: ground and mask, what was added since, and everything that was connected
-    /// to these at the end of a tick. `None` in most passes of large grids, to spare time.
+    /// All voxels that the pass may have reached: ground and mask, additions since its start, and all voxels
+    /// connected to these at the end of any tick. `None` in most passes of large grids, to save time.
     reachable: Option<DenseVolume>,
     added: BTreeSet<Voxel>,
 }
 
-/// What the islands' part of a tick starts from.
+/// The inputs of the islands' part of a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct IslandTick<'a> {
     /// The tick's number.
@@ -55,25 +55,25 @@ pub struct IslandTick<'a> {
     pub volume: &'a DenseVolume,
     /// The mask.
     pub mask: &'a DenseVolume,
-    /// Whether something can be redone, which holds a requested pass.
+    /// `true` if a redo is possible, which holds back a requested pass.
     pub is_held: bool,
-    /// Whether the world told of the end of a pass in this tick.
+    /// `true` if the world reported the end of a pass in this tick.
     pub is_told: bool,
-    /// What the core's save says after the tick.
+    /// The pass in the core's save after the tick.
     pub seen: &'a SeenPass,
 }
 
 /// The end of a pass.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum PassEnd {
-    /// Nothing stands on ground or mask; nothing is removed.
+    /// Nothing is supported by ground or mask, so nothing is removed.
     Unsupported,
-    /// These voxels are removed as far as closure lets them go.
+    /// These voxels are removed unless closure keeps them.
     Removes(Vec<Voxel>),
 }
 
 impl IslandModel {
-    /// No pass, none requested.
+    /// Creates the model without a running or requested pass.
     pub fn new(side: usize) -> Self {
         IslandModel {
             side,
@@ -86,22 +86,22 @@ impl IslandModel {
         }
     }
 
-    /// An edit, undo or redo changed the volume.
+    /// Requests a pass after an edit, undo or redo.
     pub fn request_pass(&mut self, tick: u64) {
         self.requested_in = self.requested_in.or(Some(tick));
     }
 
-    /// Edits added voxels.
+    /// Records voxels added by edits.
     pub fn note_added(&mut self, voxels: &[Voxel]) {
         self.added.extend(voxels);
     }
 
-    /// Ends the running pass and forgets the requested one.
+    /// Aborts the running pass and drops the requested one.
     pub fn cancel_passes(&mut self) {
         (self.requested_in, self.running) = (None, None);
     }
 
-    /// Whether nothing is left to a running pass but to remove what it hasn't reached.
+    /// Returns `true` if the running pass has finished its search and only the removal is left.
     pub fn is_removal_due(&self) -> bool {
         self.running.is_some() && self.seen.is_done_searching()
     }
@@ -109,7 +109,7 @@ impl IslandModel {
     /// Runs the islands' part of a tick. Returns the end of a pass, if one ended.
     ///
     /// # Errors
-    /// The core's search isn't where it may be.
+    /// The core's search violates the bounds.
     pub fn advance(&mut self, now: IslandTick<'_>) -> Result<Option<PassEnd>, String> {
         let mut added = std::mem::take(&mut self.added);
         let mut reached = DenseVolume::empty(self.side);
@@ -118,7 +118,7 @@ impl IslandModel {
         } else if !now.is_held
             && let Some(requested_in) = self.requested_in.take()
         {
-            // A pass begins with the volume as both hands left it.
+            // A pass begins with the volume after both hands' edits.
             added.clear();
             let is_watched = self.side <= 64 || self.passes.is_multiple_of(8);
             let reachable = is_watched.then(|| DenseVolume::empty(self.side));
@@ -147,7 +147,8 @@ impl IslandModel {
         Ok(end)
     }
 
-    /// The report of a pass that removed `removed` voxels and couldn't remove `kept`, which is told once.
+    /// Returns the report of a pass that removed `removed` voxels and couldn't remove `kept`; the same kept
+    /// voxels are reported only once.
     pub fn report_removal(&mut self, removed: usize, kept: BTreeSet<Voxel>) -> IslandReport {
         let is_known = kept == self.kept;
         let told = if is_known { 0 } else { kept.len() as u32 };
@@ -155,16 +156,16 @@ impl IslandModel {
         IslandReport { removed: removed as u32, kept: told, unsupported: false }
     }
 
-    /// Ticks for which the oldest change has waited for the end of its pass; `None` where nothing waits, or
-    /// what waits is held.
+    /// Returns the number of ticks for which the oldest change has waited for the end of its pass; `None` if
+    /// nothing waits, or if the pass is held back.
     pub fn waited(&self, tick: u64, is_held: bool) -> Option<u64> {
         let requested = if is_held { None } else { self.requested_in };
         let running = self.running.as_ref().map(|pass| pass.requested_in);
         running.or(requested).map(|since| tick - since)
     }
 
-    /// Notes what the core's save says after the tick, and checks that it asks for a pass where one is called
-    /// for.
+    /// Stores the pass of the core's save after the tick, and checks that a pass is requested if one is
+    /// needed.
     fn check_flags(&mut self, now: &IslandTick<'_>) -> Result<(), String> {
         let is_requested = self.requested_in.is_some();
         ensure!(
@@ -174,7 +175,7 @@ impl IslandModel {
         );
         ensure!(now.seen.is_running == self.running.is_some(), "a pass runs that has ended");
         if now.is_held && is_requested {
-            // Its time begins when nothing holds it any more.
+            // The time limit starts once the pass is no longer held back.
             self.requested_in = Some(now.tick + 1);
         }
         self.seen = now.seen.clone();
@@ -183,8 +184,9 @@ impl IslandModel {
 }
 
 impl RunningPass {
-    /// What a pass does at its end, that had reached these voxels before. One that isn't watched and of which nothing is
-    /// told has removed nothing, and keeps nothing but what a pass before it may have kept, which isn't told again.
+    /// Returns the end of a pass that had reached these voxels before. If an unwatched pass isn't reported,
+    /// it removed nothing, and kept at most voxels that an earlier pass may have kept, which aren't reported
+    /// again.
     fn find_end(
         &self,
         now: &IslandTick<'_>,
@@ -206,8 +208,8 @@ impl RunningPass {
         Ok(PassEnd::Removes(islands.occupied().collect()))
     }
 
-    /// Checks what a running pass has reached: no more than it may, and all that was added; and that no row
-    /// that isn't queued holds a voxel that it should have reached from a neighbour.
+    /// Checks that a running pass has reached only voxels that it may, and all additions; and that every row
+    /// that lacks a voxel reachable from a neighbour is queued.
     fn check_reached(&self, now: &IslandTick<'_>) -> Result<(), String> {
         let seen = now.seen;
         let Some(reachable) = &self.reachable else { return Ok(()) };
@@ -228,8 +230,8 @@ impl RunningPass {
     }
 }
 
-/// All voxels of the volume that are connected to ground, to mask, or to a voxel that was reached, which may be
-/// gone since.
+/// Returns all voxels of the volume that are connected to ground, to mask, or to a reached voxel, which may
+/// have been removed since.
 fn connected_to_reached(now: &IslandTick<'_>, reached: &DenseVolume) -> DenseVolume {
     let is_seed = |voxel: Voxel| {
         voxel[1] == 0

@@ -1,5 +1,5 @@
-//! The ledger of a tick's work: what undo and redo, hands and islands may spend together, in row visits of the
-//! island search.
+//! Model of the ledger of a tick's work: how much undo and redo, hands and islands may spend together, in row
+//! visits of the island search.
 
 use paros_core::edit::{Contact, Pose};
 use paros_core::internals::{GridBit, GridShape, WayBudget};
@@ -14,27 +14,27 @@ use paros_core::limits::{
 use crate::path::path_poses;
 use crate::step::StepModel;
 
-/// What is left of a tick's work for the hands.
+/// The rest of a tick's work for the hands.
 #[derive(Clone, Copy, Debug)]
 pub struct Ledger {
     side: usize,
     is_mirrored: bool,
-    /// Beyond what is the islands' anyway.
+    /// Work left beyond the islands' reserve.
     left: u32,
-    /// How many hands with a tool haven't had their turn.
+    /// Number of hands with a tool that still have to work.
     hands_left: u32,
 }
 
-/// What a hand may do in a tick.
+/// The share of a hand in a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct HandShare {
-    /// How far its bit may go.
+    /// The budget of its bit's path.
     pub way: WayBudget,
-    /// Whether it may edit.
+    /// `true` if it may edit.
     pub may_edit: bool,
 }
 
-/// What a hand does in a tick, of which each part is charged.
+/// The work of a hand in a tick, from which each part is subtracted.
 #[derive(Clone, Copy, Debug)]
 pub struct HandWork {
     work: BitWork,
@@ -43,8 +43,8 @@ pub struct HandWork {
 }
 
 impl Ledger {
-    /// The ledger of a tick in which undo or redo changed the volume, or not, in which an axis of the figure was
-    /// counted, or not, and in which so many hands have a tool.
+    /// Creates the ledger of a tick, from whether undo or redo changed the volume, whether an axis of the
+    /// figure was counted, and how many hands have a tool.
     pub fn of_tick<const K: usize>(
         model: &StepModel<K>,
         (rewound, counts): (bool, bool),
@@ -62,7 +62,7 @@ impl Ledger {
         Ledger { side, is_mirrored: model.is_mirrored, left, hands_left: hands as u32 }
     }
 
-    /// The work of the next hand: the first of two has half of what is left.
+    /// Returns the work of the next hand: the first of two gets half of what is left.
     pub fn work_of_next_hand(&mut self, bit: &GridBit, file_brush: Option<&GridBit>) -> HandWork {
         let left = self.left / self.hands_left;
         self.hands_left -= 1;
@@ -74,24 +74,25 @@ impl Ledger {
         HandWork { work, most_steps, left }
     }
 
-    /// Charges a hand's work: what it left of its share `before` goes to whoever is next.
+    /// Charges a hand's work: the unused part of its share `before` goes to the next.
     pub fn charge(&mut self, before: &HandWork, after: &HandWork) {
         self.left -= before.left - after.left;
     }
 
-    /// Charges what isn't a hand's share.
+    /// Charges work outside the hands' shares.
     pub fn charge_work(&mut self, work: u32) {
         self.left = self.left.saturating_sub(work);
     }
 
-    /// What spalling costs.
+    /// Returns the cost of spalling.
     pub fn work_of_spall(&self, spall: &GridBit) -> u32 {
         let side = bit_side_voxels(spall.circumscribed_radius_subunits());
         if self.is_mirrored { 2 * spall_work(side) } else { spall_work(side) }
     }
 }
 
-/// The work of finding the contact of a bit that isn't a file's: a disc's is dear, and that of a bit beyond its bite.
+/// Returns the cost of finding the contact of a bit that isn't a file: discs, and bits beyond their bite,
+/// cost more.
 pub fn work_of_contact(bit: &GridBit, contact: &Contact) -> u32 {
     let side = bit_side_voxels(bit.circumscribed_radius_subunits());
     let is_disc = matches!(bit.shape, GridShape::Disc { .. });
@@ -105,8 +106,8 @@ pub fn work_of_contact(bit: &GridBit, contact: &Contact) -> u32 {
 }
 
 impl HandWork {
-    /// What the hand may still do. A bit that runs leaves room for an edit in place, and in each of its steps for
-    /// what the edit is longer by it.
+    /// Returns the rest of the hand's share. A running bit reserves an edit in place, and for each of its
+    /// steps the cost by which the edit grows.
     pub fn share(&self, runs: bool) -> HandShare {
         let HandWork { work, most_steps, left } = *self;
         let way = if runs {
@@ -120,7 +121,7 @@ impl HandWork {
         HandShare { way, may_edit: left >= work.bite }
     }
 
-    /// What a file may do: it leaves room for an edit where it makes one, but not for its sweep.
+    /// Returns the share of a file: it reserves an edit if it makes one, but not the edit's sweep.
     pub fn share_of_file(&self, edits: bool) -> HandShare {
         let beside = if edits { self.left.saturating_sub(self.work.bite) } else { self.left };
         let steps = (beside / self.work.step).min(self.most_steps);
@@ -128,17 +129,17 @@ impl HandWork {
         HandShare { way, may_edit: self.left >= self.work.bite }
     }
 
-    /// What is left beside other work.
+    /// Returns the work left beside other work.
     pub fn left_beside(&self, work: u32) -> u32 {
         self.left.saturating_sub(work)
     }
 
-    /// Charges steps of a way.
+    /// Charges steps of a path.
     pub fn charge_steps(&mut self, steps: u32) {
         self.left = self.left.saturating_sub(steps * self.work.step);
     }
 
-    /// Charges what is done before the hand's way.
+    /// Charges work done before the hand's path.
     pub fn charge_other(&mut self, work: u32) {
         self.left = self.left.saturating_sub(work);
     }
@@ -149,33 +150,33 @@ impl HandWork {
         self.left = self.left.saturating_sub(buried_contact_work(side));
     }
 
-    /// Whether an edit along a way is within what is left.
+    /// Returns `true` if an edit along a path fits into the work left.
     pub fn allows_edit(&self, bit: &GridBit, from: &Pose, to: &Pose) -> bool {
         let mut after = HandWork { left: u32::MAX, ..*self };
         after.charge_edit(bit, from, to);
         u32::MAX - after.left <= self.left
     }
 
-    /// Charges an edit along a way.
+    /// Charges an edit along a path.
     pub fn charge_edit(&mut self, bit: &GridBit, from: &Pose, to: &Pose) {
         let longer = self.work.sweep * path_poses(bit, from, to).count() as u32;
         self.left = self.left.saturating_sub(self.work.bite + longer);
     }
 }
 
-/// What a bit's movements and edits cost.
+/// The costs of a bit's movements and edits.
 #[derive(Clone, Copy, Debug)]
 struct BitWork {
-    /// A step.
+    /// A step of the walk.
     step: u32,
     /// An edit in place.
     bite: u32,
-    /// What a quarter voxel of way adds to an edit.
+    /// The additional cost of an edit a quarter voxel of path.
     sweep: u32,
 }
 
 impl BitWork {
-    /// A mirrored edit costs two.
+    /// Returns the costs of a bit; a mirrored edit costs twice as much.
     fn of(bit: &GridBit, grid_side: usize, is_mirrored: bool) -> Self {
         let side = bit_side_voxels(bit.circumscribed_radius_subunits());
         let edits = if is_mirrored { 2 } else { 1 };
@@ -195,7 +196,8 @@ impl BitWork {
         BitWork { step, bite: edits * bite, sweep: edits * sweep }
     }
 
-    /// Smoothing has another cost, and a brush that is larger than the bit.
+    /// Changes the costs to those of a file: smoothing has its own cost, and the brush is larger than the
+    /// bit.
     fn become_that_of_file(&mut self, brush: &GridBit, grid_side: usize, is_mirrored: bool) {
         let side = bit_side_voxels(brush.circumscribed_radius_subunits());
         let edits = if is_mirrored { 2 } else { 1 };

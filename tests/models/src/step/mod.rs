@@ -1,10 +1,10 @@
-//! Dense model of `World::step`: the whole tick by its rules, slow and without tricks. It takes the inputs and
-//! the start volumes that the world takes, and says what its state, its events and its volume must be then.
+//! Dense model of `World::step`: the whole tick by its rules, slow and without optimisations. It takes the
+//! same inputs and start volumes as the world, and computes the expected state, events and volume.
 //!
-//! It has its own bench, hands, strokes, ledger of work, undo history and islands. What it borrows from the core
-//! holds no decision about voxels: poses, the shapes of bits and brushes, the table of tools, the capacities. Of
-//! the island search it reads, in the world's save, what a pass had reached a tick ago: [`islands`] says what
-//! that may be.
+//! It has its own bench, hands, strokes, ledger of work, undo history and islands. What it borrows from the
+//! core makes no decision about voxels: poses, shapes of bits and brushes, the table of tools, capacities. It
+//! reads one thing from the world's save: the voxels that the island search had reached a tick ago, which
+//! [`islands`] checks.
 
 mod bared;
 pub mod bench;
@@ -49,7 +49,7 @@ use ledger::Ledger;
 use save::SeenPass;
 use volume::StepVolume;
 
-/// Returns an error from a function of strings where a condition fails.
+/// Returns an error from a function with `String` errors if a condition is false.
 macro_rules! ensure {
     ($condition:expr, $($message:tt)+) => {
         if !$condition {
@@ -59,40 +59,41 @@ macro_rules! ensure {
 }
 pub(crate) use ensure;
 
-/// The state of a world, by the model.
+/// The model's state of a world.
 #[derive(Clone, Debug)]
 pub struct StepModel<const K: usize> {
-    /// Ticks so far.
+    /// Number of ticks so far.
     pub tick: u64,
     /// The phase of the session.
     pub session: SessionState,
-    /// How it started.
+    /// The mode in which it started.
     pub mode: SessionMode,
-    /// Whether edits are mirrored.
+    /// `true` if edits are mirrored.
     pub is_mirrored: bool,
-    /// The millimetres of the string on which bits that run hang behind their hands.
+    /// The length in millimetres of the string on which running bits follow their hands.
     pub string_mm: u8,
-    /// The stool's turn in 65,536ths.
+    /// The stool's rotation, in 65,536ths of a turn.
     pub stool: u16,
     /// The head's pose in the room.
     pub head: RoomPose,
-    /// Both hands. Data: what they do is the model's.
+    /// The state of both hands. Only the data type is the core's.
     pub hands: [HandState; 2],
-    /// The poses of both hands, one a tick, that their running bits have yet to follow.
+    /// The poses of both hands, one a tick, that their running bits haven't followed yet.
     pub trails: [VecDeque<Pose>; 2],
-    /// Where tools and bits are.
+    /// The places of tools and bits.
     pub bench: BenchModel,
     /// The sculpture.
     pub volume: StepVolume<K>,
     /// The hidden figure.
     pub mask: StepVolume<K>,
-    /// Its digest.
+    /// The digest of the hidden figure.
     pub mask_digest: u64,
-    /// The axes of which its ends are counted, one in each tick after the first.
+    /// Number of axes whose column ends are counted, one in each tick after the first.
     pub counted_axes: u8,
-    /// How much of it was told to be bared, as it is saved: tenths, 10 once it is found, 11 where all is bared.
+    /// The reported bared share in a save's encoding: tenths, 10 once the figure is found, 11 if all is
+    /// bared.
     pub told: u8,
-    /// The strokes.
+    /// The undo history.
     pub history: HistoryModel<K>,
     /// The island passes.
     pub islands: IslandModel,
@@ -102,11 +103,11 @@ pub struct StepModel<const K: usize> {
     pub contacts: [Option<Contact>; 2],
 }
 
-/// A pose that nothing has yet: all zeros.
+/// The initial pose of everything: all zeros.
 const NOWHERE: RoomPose = (Vec3::ZERO, Quat::from_xyzw(0.0, 0.0, 0.0, 0.0));
 
 impl<const K: usize> StepModel<K> {
-    /// The world before any session.
+    /// Creates the world before any session.
     pub fn new(side: usize) -> Self {
         StepModel {
             tick: 0,
@@ -131,20 +132,21 @@ impl<const K: usize> StepModel<K> {
         }
     }
 
-    /// The grid's side in voxels.
+    /// Returns the grid's side in voxels.
     pub fn side(&self) -> usize {
         self.volume.voxels().side()
     }
 
-    /// The transform between room and grid.
+    /// Returns the transform between room and grid.
     pub fn stool_frame(&self) -> StoolFrame {
         StoolFrame::new(self.stool, self.side())
     }
 
-    /// Runs a tick. `seen` is what the world's save says of its islands after the same tick, `told` its events.
+    /// Runs a tick. `seen` is the island search in the world's save after the same tick, `told` the world's
+    /// events.
     ///
     /// # Errors
-    /// The world's island search isn't where it may be.
+    /// The world's island search violates the bounds.
     pub fn step<const N: usize>(
         &mut self,
         input: &TickInput,
@@ -191,7 +193,7 @@ impl<const K: usize> StepModel<K> {
         Ok(())
     }
 
-    /// Starts a session from its volume: everything but the clock and the head is new.
+    /// Starts a session from its volume and resets everything except the clock and the head.
     fn start_session<const N: usize>(
         &mut self,
         mode: SessionMode,
@@ -227,7 +229,7 @@ impl<const K: usize> StepModel<K> {
         }
     }
 
-    /// Runs undo, redo, mirror, swapped hands and finish. Returns whether the volume changed.
+    /// Runs undo, redo, mirror, swap of hands and finish. Returns `true` if the volume changed.
     fn apply_commands(&mut self, input: &TickInput, presses: &mut [HandPresses; 2]) -> bool {
         let asked = |command: u8, button: u8| {
             input.commands & command != 0
@@ -263,8 +265,8 @@ impl<const K: usize> StepModel<K> {
         rewound
     }
 
-    /// Exchanges what the hands hold, unless a tool would come into a hand that isn't tracked. Pulls are over. Returns
-    /// whether it did.
+    /// Swaps the tools of the hands, unless a tool would come into an untracked hand. Pulls of the triggers
+    /// end. Returns `true` if the tools were swapped.
     fn swap_hands(&mut self) -> bool {
         let tools = [0, 1].map(|hand| self.bench.held(hand).map(|(tool, _)| tool));
         let [left, right] = [0, 1].map(|hand: usize| self.hands[hand].tracked);
@@ -306,7 +308,7 @@ impl<const K: usize> StepModel<K> {
         }
     }
 
-    /// A squeeze takes what is in reach, or drops what is held, or holds the stool.
+    /// Handles a squeeze: takes the item in reach, drops the held tool, or grabs the stool.
     fn grab_or_release_on_squeeze(&mut self, hand: usize, presses: HandPresses) {
         if !presses.squeezed {
             return;
@@ -339,14 +341,15 @@ impl<const K: usize> StepModel<K> {
         }
     }
 
-    /// Whether a hand runs the tool that it holds, or its bit follows what is left of the last pull.
+    /// Returns `true` if a hand runs the tool that it holds, or its bit follows the rest of the last pull's
+    /// path.
     fn is_a_tool_running(&self) -> bool {
         let runs = |hand: usize| self.runs_tool(hand) && self.bench.held(hand).is_some();
         self.session == SessionState::Sculpting && (runs(0) || runs(1))
     }
 
-    /// Both hands' tools in turn, hand 0 first in even ticks. A stroke reaches from the first tick in which one
-    /// runs until a tick in which none does.
+    /// Steps both hands' tools, hand 0 first in even ticks. A stroke lasts from the first tick in which a
+    /// tool runs until a tick in which none runs.
     fn step_tools(
         &mut self,
         presses: &[HandPresses; 2],
@@ -364,7 +367,7 @@ impl<const K: usize> StepModel<K> {
             .try_for_each(|hand| self.step_tool(hand, presses[hand], &mut ledger))
     }
 
-    /// The islands' part of a tick.
+    /// Runs the islands' part of a tick.
     fn advance_islands(&mut self, seen: &SeenPass, is_told: bool) -> Result<(), String> {
         let end = self.islands.advance(IslandTick {
             tick: self.tick,
@@ -391,7 +394,7 @@ impl<const K: usize> StepModel<K> {
         Ok(())
     }
 
-    /// The pose in the grid that a hand asks for with a tool.
+    /// Returns the pose in the grid that a hand wants for a tool.
     fn wanted_pose(&self, hand: usize, tool: Tool) -> Pose {
         let (position, rotation) = self.hands[hand].bit_centre_pose(hands::length_metres(tool));
         self.stool_frame().to_grid(position, rotation)

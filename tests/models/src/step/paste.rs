@@ -1,4 +1,4 @@
-//! Model of paste: how a nozzle lays it.
+//! Model of paste as a nozzle lays it.
 
 use paros_core::Brush;
 use paros_core::edit::{ANY_DEPTH, EditOperation, EditReport};
@@ -7,8 +7,8 @@ use crate::step::StepModel;
 use crate::step::volume::{Voxel, voxels_of_brush};
 
 impl<const K: usize> StepModel<K> {
-    /// Lays paste all along a brush where it hangs together with the stone or the ground, and in its mirror image
-    /// where that does too. The image alone is never filled.
+    /// Lays paste all along a brush where it is connected to the stone or the ground, and in its mirror image
+    /// where the image is connected too. Never fills the image alone.
     pub(super) fn lay_paste(&mut self, brush: &Brush) -> EditReport {
         let side = self.side();
         let own = voxels_of_brush(brush, side, false);
@@ -22,7 +22,7 @@ impl<const K: usize> StepModel<K> {
         self.edit_voxels(EditOperation::Fill { depth: ANY_DEPTH }, &voxels, is_mirrored)
     }
 
-    /// Whether a voxel is stone, or has a face in common with some or with the ground.
+    /// Returns `true` if a voxel is stone, or shares a face with stone or with the ground.
     fn holds_paste(&self, voxel: Voxel) -> bool {
         const STEPS: [Voxel; 7] =
             [[0, 0, 0], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]];

@@ -1,4 +1,4 @@
-//! Plans of sessions, which shrink: phases of some ticks in which each hand does one thing.
+//! Plans of sessions, which can be shrunk: each phase is some ticks in which each hand does one thing.
 
 use std::ops::RangeInclusive;
 
@@ -18,105 +18,107 @@ use crate::dense::MaskedVolume;
 use crate::random_visitor::{RandomSource, arbitrary_input};
 use crate::step::stool;
 
-/// A session.
+/// The plan of a session.
 #[derive(Clone, Debug)]
 pub struct SessionPlan {
-    /// What it starts from.
+    /// The volume and mask that it starts from.
     pub start: MaskedVolume,
-    /// What happens in it.
+    /// Its phases.
     pub phases: Vec<Phase>,
 }
 
-/// Some ticks.
+/// Some ticks of a plan.
 #[derive(Clone, Debug)]
 pub struct Phase {
-    /// How many, at least one.
+    /// Number of ticks, at least one.
     pub ticks: u8,
-    /// What each hand does.
+    /// The plan of each hand.
     pub hands: [HandPlan; 2],
-    /// What happens beside.
+    /// The additional event.
     pub event: PhaseEvent,
 }
 
-/// What a hand does in a phase.
+/// The plan of a hand in a phase.
 #[derive(Clone, Copy, Debug)]
 pub enum HandPlan {
-    /// It stays where it is.
+    /// The hand doesn't move.
     Stay {
-        /// Whether it pulls the trigger.
+        /// `true` if it pulls the trigger.
         pulls: bool,
     },
-    /// It moves evenly.
+    /// The hand moves at constant speed.
     Glide {
-        /// Where its bit would be at the end if nothing held it.
+        /// The place that its bit would reach without obstacles.
         to: Place,
-        /// Whether it pulls the trigger.
+        /// `true` if it pulls the trigger.
         pulls: bool,
     },
-    /// It moves evenly to a voxel at an end of a row of the present volume, about so many eighths aside.
+    /// The hand moves at constant speed to a voxel at an end of a row of the present volume, with an offset
+    /// in eighths of a voxel.
     Touch {
-        /// Which row: the first that holds voxels from this one on.
+        /// The row: the first row with voxels from this number on.
         row: u16,
-        /// Whether to the last voxel of the row; to the first otherwise.
+        /// `true` for the last voxel of the row, `false` for the first.
         is_last: bool,
-        /// Eighths of a voxel aside.
+        /// The offset in eighths of a voxel.
         aside: [i8; 3],
-        /// Whether it pulls the trigger.
+        /// `true` if it pulls the trigger.
         pulls: bool,
     },
-    /// It is elsewhere at once, and stays there.
+    /// The hand jumps to a place and stays there.
     Jump {
-        /// Where its bit would be.
+        /// The place where its bit would be without obstacles.
         to: Place,
-        /// Whether it pulls the trigger.
+        /// `true` if it pulls the trigger.
         pulls: bool,
     },
-    /// It isn't tracked; what it pulls doesn't count.
+    /// The hand isn't tracked, so its trigger is ignored.
     Lost,
-    /// It pulls and releases in turn.
+    /// The hand pulls and releases alternately.
     Flutter,
-    /// It is tracked, but its poses are invalid; it pulls.
+    /// The hand is tracked with invalid poses, and pulls the trigger.
     Invalid,
 }
 
-/// A place in the grid: eighths of a voxel, and a rotation of any length.
+/// A place in the grid: eighths of a voxel, and an unnormalised rotation.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
     /// x, y, z.
     pub eighths: [i16; 3],
-    /// x, y, z, w; unrotated where all are 0.
+    /// x, y, z, w; all zeros stand for no rotation.
     pub turn: [i8; 4],
 }
 
-/// What happens beside the hands' work.
+/// An event of a phase besides the hands' work.
 #[derive(Clone, Debug)]
 pub enum PhaseEvent {
-    /// Nothing.
+    /// No event.
     Nothing,
-    /// In the first tick the pointer does something.
+    /// A pointer command in the first tick.
     Pointer(PointerCommand),
-    /// In the first tick these commands are given.
+    /// Commands in the first tick.
     Commands(u8),
     /// Undo and redo, a tick each: two bits a tick, of [`commands::UNDO`] and [`commands::REDO`].
     Storm(u32),
-    /// A hand presses buttons all the while.
+    /// A hand presses buttons during the whole phase.
     Buttons(usize, u8),
-    /// In the first tick a hand squeezes where an item is at home.
+    /// A hand squeezes at an item's home in the first tick.
     Squeeze(usize, u8),
-    /// A hand goes round the stool's rim, squeezed: so many 65,536ths of a turn a tick, so many centimetres above it.
+    /// A squeezed hand moves round the stool's rim: 65,536ths of a turn a tick, and the height above it in
+    /// centimetres.
     HoldStool(usize, i16, i8),
-    /// A hand's stick turns the stool and resizes the bit all the while.
+    /// A hand's stick turns the stool and resizes the bit during the whole phase.
     Stick(usize, [i8; 2]),
     /// A session starts.
     Start(SessionMode),
-    /// The world is saved before, and loaded into another that goes on.
+    /// The world is saved before the phase and loaded into another world, which continues.
     Reload,
-    /// Any input whatever.
+    /// Arbitrary input.
     Wild(u64),
 }
 
-/// A strategy for sessions from these volumes in a grid of `side`^3 voxels, of so many phases. Five more before
-/// them start one, and put tools into both hands.
+/// A strategy for sessions from these volumes in a grid of `side`^3 voxels, with a number of phases. Five
+/// more phases before them start a session and put tools into both hands.
 pub fn session_plans(
     start: impl Strategy<Value = MaskedVolume>,
     side: usize,
@@ -161,7 +163,7 @@ fn any_hand_plans(side: usize) -> impl Strategy<Value = HandPlan> {
     ]
 }
 
-/// Places in and about the grid, some far from it.
+/// A strategy for places in and around the grid, some far from it.
 fn any_places(side: usize) -> impl Strategy<Value = Place> {
     let end = 8 * side as i16;
     let near = -16..end + 16;
@@ -214,12 +216,12 @@ fn any_events() -> impl Strategy<Value = PhaseEvent> {
     ]
 }
 
-/// Steps of a bit's size: one, all, or any number.
+/// A strategy for steps of a bit's size: one, all, or any number.
 fn any_resizes() -> impl Strategy<Value = i8> {
     prop_oneof![2 => Just(1i8), 2 => Just(-1), 2 => Just(8), 2 => Just(-8), 1 => any::<i8>()]
 }
 
-/// The pointer's commands that put an item into a hand, with the tool that it belongs to.
+/// Returns the pointer's commands that put an item into a hand, with the tool that it belongs to.
 fn take_with_its_tool(hand: u8, item: u8) -> [PhaseEvent; 2] {
     let tool = match BenchItem::from_number(item.into()) {
         Some(BenchItem::Bit(bit)) => BenchItem::Tool(bit.spec().tool).number() as u8,
@@ -229,7 +231,7 @@ fn take_with_its_tool(hand: u8, item: u8) -> [PhaseEvent; 2] {
 }
 
 impl Phase {
-    /// A tick in which hands rest.
+    /// Returns a phase of one tick in which the hands rest.
     pub fn of_event(event: PhaseEvent) -> Self {
         Phase { ticks: 1, hands: [HandPlan::Stay { pulls: false }; 2], event }
     }
@@ -249,16 +251,16 @@ impl Place {
 /// Turns phases into inputs.
 #[derive(Clone, Debug)]
 pub struct InputWriter {
-    /// Where the hands' bits would be if nothing held them.
+    /// The poses that the hands' bits would have without obstacles.
     poses: [Pose; 2],
-    /// Where hands go in this phase that touch the stone.
+    /// The goals in this phase of hands that touch the stone.
     goals: [Vec3; 2],
-    /// Phases so far.
+    /// Number of phases so far.
     phases: u32,
 }
 
 impl InputWriter {
-    /// Both hands above a grid of `side`^3 voxels.
+    /// Creates a writer with both hands above a grid of `side`^3 voxels.
     pub fn above(side: usize) -> Self {
         let at = |x: f32| Pose {
             position: Vec3::new(x, 1.3, 0.5) * side as f32,
@@ -268,7 +270,7 @@ impl InputWriter {
         InputWriter { poses, goals: poses.map(|pose| pose.position), phases: 0 }
     }
 
-    /// The input of tick `i` of a phase, for the world before it.
+    /// Returns the input of tick `i` of a phase, given the world before it.
     pub fn input<const N: usize, const K: usize>(
         &mut self,
         phase: &Phase,
@@ -280,9 +282,9 @@ impl InputWriter {
     {
         if let PhaseEvent::Wild(seed) = phase.event {
             let mut input = arbitrary_input(&mut RandomSource::new(seed ^ u64::from(i) << 32));
-            // Visits have a model of their own.
+            // Visits have a separate model.
             input.visit = VisitInput::default();
-            // No trace holds the highest.
+            // Traces can't store the highest button.
             input.hands.iter_mut().for_each(|hand| hand.buttons &= 0x7f);
             return input;
         }
@@ -300,7 +302,7 @@ impl InputWriter {
         input
     }
 
-    /// Finds the voxels that hands go to.
+    /// Finds the voxels that hands move to.
     fn begin_phase<const N: usize, const K: usize>(&mut self, phase: &Phase, world: &World<N, K>)
     where
         Grid<N>: Size,
@@ -320,7 +322,7 @@ impl InputWriter {
         }
     }
 
-    /// Gives a tool to a hand that holds none, and begins a session where one is over.
+    /// Gives a tool to an empty hand, and begins a session if the last one is over.
     fn equip<const N: usize, const K: usize>(&self, input: &mut TickInput, world: &World<N, K>)
     where
         Grid<N>: Size,
@@ -372,7 +374,7 @@ impl InputWriter {
 }
 
 impl PhaseEvent {
-    /// Adds what happens in tick `i` of the phase.
+    /// Adds the event in tick `i` of the phase.
     fn add_to(&self, input: &mut TickInput, i: u8) {
         match *self {
             PhaseEvent::Storm(pattern) => {

@@ -1,4 +1,4 @@
-//! A world's save, written from the model's state and read as far as only the core knows it.
+//! A world's save: written from the model's state, and parsed for the parts that only the core knows.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -14,29 +14,29 @@ use crate::step::bench::write_pose;
 use crate::step::ensure;
 use crate::step::volume::Columns;
 
-/// Bytes of a visit.
+/// Length of a visit in bytes.
 const VISIT_BYTES: usize = 58;
 
-/// Bytes before a save's state: magic, version, side and checksum.
+/// Length of the part before a save's state, in bytes: magic, version, side and checksum.
 pub const HEADER_BYTES: usize = 16;
 
-/// What a save says of an island pass.
+/// The island pass in a save.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SeenPass {
-    /// Whether a pass runs.
+    /// `true` if a pass runs.
     pub is_running: bool,
-    /// Whether one is requested.
+    /// `true` if a pass is requested.
     pub is_requested: bool,
-    /// Whether ground and mask are reached from end to end.
+    /// `true` if all of ground and mask is reached.
     pub is_seeded: bool,
-    /// The voxels that it reached.
+    /// The voxels reached.
     pub reached: Arc<DenseVolume>,
-    /// The rows that it is to visit, by y and z.
+    /// The rows to visit, by y and z.
     queued: Vec<bool>,
 }
 
 impl SeenPass {
-    /// No pass.
+    /// Returns the state without a pass.
     pub fn none(side: usize) -> Self {
         SeenPass {
             is_running: false,
@@ -47,12 +47,12 @@ impl SeenPass {
         }
     }
 
-    /// Whether row (y, z) is to be visited.
+    /// Returns `true` if row (y, z) is queued for a visit.
     pub fn is_queued(&self, y: i32, z: i32) -> bool {
         self.queued[y as usize * self.reached.side() + z as usize]
     }
 
-    /// Whether nothing is to be visited any more.
+    /// Returns `true` if no row is left to visit.
     pub fn is_done_searching(&self) -> bool {
         self.is_seeded && !self.queued.contains(&true)
     }
@@ -60,7 +60,7 @@ impl SeenPass {
     /// Reads the islands' part of a save.
     ///
     /// # Errors
-    /// The bytes aren't what a search writes.
+    /// The bytes aren't a valid island search.
     fn read(bytes: &[u8], side: usize) -> Result<Self, String> {
         let mut from = ByteReader::new(bytes);
         Self::read_from(&mut from, side)
@@ -94,7 +94,7 @@ impl SeenPass {
 }
 
 impl<const K: usize> StepModel<K> {
-    /// The save's bytes from the state to the undo history.
+    /// Returns the save's bytes from the state to the undo history.
     pub fn to_save_bytes(&self) -> Vec<u8> {
         let mut to = self.state_bytes();
         write_columns(&mut to, self.volume.columns());
@@ -103,7 +103,7 @@ impl<const K: usize> StepModel<K> {
         to
     }
 
-    /// The bytes of all small state, which are the first part of its digest.
+    /// Returns the bytes of all small state, which are the first part of its digest.
     pub fn state_bytes(&self) -> Vec<u8> {
         let mut to = Vec::new();
         to.extend(self.tick.to_le_bytes());
@@ -128,19 +128,19 @@ impl<const K: usize> StepModel<K> {
             write_plane(&mut to, hand.above_float);
         }
         self.bench.write(&mut to);
-        // No visits: `crate::visit` is their model.
+        // No visit; visits have their own model, `crate::visit`.
         to.extend([0; VISIT_BYTES]);
         to.extend(self.mask_digest.to_le_bytes());
         to
     }
 }
 
-/// A world's save in two parts.
+/// A world's save, split into two parts.
 #[derive(Debug)]
 pub struct SplitSave<'a> {
-    /// From the state to the undo history.
+    /// The bytes from the state to the undo history.
     pub known: &'a [u8],
-    /// What it says of the islands.
+    /// The island pass.
     pub seen: SeenPass,
 }
 
@@ -148,7 +148,7 @@ impl<'a> SplitSave<'a> {
     /// Splits the save of a world of `side`^3 voxels and `intervals` intervals a column.
     ///
     /// # Errors
-    /// The bytes end early, or don't end with what an island search writes.
+    /// The bytes end early, or don't end with a valid island search.
     pub fn of(save: &'a [u8], side: usize, intervals: usize) -> Result<Self, String> {
         let mut from = ByteReader::new(save);
         skip_to_islands(&mut from, side, intervals)
@@ -157,10 +157,10 @@ impl<'a> SplitSave<'a> {
         Ok(SplitSave { known: &known[HEADER_BYTES..], seen: SeenPass::read(islands, side)? })
     }
 
-    /// Compares what is known with the model's state.
+    /// Compares the known part with the model's state.
     ///
     /// # Errors
-    /// Where they differ.
+    /// The place of the difference.
     pub fn compare<const K: usize>(&self, model: &StepModel<K>) -> Result<(), String> {
         let expected = model.to_save_bytes();
         let differs = self.known.iter().zip(&expected).position(|(is, should)| is != should);
@@ -180,7 +180,7 @@ impl<'a> SplitSave<'a> {
     }
 }
 
-/// Reads over state, volume, mask and undo history.
+/// Skips state, volume, mask and undo history.
 fn skip_to_islands(
     from: &mut ByteReader<'_>,
     side: usize,
@@ -223,7 +223,7 @@ fn write_plane(to: &mut Vec<u8>, above: HalfSpace) {
     to.extend(above.offset.to_le_bytes());
 }
 
-/// Writes the number of poses, the poses, and zeros for those that there might be.
+/// Writes the number of poses, the poses, and zeros up to the capacity.
 fn write_trail(to: &mut Vec<u8>, trail: &VecDeque<Pose>) {
     to.push(trail.len() as u8);
     let end = to.len() + MAX_TRAIL_POSES * 28;
@@ -231,7 +231,7 @@ fn write_trail(to: &mut Vec<u8>, trail: &VecDeque<Pose>) {
     to.resize(end, 0);
 }
 
-/// A row of bits in words of 64.
+/// Reads a row of bits in words of 64.
 fn read_bits(from: &mut ByteReader<'_>, side: usize) -> Result<Vec<bool>, BadBytes> {
     let mut bits = Vec::with_capacity(side);
     for _ in 0..side.div_ceil(64) {

@@ -1,4 +1,4 @@
-//! Runs sessions of a world and its model side by side, and keeps what was run as a trace.
+//! Runs sessions of a world and its model side by side, and records them as traces.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -15,8 +15,8 @@ use crate::step::plan::{InputWriter, Phase, PhaseEvent, SessionPlan};
 use crate::step::trace::{StepTrace, TraceEvent};
 use crate::world_harness::WorldHarness;
 
-/// Two worlds, of which one goes on when the other was saved, and the memory to try how long a pass takes. For
-/// statics.
+/// Two worlds, one of which continues after the other is saved, and the memory for measuring how long a pass
+/// takes. Meant for statics.
 #[derive(Debug)]
 pub struct StepHarness<const N: usize, const K: usize>
 where
@@ -27,31 +27,31 @@ where
     search: IslandSearch<N>,
 }
 
-/// A session that went wrong.
+/// A failed session.
 #[derive(Clone, Debug)]
 pub struct StepFailure {
-    /// What differs.
+    /// The difference.
     pub message: String,
-    /// What was run, the tick that failed as its last line.
+    /// The trace of the session, ending with the failed tick.
     pub trace: StepTrace,
 }
 
-/// What happened in a session: a driver that hardly does anything proves nothing.
+/// Counts of what happened in a session, because a session that does little proves nothing.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct SessionTally {
-    /// Ticks.
+    /// Number of ticks.
     pub ticks: u32,
     /// Edits that changed the volume.
     pub edits: u32,
-    /// Of these, edits that only added.
+    /// Edits that only added voxels.
     pub fills: u32,
-    /// Edits that closure or the mask refused a part of.
+    /// Edits partly refused by closure or the mask.
     pub refusals: u32,
-    /// Passes that removed something.
+    /// Passes that removed voxels.
     pub removals: u32,
-    /// Passes whose report was told.
+    /// Passes that were reported.
     pub passes: u32,
-    /// Undone and redone strokes.
+    /// Strokes undone or redone.
     pub rewinds: u32,
     /// Loads into another world.
     pub loads: u32,
@@ -72,7 +72,7 @@ where
 {
     harness: &'a mut StepHarness<N, K>,
     comparison: WorldComparison<N, K>,
-    /// Which of the two worlds goes on.
+    /// The index of the current world.
     current: usize,
     tally: SessionTally,
     trace: StepTrace,
@@ -82,7 +82,7 @@ impl<const N: usize, const K: usize> StepHarness<N, K>
 where
     Grid<N>: Size,
 {
-    /// For static initialisers.
+    /// Creates the harness; `const` for statics.
     #[allow(clippy::new_without_default)] // a Default would hand the worlds about by value
     pub const fn new() -> Self {
         StepHarness {
@@ -92,7 +92,7 @@ where
         }
     }
 
-    /// Runs a plan.
+    /// Runs a plan and returns its counts.
     ///
     /// # Errors
     /// World and model differ, or the world panics.
@@ -100,7 +100,7 @@ where
         self.run_plan_traced(plan).map(|(tally, _)| tally)
     }
 
-    /// Runs a plan. Returns its trace too.
+    /// Runs a plan. Returns its counts and its trace.
     ///
     /// # Errors
     /// World and model differ, or the world panics.
@@ -114,7 +114,7 @@ where
         })
     }
 
-    /// Runs what a trace tells.
+    /// Replays a trace.
     ///
     /// # Errors
     /// World and model differ, or the world panics.
@@ -204,8 +204,8 @@ where
         self.comparison.follow_load(world)
     }
 
-    /// Checks that no pass waits longer than it may: so many ticks for each tick's visits that a pass over the
-    /// present volume needs if nothing else is done.
+    /// Checks that no pass waits longer than allowed: the longest wait of a pass of one tick, times the ticks
+    /// that a pass over the present volume needs if nothing else is done.
     fn check_wait(&mut self) -> Result<(), String> {
         let model = &self.comparison.model;
         let is_held = model.history.counts().redoable > 0;
@@ -231,7 +231,7 @@ where
 }
 
 impl SessionTally {
-    /// The counts of two sessions.
+    /// Returns the sums of two sessions' counts.
     pub fn sum_with(self, other: SessionTally) -> SessionTally {
         SessionTally {
             ticks: self.ticks + other.ticks,

@@ -1,4 +1,4 @@
-//! Model of what spalls off a hidden figure that a bit touches.
+//! Model of spalling: stone that comes off a hidden figure near a bit that touches it.
 
 use paros_core::edit::{EditOperation, EditReport};
 use paros_core::session::ToolBit;
@@ -9,8 +9,8 @@ use crate::step::ledger::Ledger;
 use crate::step::volume::whole_voxels;
 
 impl<const K: usize> StepModel<K> {
-    /// Takes off all stone within reach of a hand's bit that touches the figure, if the tool runs, and `left` of the
-    /// hand's work is enough.
+    /// Removes all stone within reach of a hand's bit that touches the figure, if the tool runs and `left` of
+    /// the hand's work is enough.
     pub(super) fn spall(
         &mut self,
         hand: usize,

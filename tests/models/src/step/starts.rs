@@ -3,8 +3,7 @@
 use crate::dense::{DenseVolume, MaskedVolume};
 use crate::random_visitor::RandomSource;
 
-/// A floor with boxes on it and above it, some of which stand on nothing, and one of those on the floor as the
-/// mask.
+/// Returns a floor with boxes on it and above it, some of which float. One box on the floor is the mask.
 pub fn scattered_boxes(side: usize, seed: u64) -> MaskedVolume {
     let mut dice = RandomSource::new(seed);
     let n = side as i32;
@@ -28,6 +27,6 @@ pub fn scattered_boxes(side: usize, seed: u64) -> MaskedVolume {
         }
         voxels
     };
-    // The world starts from the closure, in which a mask that is a box is whole.
+    // The world starts from the closure, which keeps a box-shaped mask whole.
     MaskedVolume { volume: fill(&boxes), mask: fill(&[mask]) }
 }

@@ -1,4 +1,4 @@
-//! Model of the stool's turning: by sticks, by hands on its rim, and by the pointer.
+//! Model of the stool's rotation: by sticks, by hands on its rim, and by the pointer.
 
 use glam::{Quat, Vec3};
 use paros_core::TickInput;
@@ -8,19 +8,20 @@ use paros_core::session::{PointerCommand, RawPose, TICK_RATE};
 use crate::step::StepModel;
 use crate::step::hand_input::HandPresses;
 
-/// Greatest distance from the rim at which a hand takes hold of it, in metres.
+/// Greatest distance from the rim at which a hand grabs it, in metres.
 const REACH: f32 = 0.12;
 
-/// Least distance from the axis at which a hand has a direction from it, in metres.
+/// Least distance from the axis at which a hand has a bearing, in metres.
 const LEAST_RADIUS: f32 = 0.05;
 
-/// Whether a hand's grip is at the rim, which lies level.
+/// Returns `true` if a hand's grip is at the horizontal rim.
 pub(super) fn is_at_rim(grip: Vec3) -> bool {
     let outward = ((grip.x - STOOL_TOP.x).powi(2) + (grip.z - STOOL_TOP.z).powi(2)).sqrt();
     (outward - STOOL_RADIUS).hypot(grip.y - STOOL_TOP.y) < REACH
 }
 
-/// How far a hand's way leads round the axis, in 65,536ths of a turn, counter-clockwise from above.
+/// Returns the angle by which a hand's path leads round the axis, in 65,536ths of a turn, counter-clockwise
+/// from above.
 pub(super) fn turn_of_way(from: Vec3, to: Vec3) -> i32 {
     let [before, after] = [from, to].map(|at| at - STOOL_TOP);
     if [before, after].iter().any(|at| at.x.hypot(at.z) < LEAST_RADIUS) {
@@ -33,8 +34,8 @@ pub(super) fn turn_of_way(from: Vec3, to: Vec3) -> i32 {
     (turned[1] - turned[0] + 32_768).rem_euclid(65_536) - 32_768
 }
 
-/// Has a hand put its tool back in tick 0, and go round the rim from then on, squeezed: `by` 65,536ths of a turn a tick,
-/// so many centimetres above it.
+/// Adds a hold of the rim to a hand's input: the hand returns its tool in tick 0 and then moves round the
+/// rim, squeezed, by `by` 65,536ths of a turn a tick, `above` centimetres above it.
 pub(super) fn add_hold(input: &mut TickInput, hand: usize, by: i16, above: i8, tick: u8) {
     let held = &mut input.hands[hand];
     let turned = f32::from(by) * f32::from(tick) / 65_536.0 * core::f32::consts::TAU;
@@ -50,8 +51,8 @@ pub(super) fn add_hold(input: &mut TickInput, hand: usize, by: i16, above: i8, t
 }
 
 impl<const K: usize> StepModel<K> {
-    /// Turns the stool: by tracked hands' sticks a quarter turn a second at most each, by the mean of the ways of the
-    /// hands that hold it a quarter turn at most, and by the pointer.
+    /// Turns the stool. Each tracked hand's stick turns it at most a quarter turn a second; the mean of the
+    /// paths of the hands that hold it, at most a quarter turn; the pointer turns it as well.
     pub(super) fn turn_stool(&mut self, input: &TickInput, presses: &[HandPresses; 2]) {
         let mut turn = 0;
         for (hand, state) in input.hands.iter().zip(&self.hands) {

@@ -1,4 +1,4 @@
-//! Model of a blow that splits a flake off.
+//! Model of a blow that splits off a flake.
 
 use glam::{I64Vec3, IVec3};
 use paros_core::WorldEvent;
@@ -12,7 +12,7 @@ use crate::step::StepModel;
 use crate::step::hands::is_blow_at;
 use crate::step::ledger::HandWork;
 
-/// Half the ball about a struck place.
+/// Half of the ball around a struck point.
 struct Flake {
     struck: I64Vec3,
     normal: I64Vec3,
@@ -20,8 +20,8 @@ struct Flake {
 }
 
 impl<const K: usize> StepModel<K> {
-    /// Splits a flake off with a chisel that does, if it is struck in this tick near enough to an edge, and the work
-    /// is within the hand's. Returns what it did, and its work.
+    /// Splits off a flake, if the chisel can, is struck in this tick near enough to an edge, and the hand has
+    /// enough work left. Returns the edit's report and its work.
     pub(super) fn strike(
         &mut self,
         hand: usize,
@@ -60,8 +60,8 @@ impl<const K: usize> StepModel<K> {
         Some((report, work))
     }
 
-    /// The flake that a hand's chisel would split off: where its tip is on stone, if the stone ends within reach
-    /// along the blow and to one side of the blade.
+    /// Returns the flake that a hand's chisel would split off: its tip must be on stone, and the stone must
+    /// end within reach along the blow and to one side of the blade.
     fn flake_under(&self, hand: usize, grid_bit: &GridBit, reach: i64) -> Option<Flake> {
         let GridShape::Box(half) = grid_bit.shape else { return None };
         let pose = self.hands[hand].frozen_pose;
@@ -70,7 +70,7 @@ impl<const K: usize> StepModel<K> {
         let tip = moved(pose.clamped_position_subunits().as_i64vec3(), blow, i64::from(half.z));
         let struck =
             (0..=4).map(|i| moved(tip, blow, 128 * i)).find(|&point| self.is_stone_at(point))?;
-        // In half voxels; the ground under the stone is no end of it.
+        // In half voxels; the ground under the stone doesn't count as an end.
         let end = |way: I64Vec3| {
             (1..=reach / 128).find(|i| {
                 let point = moved(struck, way, 128 * i);
@@ -95,7 +95,7 @@ impl<const K: usize> StepModel<K> {
 }
 
 impl Flake {
-    /// The box around the voxels of its whole ball.
+    /// Returns the box around the voxels of the whole ball.
     fn ball_box(&self, side: usize) -> VoxelBox {
         VoxelBox::new([0, 1, 2].map(|axis| {
             let middle = self.struck.to_array()[axis];
@@ -109,7 +109,7 @@ impl Flake {
     }
 }
 
-/// A point moved along a unit direction, of which 2^14 stands for 1.
+/// Returns a point moved along a unit direction, in fixed point with 2^14 as 1.
 fn moved(from: I64Vec3, way: I64Vec3, distance: i64) -> I64Vec3 {
     from + I64Vec3::from_array((way * distance).to_array().map(|part| part >> 14))
 }

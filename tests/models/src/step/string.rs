@@ -1,12 +1,12 @@
-//! Model of a steadied hand: its bit hangs on a string.
+//! Model of a steadied hand, whose bit follows on a string.
 
 use paros_core::edit::Pose;
 
 use crate::step::StepModel;
 
 impl<const K: usize> StepModel<K> {
-    /// Where a hand wants its bit that has it at `in_hand`. A running bit hangs on a string: what the hand asked for
-    /// a tick ago goes toward the hand by so much as it is farther from it than the string is long.
+    /// Returns the position that a hand at `in_hand` wants for its bit. A running bit follows on a string:
+    /// the position wanted a tick ago moves toward the hand by the distance that exceeds the string's length.
     pub(super) fn pull_string(&self, hand: usize, in_hand: Pose, is_new_pull: bool) -> Pose {
         let state = &self.hands[hand];
         let string = f32::from(self.string_mm) * 1e-3 / self.stool_frame().voxel_metres();

@@ -1,5 +1,5 @@
-//! Inputs of a session as text, so that a failure can be replayed: `step SIDE INTERVALS`, the start volume and
-//! its mask as lengths of runs, empty ones first, and a line for each tick.
+//! A session's inputs as text, for replaying a failure: `step SIDE INTERVALS`, the start volume and its mask
+//! as run lengths beginning with an empty run, and a line for each tick.
 
 use std::fmt::{Display, Formatter};
 use std::str::FromStr;
@@ -21,7 +21,7 @@ pub struct StepTrace {
     pub volume: DenseVolume,
     /// The hidden figure.
     pub mask: DenseVolume,
-    /// What happens.
+    /// The events.
     pub events: Vec<TraceEvent>,
 }
 
@@ -30,12 +30,12 @@ pub struct StepTrace {
 pub enum TraceEvent {
     /// A tick.
     Tick(TickInput),
-    /// The world is saved, and loaded into another that goes on.
+    /// The world is saved and loaded into another world, which continues.
     Reload,
 }
 
 impl StepTrace {
-    /// A trace without events.
+    /// Creates a trace without events.
     pub fn from_start(start: &MaskedVolume, intervals: usize) -> Self {
         StepTrace {
             side: start.volume.side(),

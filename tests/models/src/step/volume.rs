@@ -1,5 +1,5 @@
-//! A volume of K intervals a column as one boolean a voxel and one column an address, edited by the
-//! definition. Only columns through changed voxels are looked at, so that it serves large grids too.
+//! A volume of K intervals a column, as one boolean a voxel and a column for each address, edited by the
+//! definition. Only columns through changed voxels are recomputed, so that large grids are possible too.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -21,28 +21,28 @@ pub type Voxel = [i32; 3];
 /// The columns along x, y and z, by line and place.
 pub type Columns<const K: usize> = [Vec<Column<K>>; 3];
 
-/// A column: the number of its axis, then its address.
+/// A column's name: the number of its axis, and its address.
 pub type ColumnName = (usize, ColumnAddress);
 
-/// A column that an edit changed, as it was.
+/// A column changed by an edit, with its old value.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ChangedColumn<const K: usize> {
-    /// Which it is.
+    /// The column's name.
     pub name: ColumnName,
-    /// What it was.
+    /// Its old value.
     pub old: Column<K>,
 }
 
-/// What an edit or a removal did.
+/// The changes of an edit or a removal.
 #[derive(Clone, Debug)]
 pub struct VolumeChange<const K: usize> {
-    /// The columns that changed.
+    /// The changed columns.
     pub columns: Vec<ChangedColumn<K>>,
-    /// The voxels that were empty.
+    /// The voxels added.
     pub added: Vec<Voxel>,
-    /// The voxels that were occupied.
+    /// The voxels removed.
     pub removed: Vec<Voxel>,
-    /// The voxels that the operation removed and closure brought back.
+    /// The voxels that the operation removed and closure restored.
     pub back: Vec<Voxel>,
 }
 
@@ -54,13 +54,13 @@ pub struct StepVolume<const K: usize> {
 }
 
 impl<const K: usize> StepVolume<K> {
-    /// No voxel in a grid of `side`^3.
+    /// Returns an empty volume of `side`^3 voxels.
     pub fn empty(side: usize) -> Self {
         let columns = Axis::ALL.map(|_| vec![Column::EMPTY; side * side]);
         StepVolume { voxels: Arc::new(DenseVolume::empty(side)), columns }
     }
 
-    /// The volume of these maps.
+    /// Returns the volume of the given maps.
     pub fn from_maps<const N: usize>(maps: &RangeMaps<N, K>) -> Self {
         let columns =
             Axis::ALL.map(|axis| (0..N).flat_map(|line| *maps.line(axis, line)).collect());
@@ -70,22 +70,22 @@ impl<const K: usize> StepVolume<K> {
         volume
     }
 
-    /// The occupied voxels.
+    /// Returns the occupied voxels.
     pub fn voxels(&self) -> &Arc<DenseVolume> {
         &self.voxels
     }
 
-    /// The columns.
+    /// Returns all columns.
     pub fn columns(&self) -> &Columns<K> {
         &self.columns
     }
 
-    /// A column.
+    /// Returns a column.
     pub fn column(&self, (axis, (line, place)): ColumnName) -> Column<K> {
         self.columns[axis][line * self.voxels.side() + place]
     }
 
-    /// Replaces all columns, as an undo does. Returns those that differ.
+    /// Replaces all columns, as an undo does. Returns the names of those that differ.
     pub fn replace_columns(&mut self, columns: &Columns<K>) -> Vec<ColumnName> {
         let n = self.voxels.side();
         let mut changed = Vec::new();
@@ -101,8 +101,8 @@ impl<const K: usize> StepVolume<K> {
         changed
     }
 
-    /// Applies an edit to the voxels of `brush`, which holds none twice, with those of its mirror image where that
-    /// belongs to it: the boolean operation, then closure.
+    /// Applies an edit to the voxels of `brush`, which contains the mirror image if the edit is mirrored, and
+    /// no voxel twice: the boolean operation, then closure.
     pub fn apply_edit(
         &mut self,
         mask: &DenseVolume,
@@ -135,15 +135,16 @@ impl<const K: usize> StepVolume<K> {
         (report, change)
     }
 
-    /// Removes voxels, as the end of an island pass does, then closes.
+    /// Removes voxels as the end of an island pass does, then applies closure.
     pub fn remove_voxels(&mut self, voxels: &[Voxel]) -> VolumeChange<K> {
         self.become_closure_of_flipped(voxels)
     }
 
-    /// Asserts that each interval is tight, and that a column with room for a gap has no empty voxel within.
+    /// Asserts that each interval is tight, and that a column with room for a gap has no empty voxel inside
+    /// its hull.
     ///
     /// # Panics
-    /// One does not hold.
+    /// An invariant is violated.
     pub fn assert_tight_and_saturated(&self) {
         let n = self.voxels.side();
         for (axis, at) in
@@ -160,7 +161,7 @@ impl<const K: usize> StepVolume<K> {
         }
     }
 
-    /// What an operation does to a voxel of its brush.
+    /// Returns the effect of an operation on a voxel of its brush.
     fn verdict_on(&self, voxel: Voxel, operation: EditOperation, is_mirrored: bool) -> Verdict {
         let occupied = |at: Voxel| self.voxels.contains(at);
         match operation {
@@ -188,7 +189,8 @@ impl<const K: usize> StepVolume<K> {
         }
     }
 
-    /// Flips voxels, then closes: columns through them by the closure rule, and then what all three hold.
+    /// Flips voxels, then applies closure: the closure rule to columns through them, and then the
+    /// intersection of all three.
     fn become_closure_of_flipped(&mut self, flips: &[Voxel]) -> VolumeChange<K> {
         let before = Arc::clone(&self.voxels);
         let mut touched = BTreeSet::new();
@@ -222,14 +224,14 @@ impl<const K: usize> StepVolume<K> {
             }
         }
         for voxels in [&mut change.added, &mut change.removed, &mut change.back] {
-            // Three columns pass through each.
+            // Each voxel was listed for its three columns.
             voxels.sort_unstable();
             voxels.dedup();
         }
         change
     }
 
-    /// The column of the present voxels by the closure rule.
+    /// Returns the column of the present voxels by the closure rule.
     fn closed_column(&self, name: ColumnName) -> Column<K> {
         let bits: Vec<_> = self.voxels_of(name).map(|voxel| self.voxels.contains(voxel)).collect();
         let mut column = Column::EMPTY;
@@ -240,7 +242,7 @@ impl<const K: usize> StepVolume<K> {
         column
     }
 
-    /// Sets the voxels of these columns to what all three columns through them hold.
+    /// Sets the voxels of these columns to the intersection of all three columns through them.
     fn intersect_along(&mut self, names: impl Iterator<Item = ColumnName>) {
         for name in names {
             let is_empty = self.column(name) == Column::EMPTY;
@@ -257,18 +259,18 @@ impl<const K: usize> StepVolume<K> {
         }
     }
 
-    /// The voxels of a column, empty ones too.
+    /// Returns the voxels of a column, empty ones included.
     fn voxels_of(&self, (axis, at): ColumnName) -> impl Iterator<Item = Voxel> + use<K> {
         (0..self.voxels.side()).map(move |i| to_voxel(Axis::ALL[axis].voxel_at(at, i)))
     }
 }
 
-/// What an operation does to a voxel of its brush.
+/// The effect of an operation on a voxel of its brush.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Verdict {
     Stays,
     Flips,
-    /// It would flip, but lies more steps from the surface than the operation reaches.
+    /// It would flip, but lies deeper below the surface than the operation reaches, in steps.
     TooDeep,
 }
 
@@ -278,8 +280,8 @@ impl Verdict {
     }
 }
 
-/// Whether a place at most `depth` six-neighbour steps away is wanted. A depth beyond the greatest counts as
-/// that.
+/// Returns `true` if a place at most `depth` six-neighbour steps away is wanted. The depth is capped at
+/// [`SHELL_DEPTH`].
 fn is_any_within_steps([x, y, z]: Voxel, depth: usize, wanted: impl Fn(Voxel) -> bool) -> bool {
     let depth = depth.min(SHELL_DEPTH) as i32;
     (-depth..=depth).any(|i| {
@@ -291,7 +293,7 @@ fn is_any_within_steps([x, y, z]: Voxel, depth: usize, wanted: impl Fn(Voxel) ->
     })
 }
 
-/// The three columns through a voxel.
+/// Returns the three columns through a voxel.
 fn columns_through(voxel: Voxel) -> [ColumnName; 3] {
     Axis::ALL.map(|axis| (axis as usize, axis.column_address(voxel.map(|i| i as usize))))
 }
@@ -311,7 +313,7 @@ fn box_around(voxels: &[Voxel]) -> VoxelBox {
     }))
 }
 
-/// The voxels whose centres are in a brush, or in its mirror image too; none twice.
+/// Returns the voxels whose centres are in a brush, or in its mirror image if mirrored, each once.
 pub(super) fn voxels_of_brush(brush: &Brush, side: usize, is_mirrored: bool) -> Vec<Voxel> {
     let mut voxels = Vec::new();
     for piece in brush.pieces() {
@@ -334,7 +336,7 @@ pub(super) fn voxels_of_brush(brush: &Brush, side: usize, is_mirrored: bool) -> 
     voxels
 }
 
-/// A length in subunits as voxels, rounded up.
+/// Returns a length in subunits as voxels, rounded up.
 pub(super) fn whole_voxels(subunits: i32) -> usize {
     (subunits as usize).div_ceil(SUBUNITS_PER_VOXEL as usize)
 }
