@@ -1,4 +1,4 @@
-//! Errors of a command, the exit codes that say whose fault they are, and the end of a program.
+//! Errors of a command, their exit codes, and the end of a program.
 
 use std::fmt;
 use std::io::{self, ErrorKind, Write as _};
@@ -8,29 +8,29 @@ use paros_core::convert::HeightOutOfRange;
 use paros_shaders::gpu;
 use paros_shell::durable;
 
-/// Why a command did not do its work.
+/// The reason why a command failed.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// What it was given is wrong: an argument, or what a file holds. Exit code 2.
+    /// The input is invalid: an argument, or the contents of a file. Exit code 2.
     #[error("{0}")]
     Input(String),
-    /// What it was given is right, but the machine would not: a full disk, say. Exit code 1.
+    /// The input is valid, but the system failed: the disk is full, for example. Exit code 1.
     #[error("{0}")]
     Failure(String),
 }
 
 impl Error {
-    /// Whatever is wrong with what a command was given.
+    /// Returns an [`Error::Input`] with the text of `error`.
     pub fn input(error: impl fmt::Display) -> Self {
         Error::Input(error.to_string())
     }
 
-    /// Whatever the machine would not do.
+    /// Returns an [`Error::Failure`] with the text of `error`.
     pub fn failure(error: impl fmt::Display) -> Self {
         Error::Failure(error.to_string())
     }
 
-    /// The code for the process to end with.
+    /// Returns the exit code of the process.
     #[must_use]
     pub fn exit_code(&self) -> ExitCode {
         match self {
@@ -40,7 +40,7 @@ impl Error {
     }
 }
 
-/// A place where no file can be is the argument's fault; a disk that refuses is not.
+/// A path at which no file can be created is an input error; other write errors are failures.
 impl From<durable::WriteError> for Error {
     fn from(error: durable::WriteError) -> Self {
         match error.source.kind() {
@@ -54,7 +54,7 @@ impl From<durable::WriteError> for Error {
     }
 }
 
-/// No Vulkan, no device that fits, a lost one, or one without memory left.
+/// Vulkan is missing, no device is suitable, or the device was lost or ran out of memory: a failure.
 impl From<gpu::Error> for Error {
     fn from(error: gpu::Error) -> Self {
         Error::failure(error)

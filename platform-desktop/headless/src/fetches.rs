@@ -1,39 +1,40 @@
-//! Texels that a picture's fragments fetch, counted by the instrumented copies of their programs.
+//! Counts of the texels that a picture's fragments fetch, by instrumented copies of the shaders.
 
 use paros_shaders::Image;
 use paros_shaders::gpu::{Drawn, FrameRequest, PixelCounts, RenderStyle};
 
 use crate::{Error, HeadlessRenderer};
 
-/// What the fragments of one or more pictures fetched. Of a fragment that was discarded too, as it costs as much.
+/// Counts of the texels that the fragments of one or more pictures fetched. Discarded fragments count too, as
+/// they cost as much.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct FetchCounts {
     /// Pixels that show the sculpture.
     pub pixels: u64,
-    /// Texels sampled and loaded; each of a filtered sample counts once.
+    /// Texels sampled and loaded. Each texel of a filtered sample counts.
     pub fetches: u64,
-    /// Of the fragment that fetched most; 255 at most.
+    /// The most fetches of one fragment, capped at 255.
     pub most_fetches: u32,
-    /// Turns of the march.
+    /// Iterations of the ray march.
     pub turns: u64,
-    /// Of the fragment that took most; 255 at most.
+    /// The most iterations of one fragment, capped at 255.
     pub most_turns: u32,
 }
 
 impl FetchCounts {
-    /// Fetches for each pixel that shows the sculpture.
+    /// Returns the mean number of fetches per pixel that shows the sculpture.
     #[must_use]
     pub fn mean_fetches(&self) -> f64 {
         self.fetches as f64 / self.pixels.max(1) as f64
     }
 
-    /// Turns of the march for each such pixel.
+    /// Returns the mean number of ray march iterations per pixel that shows the sculpture.
     #[must_use]
     pub fn mean_turns(&self) -> f64 {
         self.turns as f64 / self.pixels.max(1) as f64
     }
 
-    /// Those of both.
+    /// Combines two counts: adds the sums and takes the greater maxima.
     #[must_use]
     pub fn and(self, other: FetchCounts) -> Self {
         FetchCounts {
@@ -45,7 +46,8 @@ impl FetchCounts {
         }
     }
 
-    /// Those of a picture of counts. What no fragment has drawn is black.
+    /// Sums the counts of a picture in which each pixel encodes its counts. Pixels that no fragment has drawn
+    /// are black.
     fn of_picture(picture: &Image) -> Self {
         let mut counts = FetchCounts::default();
         for &pixel in picture.pixels.as_chunks::<3>().0 {
@@ -61,11 +63,12 @@ impl FetchCounts {
 }
 
 impl HeadlessRenderer {
-    /// Counts the fetches of the sculpture in the view of a request, for all of its eyes. `samples` are those of the
-    /// picture that is meant: a pixel at the outline costs more with several. The renderer itself has one.
+    /// Counts the fetches of the sculpture in the view of a request, for all of its eyes. `samples` is the
+    /// number of samples per pixel to simulate: with several, a pixel at the outline costs more. The renderer
+    /// itself uses one sample.
     ///
     /// # Errors
-    /// A lost device.
+    /// Returns an error if the device is lost.
     pub fn count_fetches(
         &mut self,
         request: &FrameRequest<'_>,

@@ -1,6 +1,7 @@
-//! What the desktop's commands and its bench share. It takes volumes and gives pictures, drawn by a
-//! Vulkan device without a window, and it has the [`Error`] that a command ends with. It knows neither
-//! the commands nor the window.
+//! Offscreen rendering and errors shared by the desktop's commands and its bench.
+//!
+//! The crate takes volumes and returns pictures, drawn by a Vulkan device without a window, and defines the
+//! [`Error`] that a command ends with. It depends neither on the commands nor on the window.
 #![forbid(unsafe_code)]
 
 mod error;

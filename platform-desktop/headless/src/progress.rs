@@ -1,4 +1,4 @@
-//! Progress on standard error, where that is a terminal.
+//! Progress display on standard error, if that is a terminal.
 
 use std::time::Duration;
 
@@ -7,8 +7,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 /// Redraw interval while the work reports nothing.
 const TICK: Duration = Duration::from_millis(100);
 
-/// Shows a progress bar of `steps`, or a spinner where their number is unknown. It is cleared when
-/// dropped.
+/// Shows a progress bar of `steps`, or a spinner if the number of steps is unknown. Dropping the result
+/// clears it.
 #[must_use]
 pub fn show_progress(what: &'static str, steps: Option<u64>) -> ProgressDisplay {
     let (bar, template) = match steps {

@@ -14,17 +14,17 @@ use paros_shaders::{Camera, Image};
 
 use crate::Error;
 
-/// The light that falls on the middle of the twin's backdrop, as a display shows it. The studio
+/// The colour of the middle of the twin's backdrop as a display shows it, used as the background. The studio
 /// itself is not drawn.
 pub const BACKDROP: [f32; 3] = [0.1480, 0.1465, 0.1442];
 
 /// Regions of a sculpture's texture and their bytes, to be uploaded with the next picture.
 pub type Uploads = Vec<(Region, Vec<u8>)>;
 
-/// Opens the best Vulkan device, or the best of those whose names contain `name_part`.
+/// Opens the best Vulkan device, or the best one whose name contains `name_part`.
 ///
 /// # Errors
-/// There is none, or it won't start.
+/// Returns an error if there is no such device, or it fails to start.
 pub fn open_gpu(name_part: Option<&str>) -> Result<Arc<Gpu>, Error> {
     let options = Options { device_name: name_part.map(String::from), ..Options::default() };
     Ok(Gpu::headless(&options)?)
@@ -50,11 +50,12 @@ pub struct HeadlessRenderer {
 }
 
 impl HeadlessRenderer {
-    /// A renderer for volumes of that format. `pipeline_cache` is another renderer's
+    /// Creates a renderer for volumes of the format `volume`. `pipeline_cache` is another renderer's
     /// [`HeadlessRenderer::pipeline_cache`], or empty.
     ///
     /// # Errors
-    /// A picture larger than the device draws, or a call that failed: out of memory, most likely.
+    /// Returns an error if the picture is larger than the device can draw, or if a Vulkan call failed, most
+    /// likely because memory ran out.
     pub fn new(
         gpu: &Arc<Gpu>,
         volume: VolumeFormat,
@@ -76,18 +77,18 @@ impl HeadlessRenderer {
         Ok(HeadlessRenderer { screen, renderer })
     }
 
-    /// The pipeline cache, which makes the next renderer of this device start sooner.
+    /// Returns the pipeline cache, with which the next renderer of this device starts sooner.
     ///
     /// # Errors
-    /// A lost device.
+    /// Returns an error if the device is lost.
     pub fn pipeline_cache(&self) -> Result<Vec<u8>, Error> {
         Ok(self.renderer.pipeline_cache_data()?)
     }
 
-    /// Loads a whole sculpture, of the format that the renderer was made for.
+    /// Loads a whole sculpture. It must have the format that the renderer was created for.
     ///
     /// # Errors
-    /// A lost device.
+    /// Returns an error if the device is lost.
     pub fn load_field<const N: usize, const K: usize>(
         &mut self,
         field: &DensityField<N, K>,
@@ -104,13 +105,13 @@ impl HeadlessRenderer {
     /// Uploads a region of the sculpture's texture.
     ///
     /// # Errors
-    /// A lost device.
+    /// Returns an error if the device is lost.
     pub fn upload_region(&mut self, region: Region, bytes: &[u8]) -> Result<(), Error> {
         Ok(self.renderer.submit_upload_between_frames(region, bytes)?)
     }
 
-    /// Puts a picture into a cell of the panels', once one of the next frames has uploaded it: each uploads one. False if
-    /// there is no such cell or the picture isn't as large as one.
+    /// Queues a picture for a cell of the panels' picture atlas; each of the next frames uploads one queued
+    /// picture. Returns `false` if there is no such cell or the picture hasn't the size of a cell.
     pub fn set_panel_picture(&mut self, cell: u8, picture: &Image) -> bool {
         self.renderer.set_panel_picture(cell, picture)
     }
@@ -120,10 +121,10 @@ impl HeadlessRenderer {
         self.renderer.set_sculpture_order(order);
     }
 
-    /// Draws a frame after `uploads`, and waits for it. Returns the device's times for its parts.
+    /// Applies `uploads`, draws a frame, and waits for it. Returns the GPU times of its parts.
     ///
     /// # Errors
-    /// More uploads than a frame takes, or a lost device.
+    /// Returns an error if there are more uploads than a frame can hold, or if the device is lost.
     pub fn draw_frame(
         &mut self,
         request: &FrameRequest<'_>,
@@ -139,10 +140,10 @@ impl HeadlessRenderer {
         Ok(self.renderer.wait_for_frames()?)
     }
 
-    /// Reads one eye's image of the latest picture back.
+    /// Reads back one eye's image of the latest picture.
     ///
     /// # Errors
-    /// A lost device.
+    /// Returns an error if the device is lost.
     pub fn read_image(&self, eye: u32) -> Result<Image, Error> {
         let [width, height] = self.screen.target.extent.map(|side| side as usize);
         let pixels = self.screen.read_pixels(eye)?;
@@ -156,12 +157,12 @@ impl HeadlessRenderer {
 pub struct SculptureView {
     /// The eye.
     pub eye: Eye,
-    /// Where the sculpture stands.
+    /// The position, size and rotation of the sculpture.
     pub placement: SculpturePlacement,
 }
 
 impl SculptureView {
-    /// The same view of a sculpture where it stands in the room, with its size there.
+    /// Returns the same view of a sculpture that stands in the room, scaled to its size there.
     #[must_use]
     pub fn moved_onto(&self, stand: &SculpturePlacement) -> Self {
         let position = stand.foot + self.eye.position * (stand.side / self.placement.side);
@@ -173,8 +174,8 @@ impl SculptureView {
     }
 }
 
-/// The view that shows what a camera of the twin does: a side of the cube is a metre, and the stool
-/// turns before the eye.
+/// Returns the view of a camera of the twin. A side of the cube is 1 m, and the stool turns in front of the
+/// eye.
 #[must_use]
 pub fn view_of_camera(camera: &Camera, [width, height]: [u32; 2]) -> SculptureView {
     let (sin, cos) = camera.elevation.sin_cos();

@@ -1,6 +1,6 @@
-//! A two-handled jar, petals cut around its foot and a wave around its shoulder.
+//! A two-handled jar with petals cut around its foot and a zigzag around its shoulder.
 //!
-//! Its hollows are wide, as the owl's.
+//! Its hollows are wide enough for a ball of 15 mm, like the owl's.
 
 use glam::Vec3;
 
@@ -10,7 +10,7 @@ use crate::sdf::{
     torus_around_y, v,
 };
 
-/// Signed distance to the surface.
+/// Returns the signed distance to the surface.
 #[must_use]
 pub fn signed_distance(p: Vec3) -> f32 {
     let jar = smooth_union(carve_ornament(belly_distance(p), p), neck_distance(p), 8.0);
@@ -38,7 +38,7 @@ fn neck_distance(p: Vec3) -> f32 {
     smooth_union(smooth_union(tube, lip, 8.0), ring, 6.0)
 }
 
-/// A link that hangs between lip and shoulder; the rest of its loop is inside the jar.
+/// Returns the distance to a handle: an elongated torus between lip and shoulder, partly inside the jar.
 fn handle_distance(folded: Vec3) -> f32 {
     let p = folded - v(28.0, 87.0, 0.0);
     let p = v(p.x, p.y - max(-5.0, min(5.0, p.y)), p.z);
@@ -52,11 +52,11 @@ fn carve_ornament(distance: f32, p: Vec3) -> f32 {
     let band = |height: f32| (p.y - height).abs();
     let distance = carve_flute(distance, min(band(41.0), band(70.0)), 1.3);
     let aside = distance_from_nearest_of_16_spokes(p);
-    // Petals: a furrow along every spoke, which ends where they lie too close together.
+    // Petals: a furrow along every spoke, which ends where the spokes are too close together.
     let room = (distance_from_y_axis(p) - 17.0) * 0.1;
     let petal = min(room, (37.0 - p.y) * 0.3);
     let distance = carve_flute(distance, aside, 2.4 * clamp_to_unit(petal));
-    // A zigzag: half a tooth of it on each side of a spoke.
+    // A zigzag with half a tooth on each side of a spoke.
     let rise = 61.5 - aside * (12.0 / 8.6);
     let within = min(p.y - 43.0, 68.0 - p.y) * 0.3;
     carve_flute(distance, (p.y - rise) * 0.58, 1.1 * clamp_to_unit(within))

@@ -1,6 +1,6 @@
 //! A cat that sits upright, its tail around its feet.
 //!
-//! Its hollows are wide, as the owl's.
+//! Its hollows are wide enough for a ball of 15 mm, like the owl's.
 
 use glam::Vec3;
 
@@ -9,7 +9,7 @@ use crate::sdf::{
     smooth_subtract, smooth_union, sphere, v,
 };
 
-/// Signed distance to the surface.
+/// Returns the signed distance to the surface.
 #[must_use]
 pub fn signed_distance(p: Vec3) -> f32 {
     let folded = fold_x(p);
@@ -43,7 +43,7 @@ fn legs_distance(folded: Vec3) -> f32 {
     let fore = round_cone(folded, (v(9.5, 50.0, 14.0), 9.5), (v(10.0, 14.0, 22.0), 8.0));
     let paw = ellipsoid(folded, v(10.0, 13.0, 28.0), v(9.0, 6.5, 10.5));
     let hind = ellipsoid(folded, v(26.0, 13.0, 12.0), v(8.5, 6.5, 13.0));
-    // What stands between the legs, so that they are a furrow apart.
+    // Fills the gap between the legs up to a furrow.
     let between = round_cone(folded, (v(0.0, 50.0, 10.0), 9.0), (v(0.0, 14.0, 17.0), 9.0));
     let fore = smooth_union(smooth_union(fore, paw, 5.0), between, 6.0);
     smooth_union(fore, hind, 9.0)

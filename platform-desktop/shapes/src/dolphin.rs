@@ -1,6 +1,6 @@
 //! A dolphin that leaps over the crest of a wave.
 //!
-//! Its hollows are wide, as the owl's.
+//! Its hollows are wide enough for a ball of 15 mm, like the owl's.
 
 use glam::Vec3;
 
@@ -9,7 +9,7 @@ use crate::sdf::{
     sphere, v,
 };
 
-/// Signed distance to the surface.
+/// Returns the signed distance to the surface.
 #[must_use]
 pub fn signed_distance(p: Vec3) -> f32 {
     let folded_z = v(p.x, p.y, p.z.abs());
@@ -61,7 +61,7 @@ fn add_face(distance: f32, folded_z: Vec3) -> f32 {
         return distance;
     }
     let eye = sphere(folded_z, v(28.5, 74.0, 12.4), 3.6);
-    // The mouth: a furrow along the beak that turns up at its end, and so smiles.
+    // The mouth: a furrow along the beak that turns up at its end, like a smile.
     let mouth = (folded_z.x - 33.0) * 0.74 + (folded_z.y - 63.0) * 0.67;
     let gap = (folded_z.x - 33.0) * 0.67 + (folded_z.y - 65.0) * 0.74;
     let within = clamp_to_unit(min(mouth + 6.0, 70.0 - folded_z.y) * 0.3);
@@ -91,7 +91,7 @@ fn wave_distance(p: Vec3) -> f32 {
     smooth_union(carve_streams(smooth_union(sea, swell, 12.0), p), curl, 9.0)
 }
 
-/// Water runs up the wave in furrows that follow its back; another runs around the rim.
+/// Carves streams of water: furrows that follow the wave's back, and one around the rim.
 fn carve_streams(distance: f32, p: Vec3) -> f32 {
     if distance.abs() > 6.0 {
         return distance;

@@ -1,5 +1,5 @@
-//! The lump, as it comes from a quarry: a convex polyhedron of split faces, some of them tooled in furrows by a point
-//! chisel, with the halves of the holes along which it was split off, and with chipped corners.
+//! The lump of stone from a quarry: a convex polyhedron of split faces. Some faces are tooled in furrows by a
+//! point chisel, some show the halves of the holes for splitting, and corners are chipped.
 
 use std::sync::LazyLock;
 
@@ -7,17 +7,17 @@ use glam::Vec3;
 
 use crate::sdf::{clamp_to_unit, faceted_noise, max, min, signed_value_noise, v};
 
-/// A flat cut: what lies beyond `height` along `normal` is gone.
+/// A plane cut that removes everything beyond `height` along `normal`.
 struct Facet {
     normal: Vec3,
     height: f32,
-    /// Across its furrows, in furrows a unit.
+    /// The direction across its furrows, with the furrows per unit as its length.
     across: Vec3,
-    /// Half the depth of its furrows.
+    /// Half the depth of its furrows; 0 for a face without furrows.
     bite: f32,
 }
 
-/// Normals (of any length) and the heights of the cuts over the middle of the box.
+/// The cuts: normals of any length, and heights from the middle of the box.
 const CUTS: [([f32; 3], f32); 29] = [
     ([1.0, 0.1, 0.13], 58.0),
     ([1.0, -0.14, -0.2], 59.5),
@@ -52,9 +52,9 @@ const CUTS: [([f32; 3], f32); 29] = [
 
 /// Holes in a face for the wedges that split the block.
 struct Holes {
-    /// The upper end of each one's axis, which lies in the face, and its length.
+    /// The upper end of each hole's axis, which lies in the face, and the hole's length.
     tops: &'static [([f32; 3], f32)],
-    /// The way down the face.
+    /// The direction down the face.
     down: [f32; 3],
 }
 
@@ -81,7 +81,7 @@ const HOLES: [Holes; 2] = [
 ];
 const HOLE_RADIUS: f32 = 2.7;
 
-/// Chips off corners and edges: balls that bit into the block.
+/// Chips off corners and edges: centres and radii of the balls that are removed.
 const CHIPS: [([f32; 3], f32); 11] = [
     ([62.0, 118.0, 54.0], 22.0),
     ([-66.0, 112.0, -50.0], 21.0),
@@ -100,24 +100,24 @@ static FACETS: LazyLock<[Facet; CUTS.len()]> = LazyLock::new(|| {
     std::array::from_fn(|i| {
         let (normal, height) = CUTS[i];
         let normal = Vec3::from(normal).normalize();
-        // Any direction that is not the normal's, differing from facet to facet.
+        // Any direction other than the normal's, varying between facets.
         let aside = v(0.3 + 0.1 * (i % 7) as f32, 0.5, 0.9 - 0.2 * (i % 5) as f32);
         let across = normal.cross(aside).normalize() * (0.135 + 0.012 * (i % 3) as f32);
-        // Two of three faces were split and left so.
+        // Two of three faces are split, without furrows.
         Facet { normal, height, across, bite: [0.0, 0.0, 0.85][i % 3] }
     })
 });
 
-/// The most by which chisel and fracture move the surface.
+/// The greatest displacement of the surface by chisel and fracture.
 const RELIEF: f32 = 5.0;
 
-/// Signed distance to the surface.
+/// Returns the signed distance to the surface.
 #[must_use]
 pub fn signed_distance(p: Vec3) -> f32 {
     distance_and_fracture(p).0
 }
 
-/// The signed distance, and the [`fracture`] if it was needed for that.
+/// Returns the signed distance, and the [`fracture`] if it was computed for it.
 #[must_use]
 pub fn distance_and_fracture(p: Vec3) -> (f32, Option<f32>) {
     let middle = p - v(0.0, 64.0, 0.0);
@@ -136,25 +136,26 @@ pub fn distance_and_fracture(p: Vec3) -> (f32, Option<f32>) {
     let strength = clamp_to_unit(0.6 + 2.0 * signed_value_noise(p * (1.0 / 23.0), 3));
     let tooled = |facet: &Facet| {
         let beyond = beyond(facet);
-        // Furrows are shallower than this, so farther facets stay behind.
+        // Furrows are shallower than 3 units, so farther facets need none.
         if facet.bite == 0.0 || beyond < flat - 3.0 {
             return beyond + broken;
         }
         let furrow = middle.dot(facet.across) + 0.12 * broken;
-        // Where it worked, little of the fracture is left.
+        // Where the chisel worked, little of the fracture is left.
         beyond + broken * (1.0 - 0.7 * strength) + facet.bite * strength * chisel_wave(furrow)
     };
     let rough = FACETS.iter().map(tooled).fold(f32::MIN, max);
     ((max(rough, taken + 0.4 * broken) + 1.0) * 0.7, Some(broken))
 }
 
-/// The most by which a fracture moves a surface.
+/// The greatest displacement of a surface by a fracture.
 pub const MAX_FRACTURE: f32 = 2.5;
 
-/// How far a fractured surface lies from an even one: within [`MAX_FRACTURE`], in flat facets that meet in creases.
+/// Returns the displacement of a fractured surface from an even one, within [`MAX_FRACTURE`], in flat facets
+/// that meet in creases.
 #[must_use]
 pub fn fracture(p: Vec3) -> f32 {
-    // Any rotation, so that no crease lies along an axis.
+    // An arbitrary rotation, so that no crease lies along an axis.
     let turned =
         v(p.dot(v(0.64, 0.48, 0.6)), p.dot(v(-0.6, 0.8, 0.0)), p.dot(v(-0.48, -0.36, 0.8)));
     let bent = turned + Vec3::splat(2.5 * signed_value_noise(p * (1.0 / 37.0), 5));
@@ -163,13 +164,13 @@ pub fn fracture(p: Vec3) -> f32 {
         + 0.25 * faceted_noise(bent * (1.0 / 4.7), 13)
 }
 
-/// Signed distance to what chips leave.
+/// Returns the signed distance to what remains outside the chips.
 fn chips(p: Vec3) -> f32 {
     let left = |&(centre, radius): &([f32; 3], f32)| radius - (p - Vec3::from(centre)).length();
     CHIPS.iter().map(left).fold(f32::MIN, max)
 }
 
-/// Signed distance to what the holes leave; their lower ends are round.
+/// Returns the signed distance to what remains outside the holes, whose lower ends are round.
 fn holes(p: Vec3) -> f32 {
     let mut left = f32::MIN;
     for face in HOLES {
@@ -183,7 +184,7 @@ fn holes(p: Vec3) -> f32 {
     left
 }
 
-/// A wave of period 1 within -1..=1, its crests sharp as between two strokes.
+/// Returns a wave of period 1 within -1..=1, with sharp crests as between two chisel strokes.
 fn chisel_wave(t: f32) -> f32 {
     let t = t - t.floor() - 0.5;
     1.0 - 8.0 * t * t

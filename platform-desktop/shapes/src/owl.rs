@@ -1,6 +1,6 @@
 //! A small owl on a stump, looking a little surprised.
 //!
-//! Its hollows are wide: a ball of 15 mm, 4.3 units, reaches the floor of nearly all of them.
+//! Its hollows are wide: a ball of 15 mm (4.3 units) reaches the floor of nearly all of them.
 
 use glam::Vec3;
 
@@ -9,7 +9,7 @@ use crate::sdf::{
     smooth_subtract, smooth_union, sphere, v,
 };
 
-/// Signed distance to the surface.
+/// Returns the signed distance to the surface.
 #[must_use]
 pub fn signed_distance(p: Vec3) -> f32 {
     let folded = fold_x(p);
@@ -39,8 +39,8 @@ fn body_distance(p: Vec3, folded: Vec3) -> f32 {
     )
 }
 
-/// Breast feathers: distance from the lower half circles of rows of scallops, every second row shifted by half a
-/// feather.
+/// Returns the distance to the breast feathers' edges: lower half circles in rows of scallops, every second
+/// row shifted by half a feather.
 fn scallops_distance(x: f32, down: f32) -> f32 {
     let row = (down / 11.0).floor();
     let in_row = |row: f32| {
@@ -58,7 +58,7 @@ fn head_distance(folded: Vec3) -> f32 {
     let skull = ellipsoid(folded, v(0.0, 88.0, 0.0), v(35.0, 23.0, 27.0));
     let tuft = round_cone(folded, (v(19.0, 101.0, 2.0), 9.0), (v(31.0, 113.5, 0.0), 3.2));
     let distance = smooth_union(skull, tuft, 9.0);
-    // The two dishes of the face, an eye in each, and the beak between them.
+    // The two dishes of the face, each with an eye, and the beak between them.
     let distance = smooth_subtract(distance, sphere(folded, v(17.0, 87.5, 38.0), 21.0), 1.5);
     let eye = smooth_union(distance, sphere(folded, v(15.5, 88.5, 14.5), 12.5), 2.0);
     let eye = smooth_subtract(eye, sphere(folded, v(14.6, 88.5, 29.6), 6.0), 0.5);

@@ -1,20 +1,20 @@
 //! Signed distance functions (SDF) of simple shapes, and smooth operations on them.
 //!
-//! Lengths are units of 1/128 of the box's edge. Only `+ - * /`, square roots and comparisons, so
-//! every machine gets the same bits. Every shape is Lipschitz with constant 1, and every operation
-//! keeps it so. Formulas: Hart (1996), "Sphere tracing"; Quilez, "Distance functions".
+//! Lengths are in 1/128 of the box's edge. Only `+ - * /`, square roots and comparisons are used, so every
+//! machine computes the same bits. Every shape is Lipschitz with constant 1, and every operation preserves
+//! that. Formulas: Hart (1996), "Sphere tracing"; Quilez, "Distance functions".
 
 use std::ops::Range;
 
 use glam::{Vec2, Vec3};
 
-/// The smaller; never NaN here, and the sign of a zero makes no difference.
+/// Returns the smaller number. Arguments are never NaN, and the sign of a zero doesn't matter.
 #[inline]
 pub(crate) fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// The larger.
+/// Returns the larger number.
 #[inline]
 pub(crate) fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
@@ -67,7 +67,7 @@ pub(crate) fn ellipsoid(p: Vec3, centre: Vec3, radii: Vec3) -> f32 {
 pub(crate) fn round_cone(p: Vec3, (a, radius_a): (Vec3, f32), (b, radius_b): (Vec3, f32)) -> f32 {
     let (axis, from) = (b - a, p - a);
     let length = axis.length();
-    // In the half plane through the axis: distance from it, and place along it.
+    // In the half plane through the axis and `p`: the distance from the axis, and the position along it.
     let y = from.dot(axis) / length;
     let x = square_root(max(from.dot(from) - y * y, 0.0));
     // The flank leans by the sine `s`; the spheres at its ends touch it at its normals' feet.
@@ -102,7 +102,7 @@ pub(crate) fn rounded_box(
     outside + min(max(q.x, max(q.y, q.z)), 0.0) - edge_radius
 }
 
-/// An upright disc around the y axis, its rim rounded by `rim_radius` within `radius`.
+/// A disc around the y axis, its rim rounded by `rim_radius` within `radius`.
 #[inline]
 pub(crate) fn rounded_disc_around_y(
     p: Vec3,
@@ -130,19 +130,19 @@ pub(crate) fn distance_from_y_axis(p: Vec3) -> f32 {
     square_root(p.x * p.x + p.z * p.z)
 }
 
-/// Carves a furrow of half width and depth `groove_radius` into the surface where `solid_distance` is
-/// zero, along the line where `line_distance` is.
+/// Carves a furrow with half width and depth `groove_radius` into the surface `solid_distance` = 0, along the
+/// line `line_distance` = 0.
 #[inline]
 pub(crate) fn carve_groove(solid_distance: f32, line_distance: f32, groove_radius: f32) -> f32 {
     let groove = Vec2::new(solid_distance, line_distance).length() - groove_radius;
     smooth_subtract(solid_distance, groove, groove_radius)
 }
 
-/// Carves a furrow of circular section into the surface where `solid_distance` is zero, along the line where
-/// `line_distance` is, to `depth` (zero or less: none). It is wide enough for a ball of 15 mm to bare its floor.
+/// Carves a furrow of circular section to `depth` (none if zero or less) into the surface `solid_distance` =
+/// 0, along the line `line_distance` = 0. It is wide enough for a ball of 15 mm to reach its floor.
 #[inline]
 pub(crate) fn carve_flute(solid_distance: f32, line_distance: f32, depth: f32) -> f32 {
-    // A little more than the ball's 128 * 15 / 450.
+    // A little more than the ball's radius, 128 * 15 / 450.
     const RADIUS: f32 = 4.8;
     if depth <= 0.0 {
         return solid_distance;
@@ -151,12 +151,12 @@ pub(crate) fn carve_flute(solid_distance: f32, line_distance: f32, depth: f32) -
     smooth_subtract(solid_distance, flute, min(0.6, depth))
 }
 
-/// Distance from the nearest of 16 half planes that stand around the y axis like spokes, a 16th of a
-/// turn apart. The point is folded by symmetry to within a 32nd of a turn of the first.
+/// Returns the distance from the nearest of 16 half planes that stand around the y axis like spokes, a 16th
+/// of a turn apart. Folds the point by symmetry to within a 32nd of a turn of the first.
 #[inline]
 pub(crate) fn distance_from_nearest_of_16_spokes(p: Vec3) -> f32 {
     let mut q = Vec2::new(p.x.abs(), p.z.abs());
-    // Sine and cosine of the mirrors at 45, 22.5 and 11.25 degrees.
+    // Sines and cosines of the mirrors at 45, 22.5 and 11.25 degrees.
     const MIRRORS: [(f32, f32); 3] =
         [(0.707_106_77, 0.707_106_77), (0.382_683_43, 0.923_879_5), (0.195_090_32, 0.980_785_3)];
     for (sine, cosine) in MIRRORS {
@@ -188,7 +188,8 @@ pub(crate) fn faceted_noise(p: Vec3, seed: u32) -> f32 {
     let cell = p.floor();
     let fraction = (p - cell).to_array();
     let mut corner = cell.to_array().map(|c| c as i32);
-    // The corners of the point's tetrahedron lie on a way along the axes, the greatest fraction's first.
+    // The corners of the point's tetrahedron lie on a path along the axes, in descending order of the
+    // fractions.
     let mut axes = [0, 1, 2];
     for (i, k) in [(0, 1), (1, 2), (0, 1)] {
         if fraction[axes[i]] < fraction[axes[k]] {
@@ -206,7 +207,7 @@ pub(crate) fn faceted_noise(p: Vec3, seed: u32) -> f32 {
     value
 }
 
-/// A lattice point's value within -1..=1.
+/// Returns a lattice point's value within -1..=1.
 fn hash_to_signed_unit(lattice_point: [i32; 3], seed: u32) -> f32 {
     let mut h = seed.wrapping_mul(0x9e37_79b9);
     for c in lattice_point {

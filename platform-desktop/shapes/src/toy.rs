@@ -6,7 +6,7 @@ use crate::sdf::{
     carve_groove, ellipsoid, fold_x, min, round_cone, smooth_subtract, smooth_union, sphere, v,
 };
 
-/// Signed distance to the surface.
+/// Returns the signed distance to the surface.
 #[must_use]
 pub fn signed_distance(p: Vec3) -> f32 {
     let folded = fold_x(p);
@@ -29,7 +29,7 @@ fn head_distance(folded: Vec3) -> f32 {
     smooth_union(skull, ear, 4.0)
 }
 
-/// The seam of a round patch on the belly.
+/// Carves the seam of a round patch on the belly.
 fn carve_belly_seam(distance: f32, folded: Vec3) -> f32 {
     if folded.z < 0.0 || distance.abs() > 6.0 {
         return distance;

@@ -1,23 +1,23 @@
-//! Claims of session numbers between processes: each window open at once has a session file of its
-//! own. A claim is a bound socket of Linux's abstract namespace, which the kernel frees with the process.
+//! Claims of session numbers between processes: each of several open windows has its own session file. A
+//! claim is a socket bound in Linux's abstract namespace, which the kernel frees with the process.
 
 use std::path::Path;
 
-/// A session number held by this window alone, among those with the same session folder and size.
-/// It is free again once this is dropped or the process ends in any way.
+/// A session number that no other window with the same session folder and size holds. It is freed when this
+/// is dropped or the process ends in any way.
 #[derive(Debug)]
 pub struct SessionClaim {
     number: u32,
-    // Held for its drop.
+    // Held until it is dropped.
     _socket: Option<ClaimSocket>,
 }
 
 impl SessionClaim {
-    /// Claims the lowest free number, from 1, for a session folder and a grid of `grid_side` voxels a
-    /// side. The folder is created. On systems other than Linux the number is always 1.
+    /// Claims the lowest free number, from 1, for a session folder and a grid of `grid_side` voxels a side.
+    /// Creates the folder. On systems other than Linux the number is always 1.
     #[must_use]
     pub fn claim_lowest_free_number(sessions_folder: &Path, grid_side: usize) -> Self {
-        // Two names of one folder must give one claim. A folder that can't be created needs none.
+        // Two paths to the same folder must share their claims. A folder that can't be created needs none.
         let _ = std::fs::create_dir_all(sessions_folder);
         let folder = std::fs::canonicalize(sessions_folder)
             .or_else(|_| std::path::absolute(sessions_folder))
@@ -46,8 +46,8 @@ struct NameTaken;
 #[cfg(target_os = "linux")]
 type ClaimSocket = std::os::unix::net::UnixDatagram;
 
-/// Binds a datagram socket to an abstract address derived from `name`: only one socket can have it,
-/// and it leaves no file behind. `None` where the system has no such sockets.
+/// Binds a datagram socket to an abstract address derived from `name`. Only one socket can have an address,
+/// and it leaves no file behind. Returns `None` if the system has no such sockets.
 #[cfg(target_os = "linux")]
 fn bind_socket_if_supported(name: &str) -> Result<Option<ClaimSocket>, NameTaken> {
     use std::hash::{DefaultHasher, Hash, Hasher};
@@ -55,7 +55,7 @@ fn bind_socket_if_supported(name: &str) -> Result<Option<ClaimSocket>, NameTaken
     use std::os::linux::net::SocketAddrExt;
     use std::os::unix::net::SocketAddr;
 
-    // A name may be 107 bytes long.
+    // An address has at most 107 bytes.
     let mut hasher = DefaultHasher::new();
     name.hash(&mut hasher);
     let address = SocketAddr::from_abstract_name(format!("paros-{:016x}", hasher.finish()));

@@ -1,7 +1,7 @@
-//! Atomic file replacement: a file is written under a temporary name beside its target, synced to
-//! disk and renamed over it, and its folder is synced after. A file is there whole or not at all.
+//! Atomic file replacement: a file is written under a temporary name beside its target, synced to disk and
+//! renamed over it; then its folder is synced. So a file is either whole or absent.
 //!
-//! A storage that refuses the last of that, as some of Android's do, keeps its files all the same:
+//! If a storage can't sync folders, as on some Android devices, the file is kept, with a warning: see
 //! [`take_storage_warnings`].
 
 mod names;
@@ -15,22 +15,22 @@ pub use names::temporary_name;
 use names::{MAX_TEMPORARY_AGE, is_temporary_name};
 pub use warnings::{StorageLimit, StorageWarning, take_storage_warnings};
 
-/// Why a file could not be written. The target is as it was before.
+/// The reason why a file could not be written. The target is unchanged.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: cannot {action}: {source}", path.display())]
 pub struct WriteError {
-    /// The file that was to be written.
+    /// The path of the target.
     pub path: PathBuf,
-    /// What failed: "create", "write", ...
+    /// The action that failed: "create", "write", ...
     pub action: &'static str,
     /// The system's reason.
     pub source: io::Error,
 }
 
-/// Opens a regular file for reading. Others are refused: a pipe or a device may never end.
+/// Opens a regular file for reading. Other files are rejected: a pipe or a device may never end.
 ///
 /// # Errors
-/// The system's error, or that it is no regular file.
+/// Returns the system's error, or an error if it is not a regular file.
 pub fn open_regular_file(path: &Path) -> io::Result<File> {
     if !fs::metadata(path)?.is_file() {
         return Err(io::Error::other("it is not a regular file"));
@@ -41,7 +41,7 @@ pub fn open_regular_file(path: &Path) -> io::Result<File> {
 /// Reads a whole regular file.
 ///
 /// # Errors
-/// The system's error, or that it is no regular file.
+/// Returns the system's error, or an error if it is not a regular file.
 pub fn read_regular_file(path: &Path) -> io::Result<Vec<u8>> {
     read_regular_file_up_to(path, u64::MAX)
 }
@@ -49,7 +49,7 @@ pub fn read_regular_file(path: &Path) -> io::Result<Vec<u8>> {
 /// Reads a whole regular file of at most `most` bytes.
 ///
 /// # Errors
-/// The system's error, or that it is no regular file, or a longer one.
+/// Returns the system's error, or an error if it is not a regular file or has more than `most` bytes.
 pub fn read_regular_file_up_to(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let file = open_regular_file(path)?;
     let length = file.metadata()?.len();
@@ -57,22 +57,21 @@ pub fn read_regular_file_up_to(path: &Path, most: u64) -> io::Result<Vec<u8>> {
         return Err(io::Error::other(format!("it has {length} bytes; expected at most {most}")));
     }
     let mut bytes = Vec::new();
-    // It may grow while it is read.
+    // The file may grow while it is read.
     file.take(most).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 
-/// Creates a folder and its parents, where they don't exist.
+/// Creates a folder and its parents if they don't exist.
 ///
 /// # Errors
-/// When the system refuses, or a file has that name.
+/// Returns the system's error, also if a file has that name.
 pub fn make_folder(path: &Path) -> Result<(), WriteError> {
     fs::create_dir_all(path).map_err(|source| write_error(path, "make the folder", source))
 }
 
-/// Removes the temporary files that killed processes left in a folder, by age: those older than
-/// an hour. The process number in the name would not tell, as it may be in use again, or on
-/// another machine.
+/// Removes the temporary files that killed processes left in a folder: those older than an hour. The process
+/// number in the name is no criterion, as it may be in use again, or on another machine.
 pub fn remove_stale_temporaries(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let is_ours = entry.file_name().to_str().is_some_and(is_temporary_name);
@@ -85,42 +84,42 @@ pub fn remove_stale_temporaries(folder: &Path) {
     }
 }
 
-/// The modes of new files: as the process' mask has it, and its owner's alone.
+/// The modes of new files: subject to the process's umask, or only for the owner.
 const SHARED_MODE: u32 = 0o666;
 const PRIVATE_MODE: u32 = 0o600;
 
-/// Writes a file, whole or not at all.
+/// Writes a file atomically.
 ///
 /// # Errors
-/// Those of [`WriteTarget::write_file`].
+/// Returns the errors of [`WriteTarget::resolve`] and [`WriteTarget::write_file`].
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     WriteTarget::resolve(path)?.write_file(bytes)
 }
 
-/// Writes a file that nobody but its owner may read (mode 0600), whole or not at all.
+/// Writes a file that only its owner may read (mode 0600), atomically.
 ///
 /// # Errors
-/// Those of [`WriteTarget::write_file`].
+/// Returns the errors of [`WriteTarget::resolve`] and [`WriteTarget::write_file`].
 pub fn write_private_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     WriteTarget::resolve(path)?.write_temporary_of(PRIVATE_MODE, bytes)?.rename_over_target()
 }
 
-/// Writes several files, each whole or not at all. All are on the disk before the first is renamed,
-/// so that a full disk leaves none of them.
+/// Writes several files, each atomically. All are on the disk before the first is renamed, so that a full
+/// disk leaves none of them.
 ///
 /// # Errors
-/// When a folder or the disk refuses. Those before the one that is named have been written.
+/// Returns the first error, which names a file. The files before it have been written.
 pub fn write_files(files: &[(WriteTarget, &[u8])]) -> Result<(), WriteError> {
     let temporaries: Result<Vec<_>, _> =
         files.iter().map(|(target, bytes)| target.write_temporary(bytes)).collect();
     temporaries?.into_iter().try_for_each(TemporaryFile::rename_over_target)
 }
 
-/// Creates several new files, whole, all or none. No existing file is replaced, even where other
-/// processes create files of the same names at the same time.
+/// Creates several new files, all or none. Never replaces an existing file, even if other processes create
+/// files of the same names at the same time.
 ///
 /// # Errors
-/// As [`write_files`], and `AlreadyExists` where a name is taken; then none of them is there.
+/// Returns the first error, with `AlreadyExists` if a name is taken. None of the files exists then.
 pub fn create_new_files(files: &[(WriteTarget, &[u8])]) -> Result<(), WriteError> {
     let temporaries: Result<Vec<_>, _> =
         files.iter().map(|(target, bytes)| target.write_temporary(bytes)).collect();
@@ -129,7 +128,7 @@ pub fn create_new_files(files: &[(WriteTarget, &[u8])]) -> Result<(), WriteError
         let file = &temporary.target.file;
         if let Err(error) = temporary.link_if_target_is_absent() {
             for file in created {
-                // The error that is told is the first one.
+                // Only the first error is reported.
                 let _ = fs::remove_file(file);
             }
             return Err(error);
@@ -139,10 +138,10 @@ pub fn create_new_files(files: &[(WriteTarget, &[u8])]) -> Result<(), WriteError
     Ok(())
 }
 
-/// Removes a file, if it is there, and syncs its folder.
+/// Removes a file if it exists, and syncs its folder.
 ///
 /// # Errors
-/// When the system refuses.
+/// Returns the system's error.
 pub fn remove_file(path: &Path) -> Result<(), WriteError> {
     match fs::remove_file(path) {
         Err(source) if source.kind() != io::ErrorKind::NotFound => {
@@ -155,10 +154,10 @@ pub fn remove_file(path: &Path) -> Result<(), WriteError> {
     }
 }
 
-/// Gives a file another name in its folder, in place of a file that has it, and syncs the folder.
+/// Renames a file within its folder, replacing a file of that name, and syncs the folder.
 ///
 /// # Errors
-/// When the system refuses, or there is no such file.
+/// Returns the system's error, also if there is no such file.
 pub fn rename_file(path: &Path, name: &str) -> Result<(), WriteError> {
     let renamed = fs::rename(path, path.with_file_name(name));
     renamed.map_err(|source| write_error(path, "rename", source))?;
@@ -166,22 +165,21 @@ pub fn rename_file(path: &Path, name: &str) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// A place for a file. Until the file is written there is no trace of it.
+/// A resolved path for a file. Nothing exists there until the file is written.
 #[derive(Clone, Debug)]
 pub struct WriteTarget {
-    /// As it was named.
+    /// The path as given.
     path: PathBuf,
-    /// Without links, but for the file itself where that is not there yet.
+    /// The path with symbolic links resolved; the file itself need not exist yet.
     file: PathBuf,
 }
 
 impl WriteTarget {
-    /// The place that a path names. Where that is a symbolic link, it is the file that the link
-    /// leads to.
+    /// Resolves a path. A symbolic link is followed to its target.
     ///
     /// # Errors
-    /// When something other than a regular file is there, or a link that leads nowhere, or no file
-    /// can have this name.
+    /// Returns an error if the path is something other than a regular file, a dangling link, or no valid file
+    /// name.
     pub fn resolve(path: &Path) -> Result<Self, WriteError> {
         let refuse = |action, why| {
             Err(write_error(path, action, io::Error::new(io::ErrorKind::InvalidInput, why)))
@@ -204,31 +202,31 @@ impl WriteTarget {
         }
     }
 
-    /// The place that a path names, once its folder has taken a file. That is gone again.
+    /// Resolves a path, and checks that its folder is writable by creating and removing a temporary file.
     ///
     /// # Errors
-    /// Those of [`WriteTarget::resolve`], and when the folder takes no new file.
+    /// Returns the errors of [`WriteTarget::resolve`], and an error if the folder is not writable.
     pub fn resolve_and_check_writable(path: &Path) -> Result<Self, WriteError> {
         let target = Self::resolve(path)?;
         drop(target.write_temporary(&[])?);
         Ok(target)
     }
 
-    /// Writes the file.
+    /// Writes the file atomically.
     ///
     /// # Errors
-    /// When the folder or the disk refuses; then nothing has changed.
+    /// Returns an error if the folder or the disk fails; then nothing has changed.
     pub fn write_file(&self, bytes: &[u8]) -> Result<(), WriteError> {
         self.write_temporary(bytes)?.rename_over_target()
     }
 
-    /// The path as it was named.
+    /// Returns the path as it was given.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Whether both are the same file, however they were named.
+    /// Returns `true` if both are the same file, even if their paths differ.
     #[must_use]
     pub fn is_same_file(&self, other: &Self) -> bool {
         self.file == other.file
@@ -258,7 +256,7 @@ impl WriteTarget {
     }
 }
 
-/// A file synced to disk under a temporary name. It is removed when dropped before it has its own name.
+/// A file synced to disk under a temporary name. Dropping it removes the file unless it was renamed.
 struct TemporaryFile<'a> {
     target: &'a WriteTarget,
     /// The temporary path; `None` once it is renamed.
@@ -276,15 +274,14 @@ impl TemporaryFile<'_> {
         Ok(())
     }
 
-    /// Gives the file its own name by a hard link, which unlike a rename replaces nothing. Where the
-    /// file system has no links (FAT, Android's shared storage) it checks that there is no such file and
-    /// renames.
+    /// Gives the file its own name by a hard link, which unlike a rename replaces nothing. If the file system
+    /// has no hard links (FAT, Android's shared storage), checks that there is no such file and renames.
     fn link_if_target_is_absent(mut self) -> Result<(), WriteError> {
         let WriteTarget { path, file } = self.target;
         let Some(temporary) = &self.path else { return Ok(()) };
         let taken = |source| Err(write_error(path, "create", source));
         match fs::hard_link(temporary, file) {
-            // The temporary name goes with `self`.
+            // Dropping `self` removes the temporary name.
             Ok(()) => {}
             Err(source) if source.kind() == io::ErrorKind::AlreadyExists => return taken(source),
             Err(_) if file.symlink_metadata().is_ok() => {
@@ -305,7 +302,7 @@ impl TemporaryFile<'_> {
 impl Drop for TemporaryFile<'_> {
     fn drop(&mut self) {
         if let Some(temporary) = &self.path {
-            // Nothing is left to do with an error here; the stray name says what it is.
+            // An error is ignored: the stray file's name shows that it is temporary.
             let _ = fs::remove_file(temporary);
         }
     }
@@ -323,8 +320,8 @@ fn parent_folder(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Syncs the folder of a file that has its name already. The file is whole whatever comes of it: it is
-/// neither removed nor written again.
+/// Syncs the folder of a renamed file. A failure only causes a warning: the file is whole, and is neither
+/// removed nor written again.
 fn sync_folder_or_warn(file: &Path) {
     let folder = parent_folder(file);
     if let Err(refusal) = sync_folder(folder) {
@@ -337,7 +334,7 @@ fn set_mode(options: &mut OpenOptions, mode: u32) {
     std::os::unix::fs::OpenOptionsExt::mode(options, mode);
 }
 
-/// On other systems files have no modes.
+/// Does nothing: other systems have no file modes.
 #[cfg(not(unix))]
 fn set_mode(_options: &mut OpenOptions, _mode: u32) {}
 
@@ -346,7 +343,7 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
     File::open(folder)?.sync_all()
 }
 
-/// On other systems a folder can't be opened and synced.
+/// Does nothing: on other systems a folder can't be opened and synced.
 #[cfg(not(unix))]
 fn sync_folder(_folder: &Path) -> io::Result<()> {
     Ok(())

@@ -1,4 +1,4 @@
-//! What the edits of many ticks did, together.
+//! Sums over the edits of many ticks.
 
 use std::fmt;
 
@@ -6,21 +6,21 @@ use paros_core::edit::EditReport;
 use paros_core::volume::{Grid, Size};
 use paros_core::{World, WorldEvent};
 
-/// Sums of [`EditReport`]s, in voxels: what several edits did to one voxel counts several times. All that
-/// an edit removed or was refused is the whole that percents are of; additions are no part of it.
+/// Sums of [`EditReport`]s, in voxels. A voxel that several edits changed counts several times. Percentages
+/// refer to all voxels that edits removed or were refused; additions don't count in them.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct EditTotals {
-    /// Edits that did something or were refused something.
+    /// Edits that changed something or were refused something.
     pub edits: u64,
-    /// Occupied before, empty after.
+    /// Voxels occupied before an edit and empty after it.
     pub removed: u64,
-    /// Empty before, occupied after, be it by the edit or by closure.
+    /// Voxels empty before an edit and occupied after it, added by the edit or by closure.
     pub added: u64,
-    /// Removed, and brought back by closure.
+    /// Voxels removed and restored by closure.
     pub refused_by_closure: u64,
-    /// Not removed because the mask holds them.
+    /// Voxels not removed because the mask protects them.
     pub refused_by_mask: u64,
-    /// Deeper in the brush than the edit may reach in a tick; the next edit may.
+    /// Voxels not removed because they lie deeper in the brush than an edit may reach in one tick.
     pub refused_by_depth: u64,
 }
 
@@ -47,7 +47,7 @@ impl EditTotals {
         self.refused_by_depth += u64::from(report.refused_by_depth);
     }
 
-    /// The sums of both.
+    /// Returns the sums of both.
     #[must_use]
     pub const fn sum_with(self, other: &Self) -> Self {
         EditTotals {
@@ -60,20 +60,20 @@ impl EditTotals {
         }
     }
 
-    /// What was removed and brought back by closure, and what is gone.
+    /// Returns the number of voxels that were removed, including those that closure restored.
     #[must_use]
     pub const fn removed_or_closed(&self) -> u64 {
         self.removed + self.refused_by_closure
     }
 
-    /// What closure brought back in percent of [`EditTotals::removed_or_closed`]: what the volume's range
-    /// maps couldn't express of what the tools were free to cut.
+    /// Returns the voxels that closure restored in percent of [`EditTotals::removed_or_closed`]: the share of
+    /// unprotected cuts that the range maps couldn't express.
     #[must_use]
     pub fn closure_percent(&self) -> f64 {
         percent_of(self.refused_by_closure, self.removed_or_closed())
     }
 
-    /// Voxels in percent of all that was removed or refused.
+    /// Returns voxels in percent of all that was removed or refused.
     #[must_use]
     pub fn percent_of_whole(&self, voxels: u64) -> f64 {
         let held = self.refused_by_mask + self.refused_by_depth;
@@ -81,7 +81,7 @@ impl EditTotals {
     }
 }
 
-/// A table: a line for each count but that of edits, with percents of the whole.
+/// Writes a table: a line for each count other than `edits`, with percentages.
 impl fmt::Display for EditTotals {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let lines = [

@@ -1,8 +1,8 @@
 //! Background file writer: one thread writes queued files in order, so that no frame waits for a
 //! disk to sync.
 //!
-//! It takes [`WriteJob`]s and gives a [`WriteOutcome`] for each, in the same order. It knows nothing
-//! of what the bytes mean.
+//! It takes [`WriteJob`]s and returns a [`WriteOutcome`] for each, in the same order. It does not interpret
+//! the bytes.
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -11,14 +11,14 @@ use std::thread::{self, JoinHandle};
 
 use crate::durable::{self, WriteError, WriteTarget};
 
-/// What a job's files are. The writer hands it back with the outcome and does not look at it.
+/// The kind of a job's files. The writer returns it with the outcome and does not use it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum FileKind {
     /// The save of the current session.
     Session,
     /// The save of the session before it.
     PreviousSession,
-    /// When the headset was last used.
+    /// The time at which the headset was last used.
     LastUse,
     /// A finished sculpture: print, volume and picture.
     Sculpture,
@@ -28,13 +28,13 @@ pub enum FileKind {
     PipelineCache,
 }
 
-/// Where a job's files go.
+/// The destination of a job's files.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Destination {
-    /// These paths. Existing files are replaced.
+    /// Fixed paths. Existing files are replaced.
     Replace(Vec<PathBuf>),
-    /// The first free number: `STEM-NNN.EXTENSION` for each extension, in the first folder that can
-    /// be written to. No existing file is replaced.
+    /// Numbered files: `STEM-NNN.EXTENSION` for each extension, with the first free number, in the first
+    /// writable folder. No existing file is replaced.
     NextFree {
         /// The folders, in order of preference.
         folders: Vec<PathBuf>,
@@ -45,12 +45,12 @@ pub enum Destination {
     },
 }
 
-/// Files to be written, all or none.
+/// Files to be written.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct WriteJob {
-    /// What the files are.
+    /// The kind of the files.
     pub kind: FileKind,
-    /// Where they go.
+    /// Their destination.
     pub destination: Destination,
     /// The bytes of each file, in the order of the destination's paths or extensions.
     pub contents: Vec<Vec<u8>>,
@@ -59,24 +59,24 @@ pub struct WriteJob {
 /// The result of a [`WriteJob`].
 #[derive(Debug)]
 pub struct WriteOutcome {
-    /// The job itself, to be submitted again or its buffers reused.
+    /// The job itself, so that it can be submitted again or its buffers reused.
     pub job: WriteJob,
-    /// The paths written, in the order of the contents, or the error if none was.
+    /// The paths written, in the order of the contents, or the first error.
     pub result: Result<Vec<PathBuf>, WriteError>,
-    /// The error of the first folder, where the files went to a later one.
+    /// The error of the first folder, if the files went to a later one.
     pub fallback_cause: Option<WriteError>,
 }
 
-/// Capacity of the job queue; [`FileWriter::submit_or_wait`] blocks while it is full. At most one session's
-/// save is queued at a time, and visitors cause the other jobs, so it is not full in practice. It is
-/// allocated once: submitting a job allocates nothing.
+/// The capacity of the job queue. [`FileWriter::submit_or_wait`] blocks while the queue is full; in practice
+/// it is not, as at most one save of a session is queued at a time, and visitors cause the other jobs. The
+/// queue is allocated once: submitting a job allocates nothing.
 const QUEUE_CAPACITY: usize = 16;
 
-/// A thread that writes files in the order in which they are submitted. Dropping it waits until all
+/// A thread that writes files in the order in which they are submitted. Dropping this waits until all files
 /// are written.
 #[derive(Debug)]
 pub struct FileWriter {
-    /// `None` only while it is dropped: the thread ends when the queue is closed.
+    /// `None` only during drop: the thread ends when the queue is closed.
     queue: Option<SyncSender<WriteJob>>,
     outcomes: Receiver<WriteOutcome>,
     thread: Option<JoinHandle<()>>,
@@ -100,26 +100,27 @@ impl FileWriter {
         FileWriter { queue: Some(queue), outcomes, thread: Some(thread::spawn(work)), pending: 0 }
     }
 
-    /// Submits one file that replaces what is at `path`. Its folder is created.
+    /// Submits one file that replaces the file at `path`. The writer creates its folder. Blocks while the
+    /// queue is full.
     pub fn submit_file_or_wait(&mut self, kind: FileKind, path: PathBuf, bytes: Vec<u8>) {
         let destination = Destination::Replace(vec![path]);
         self.submit_or_wait(WriteJob { kind, destination, contents: vec![bytes] });
     }
 
-    /// Submits files. Their folders are created. Blocks while the queue is full.
+    /// Submits files. The writer creates their folders. Blocks while the queue is full.
     pub fn submit_or_wait(&mut self, job: WriteJob) {
         if let Some(queue) = &self.queue {
             self.pending += usize::from(queue.send(job).is_ok());
         }
     }
 
-    /// Whether outcomes are still to be received.
+    /// Returns `true` if outcomes are still to be received.
     #[must_use]
     pub const fn is_busy(&self) -> bool {
         self.pending > 0
     }
 
-    /// The outcome of the oldest pending job, if it is done. Does not block.
+    /// Returns the outcome of the oldest pending job if it is done. Does not block.
     pub fn poll_outcome(&mut self) -> Option<WriteOutcome> {
         match self.outcomes.try_recv() {
             Ok(outcome) => {
@@ -130,7 +131,7 @@ impl FileWriter {
         }
     }
 
-    /// Waits for the outcome of the oldest pending job; `None` if no job is pending.
+    /// Waits for the outcome of the oldest pending job. Returns `None` if no job is pending.
     pub fn wait_for_next_outcome(&mut self) -> Option<WriteOutcome> {
         if self.pending == 0 {
             return None;
@@ -144,17 +145,17 @@ impl Drop for FileWriter {
     fn drop(&mut self) {
         self.queue = None;
         if let Some(thread) = self.thread.take() {
-            // The thread has no reason to panic; if it did, nothing is left to do here.
+            // The thread should not panic; if it did, nothing can be done here.
             let _ = thread.join();
         }
     }
 }
 
-/// The result of files in one of several folders.
+/// The result of writing files to one of several folders.
 struct FolderWrite {
     /// The paths written, or the first folder's error.
     result: Result<Vec<PathBuf>, WriteError>,
-    /// The first folder's error, where a later folder took the files.
+    /// The first folder's error, if a later folder took the files.
     fallback_cause: Option<WriteError>,
 }
 
@@ -194,7 +195,7 @@ fn write_to_first_writable_folder(
     FolderWrite { result: Err(first_error.unwrap_or_else(no_folder)), fallback_cause: None }
 }
 
-/// Writes `STEM-NNN.EXTENSION` files under the lowest number that none of them has yet.
+/// Writes `STEM-NNN.EXTENSION` files under the lowest number that is free for all extensions.
 fn write_under_lowest_free_number(
     path_stem: &Path,
     extensions: &[&str],

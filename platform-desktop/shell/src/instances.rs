@@ -1,6 +1,8 @@
-//! Instances of generic functions at the sizes in use. A crate that calls one of them reuses the instance that is
-//! compiled here; without them every crate above would compile its own, and the core several times over. In a
-//! release build rustc shares only instances of functions that are `#[inline(never)]`.
+//! Instances of generic functions at the sizes in use.
+//!
+//! A crate that calls such a function reuses the instance that is compiled here. Otherwise every crate above
+//! would compile its own, and the core several times over. In a release build rustc shares only instances of
+//! functions that are `#[inline(never)]`.
 
 use std::hint::black_box;
 
@@ -14,7 +16,7 @@ use crate::statics::{Resident, ResidentBitGrid};
 use crate::stl_export::{StlExporter, print_scale};
 use crate::tick_runner::TickRunner;
 
-/// Compiles the functions of all sizes. It does nothing when it is called.
+/// Makes rustc compile the functions of all sizes. A call does nothing.
 pub fn compile_instances() {
     compile_grid::<128>();
     compile_grid::<256>();

@@ -1,5 +1,6 @@
-//! When a device that visitors share was last used, as it is kept beside the save of a session: the time since boot,
-//! and which boot that was. A wall clock would not do, as a headset's may be set at any time.
+//! The time of the last use of a device that visitors share, stored beside the save of a session: the time
+//! since boot, and an identifier of the boot. A wall clock is unsuitable, as a headset's may be set at any
+//! time.
 
 use std::fs;
 use std::time::Duration;
@@ -8,23 +9,23 @@ use paros_core::codec::BadBytes;
 
 use crate::headset::sealed::{SEAL_BYTES, SealedFormat};
 
-/// How old the time of the last use on the disk may become while the device is used.
+/// The greatest age of the stored time of the last use while the device is used.
 const STAMP_INTERVAL: Duration = Duration::from_secs(5);
 
-/// One boot of a device among all boots of all devices.
+/// An identifier of one boot of a device, unique among all devices.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct BootId(u128);
 
 /// The time of the last use.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct LastUse {
-    /// The boot that it is counted from.
+    /// The boot from which the time is counted.
     pub boot: BootId,
-    /// The time since that boot, sleep included; kept in whole milliseconds.
+    /// The time since that boot, including sleep; stored in whole milliseconds.
     pub since_boot: Duration,
 }
 
-/// The time of the last use, and the one that was last given out to be kept on the disk. Both are times of one clock.
+/// The time of the last use, and the last time that was returned to be stored. Both are times of one clock.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct UseClock {
     /// `None` until the device is used.
@@ -36,8 +37,8 @@ const FORMAT: SealedFormat =
     SealedFormat { magic: *b"PLUS", expected: "PLUS, the time of the last use" };
 
 impl BootId {
-    /// The boot that a UUID stands for, as `/proc/sys/kernel/random/boot_id` has it: 32 hexadecimal digits with
-    /// hyphens among them. `None` for another text.
+    /// Parses a UUID as in `/proc/sys/kernel/random/boot_id`: 32 hexadecimal digits with hyphens among them.
+    /// Returns `None` for any other text.
     #[must_use]
     pub fn parse_uuid(text: &str) -> Option<Self> {
         let digits: String = text.trim_end().chars().filter(|letter| *letter != '-').collect();
@@ -45,13 +46,13 @@ impl BootId {
         is_hex.then(|| u128::from_str_radix(&digits, 16).ok().map(BootId)).flatten()
     }
 
-    /// The kernel's ID of this boot; none where it can't be read.
+    /// Reads the kernel's identifier of this boot. Returns `None` if it can't be read.
     #[must_use]
     pub fn read_from_kernel() -> Option<Self> {
         BootId::parse_uuid(&fs::read_to_string("/proc/sys/kernel/random/boot_id").ok()?)
     }
 
-    /// The boot of a device that counts them: no UUID is so small.
+    /// Returns the identifier for a boot counter. It can't equal a UUID's, as no UUID is so small.
     #[must_use]
     pub const fn from_count(boots: u32) -> Self {
         BootId(boots as u128)
@@ -59,11 +60,11 @@ impl BootId {
 }
 
 impl LastUse {
-    /// Length of an encoded one.
+    /// The length of an encoded time in bytes.
     pub const BYTES: usize = SEAL_BYTES + 16 + 8;
 
-    /// A use at this moment, by the kernel's files, of which that of the uptime counts sleep, in hundredths of a second.
-    /// None on systems without them.
+    /// Returns a use at this moment, from the kernel's files. `/proc/uptime` includes sleep, and is in
+    /// hundredths of a second. Returns `None` on systems without these files.
     #[must_use]
     pub fn read_now() -> Option<Self> {
         let uptime = fs::read_to_string("/proc/uptime").ok()?;
@@ -72,15 +73,15 @@ impl LastUse {
         Some(LastUse { boot: BootId::read_from_kernel()?, since_boot })
     }
 
-    /// How long ago it was at a time since this boot; none where that can't be told: it was in another one, or the boot
-    /// isn't known.
+    /// Returns the time from this use to `now`, a time since `boot`; `None` if the use was in another boot,
+    /// or the boot is unknown.
     #[must_use]
     pub fn time_until(&self, boot: Option<BootId>, now: Duration) -> Option<Duration> {
         let is_same = boot == Some(self.boot);
         now.checked_sub(self.since_boot).filter(|_| is_same)
     }
 
-    /// Encodes it, with a checksum at the end.
+    /// Encodes the time, with a checksum at the end.
     #[must_use]
     pub fn encode(&self) -> [u8; Self::BYTES] {
         FORMAT.seal(|to| {
@@ -89,10 +90,10 @@ impl LastUse {
         })
     }
 
-    /// Decodes it.
+    /// Decodes a time.
     ///
     /// # Errors
-    /// The first place at which the bytes are not as [`Self::encode`] makes them.
+    /// Returns the first place at which the bytes differ from what [`Self::encode`] writes.
     pub fn decode(bytes: &[u8]) -> Result<Self, BadBytes> {
         FORMAT.open(bytes, |from| {
             let id = from.bytes(16)?.iter().rev().fold(0, |id, byte| id << 8 | u128::from(*byte));
@@ -103,19 +104,20 @@ impl LastUse {
 }
 
 impl UseClock {
-    /// Notes a use. Returns the time since the one before.
+    /// Notes a use. Returns the time since the use before it.
     pub fn note_use(&mut self, now: Duration) -> Option<Duration> {
         self.last_use.replace(now).map(|last| now.saturating_sub(last))
     }
 
-    /// Returns the time of the last use, each time that the one on the disk has become old.
+    /// Returns the time of the last use if the stored one is too old.
     pub fn take_due_stamp(&mut self) -> Option<Duration> {
         let last = self.last_use?;
         let is_due = self.stamped.is_none_or(|stamped| last >= stamped + STAMP_INTERVAL);
         is_due.then(|| *self.stamped.insert(last))
     }
 
-    /// Returns the time of the last use unless it is the one on the disk, where the process may end or sleep next.
+    /// Returns the time of the last use unless it is stored already. Call it before the process may end or
+    /// the device may sleep.
     pub fn take_last_stamp(&mut self) -> Option<Duration> {
         let last = self.last_use?;
         (self.stamped != Some(last)).then(|| *self.stamped.insert(last))

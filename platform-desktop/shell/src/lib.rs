@@ -1,5 +1,5 @@
-//! What both shells need of `std`: the studio that ticks, saves and prints, files that are whole or
-//! absent, and the start volumes.
+//! The parts of the shells that need `std`, shared by the window and the headset: the studio with its ticks,
+//! saves and prints, atomic file writes, and the start volumes.
 #![forbid(unsafe_code)]
 
 pub mod claim;

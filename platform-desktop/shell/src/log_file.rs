@@ -1,5 +1,5 @@
-//! A log in a file of bounded size. Once it is full it becomes the former log, whose predecessor goes, and another one
-//! begins: there are at most two of them, and the newest lines are always there.
+//! Log rotation with two files of bounded size. A full log replaces the former log, and a new one begins; so
+//! the newest lines are always kept.
 
 use std::fmt::{self, Write as _};
 use std::fs::{self, File, OpenOptions};
@@ -10,7 +10,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 /// The most bytes of a log: some thousand lines. A day of visitors leaves a few hundred.
 const MAX_BYTES: u64 = 256 * 1024;
 
-/// The most bytes of a line: what is longer is cut, so that one line is never a whole log.
+/// The most bytes of a line. A longer line is cut, so that one line never fills a log.
 const MAX_LINE_BYTES: usize = 8 * 1024;
 
 /// The log that is being written.
@@ -19,15 +19,15 @@ pub struct LogFile {
     path: PathBuf,
     file: File,
     bytes: u64,
-    /// The line that is being written: a frame's line takes no memory.
+    /// The buffer of the line that is being written, reused so that logging allocates nothing.
     line: String,
 }
 
 impl LogFile {
-    /// Opens a log, to append to it. Makes its folder.
+    /// Opens a log for appending. Creates its folder.
     ///
     /// # Errors
-    /// The system's.
+    /// Returns the system's error.
     pub fn open(path: &Path) -> io::Result<Self> {
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder)?;
@@ -38,14 +38,15 @@ impl LogFile {
         Ok(LogFile { path: path.to_owned(), file, bytes, line })
     }
 
-    /// Appends a line, with the time before it. The system has it when this returns: it outlives the process.
+    /// Appends a line that begins with the time. When this returns, the system has the line, and it outlives
+    /// the process.
     ///
     /// # Errors
-    /// The system's.
+    /// Returns the system's error.
     pub fn append_line(&mut self, now: SystemTime, text: fmt::Arguments<'_>) -> io::Result<()> {
         self.line.clear();
         let mut line = LineWriter(&mut self.line);
-        // What has no room is left out.
+        // A line that is too long is cut.
         let _ = write_utc(&mut line, now).and_then(|()| line.write_fmt(format_args!(" {text}")));
         self.line.push('\n');
         let length = self.line.len() as u64;
@@ -56,14 +57,14 @@ impl LogFile {
         self.file.write_all(self.line.as_bytes())
     }
 
-    /// The path of the former log.
+    /// Returns the path of the former log.
     #[must_use]
     pub fn former_path(path: &Path) -> PathBuf {
         path.with_extension("1.log")
     }
 
     fn begin_anew(&mut self) -> io::Result<()> {
-        // What can't be renamed is lost: a log that grew would fill the storage.
+        // A log that can't be renamed is lost: if it kept growing, it would fill the storage.
         let _ = fs::rename(&self.path, Self::former_path(&self.path));
         self.file = File::create(&self.path)?;
         self.bytes = 0;
@@ -71,7 +72,8 @@ impl LogFile {
     }
 }
 
-/// Writes a text as one line of a log: further lines of its own are indented, and what has no room is left out.
+/// Writes a text as one entry of a log: further lines are indented, and text beyond [`MAX_LINE_BYTES`] is
+/// cut.
 struct LineWriter<'a>(&'a mut String);
 
 impl fmt::Write for LineWriter<'_> {
@@ -79,7 +81,7 @@ impl fmt::Write for LineWriter<'_> {
         const INDENT: &str = "    ";
 
         for letter in text.chars() {
-            // The line's own end has room, too.
+            // Leaves room for the line's end too.
             if self.0.len() + letter.len_utf8() + INDENT.len() >= MAX_LINE_BYTES {
                 return Err(fmt::Error);
             }
@@ -92,11 +94,11 @@ impl fmt::Write for LineWriter<'_> {
     }
 }
 
-/// Writes a time of the Gregorian calendar, UTC, to seconds: `2026-11-25T21:41:59Z`.
+/// Writes a UTC time of the Gregorian calendar, to seconds: `2026-11-25T21:41:59Z`.
 fn write_utc(to: &mut impl fmt::Write, time: SystemTime) -> fmt::Result {
     let seconds = time.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
     let (days, second) = (seconds / 86_400, seconds % 86_400);
-    // Howard Hinnant's days_from_civil, backwards: years begin in March, and 400 of them have 146,097 days.
+    // Howard Hinnant's civil_from_days: years begin in March, and 400 of them have 146,097 days.
     let from_march = days + 719_468;
     let (era, day) = (from_march / 146_097, from_march % 146_097);
     let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
@@ -147,7 +149,7 @@ mod tests {
         LogFile::open(&path).expect("a log").append_line(at(0), format_args!("one")).expect("room");
         let mut log = LogFile::open(&path).expect("a log");
         log.append_line(at(1), format_args!("two\nlines")).expect("room");
-        // Without closing it.
+        // The log isn't closed before it is read.
         let text = fs::read_to_string(&path).expect("a log");
         assert_eq!(text, "1970-01-01T00:00:00Z one\n1970-01-01T00:00:01Z two\n    lines\n");
 

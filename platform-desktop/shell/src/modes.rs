@@ -1,4 +1,4 @@
-//! The names of the ways to start a session, as command lines and scripts have them.
+//! The names of session modes on command lines and in scripts.
 
 use std::fmt;
 
@@ -6,12 +6,12 @@ use paros_core::session::SessionMode;
 
 use crate::figures::{Figure, HiddenStart, MAX_OWN_FIGURES, own_figure_mode};
 
-/// A name of no mode that sessions can be started in by name.
+/// An error: no mode that a session can be started in has this name.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct UnknownMode;
 
-/// The modes that have names, each with its own: `free`, `creative`, and the figures that hide in the
-/// stone, alone or with `-half` or `-whole` of it. A start of the visitor's own has none.
+/// Returns the modes that have names: `free`, `creative`, and the hidden figures, alone or with `-half` or
+/// `-whole` for thicker stone. The visitor's own start volume has no name.
 pub fn named_modes() -> impl Iterator<Item = (&'static str, SessionMode)> {
     let constrained = HiddenStart::ALL.map(|hidden| (hidden.name(), hidden.mode()));
     [("free", SessionMode::FreeForm), ("creative", SessionMode::Creative)]
@@ -19,19 +19,20 @@ pub fn named_modes() -> impl Iterator<Item = (&'static str, SessionMode)> {
         .chain(constrained)
 }
 
-/// The mode of a name.
+/// Returns the mode with a name.
 ///
 /// # Errors
-/// It has none; the error says which have.
+/// Returns an error if there is no such mode. Its text lists the names.
 pub fn parse_mode(name: &str) -> Result<SessionMode, UnknownMode> {
     let found = named_modes().find(|(named, _)| *named == name);
     found.map(|(_, mode)| mode).ok_or(UnknownMode)
 }
 
-/// The mode of a name, of [`named_modes`] or of one of the operator's own hidden figures, in their order.
+/// Returns the mode with a name, from [`named_modes`] or from the operator's own hidden figures, whose names
+/// are given in their order.
 ///
 /// # Errors
-/// It has none.
+/// Returns an error if there is no such mode.
 pub fn parse_mode_among(name: &str, own_figures: &[String]) -> Result<SessionMode, UnknownMode> {
     let own = own_figures.iter().take(MAX_OWN_FIGURES).position(|figure| figure == name);
     own.map_or_else(|| parse_mode(name), |number| Ok(own_figure_mode(number)))

@@ -1,4 +1,4 @@
-//! Replays of a trace without a display: the same ticks lead to the same digests on every machine.
+//! Replays of a trace without a display. The same ticks lead to the same digests on every machine.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -10,13 +10,13 @@ use crate::trace::{ReplayDivergence, Trace, TraceError};
 use crate::{with_intervals, with_size};
 use paros_core::volume::{Grid, Size};
 
-/// Why a replay wrote no digests. Its text names the file.
+/// The reason why a replay wrote no digests. The text names the file.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
     /// The file is no trace.
     #[error(transparent)]
     Trace(TraceError),
-    /// The replay differs from what was recorded.
+    /// The replay differs from the recording.
     #[error("{path}: {1}", path = .0.display())]
     ReplayDivergence(PathBuf, ReplayDivergence),
     /// The digests can't be written.
@@ -24,11 +24,11 @@ pub enum ReplayError {
     Write(durable::WriteError),
 }
 
-/// Replays a trace from a file and writes every tick's digest to another, 16 hexadecimal digits a line.
+/// Replays a trace file and writes the digest of every tick to another file, 16 hexadecimal digits per line.
 ///
 /// # Errors
-/// A file that is no trace, the first tick that differs, or a place where no file can be. Then
-/// nothing is written.
+/// Returns an error if the file is no trace, a tick differs, or the digests can't be written. Then nothing is
+/// written.
 pub fn write_replay_digests(trace_path: &Path, digests_path: &Path) -> Result<(), ReplayError> {
     let target =
         WriteTarget::resolve_and_check_writable(digests_path).map_err(ReplayError::Write)?;
@@ -44,7 +44,7 @@ pub fn write_replay_digests(trace_path: &Path, digests_path: &Path) -> Result<()
     target.write_file(played.as_bytes()).map_err(ReplayError::Write)
 }
 
-/// The digests of all ticks, as the file has them.
+/// Returns the digests of all ticks in the file's format.
 fn replay_digests<const N: usize, const K: usize>(trace: &Trace) -> Result<String, ReplayDivergence>
 where
     Grid<N>: Size + Resident<N, K>,
@@ -52,7 +52,7 @@ where
     let mut digests = String::with_capacity(17 * trace.records().len());
     tick_runner::with_fresh_world::<N, K, _>(|mut runner| {
         runner.replay_on_same_start(trace, |tick| {
-            // A String takes everything.
+            // Writing to a `String` can't fail.
             let _ = writeln!(digests, "{:016x}", tick.world.digest());
         })
     })?;

@@ -1,6 +1,8 @@
-//! Optional dependencies of tests: a library to compare with, a device, a tool. A test that lacks one is
-//! skipped with a message; where the environment variable `PAROS_REQUIRE` is `all` it fails. `PAROS_SKIPPED` names a file
-//! that lists what was skipped, for who runs it again once the dependency is there.
+//! Optional dependencies of tests: a reference library, a device, a tool.
+//!
+//! A test that lacks a dependency is skipped with a message, or fails if the environment variable
+//! `PAROS_REQUIRE` is `all`. `PAROS_SKIPPED` names a file that lists the skipped tests, so that they can be
+//! run again once the dependency is there.
 
 use std::env;
 use std::fmt::Display;
@@ -9,16 +11,16 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::thread;
 
-/// A required dependency is missing, or nobody could be told that it was. Holds the reason.
+/// A required dependency is missing, or a skipped test could not be listed. Holds the reason.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct MissingDependency(pub String);
 
-/// The dependency, or `None` after a message `skipped: REASON` on standard error.
+/// Returns the dependency, or `None` after a message `skipped: REASON` on standard error.
 ///
 /// # Errors
-/// It is missing, and `PAROS_REQUIRE` is `all`; or it is missing, and the list that `PAROS_SKIPPED` names can't be
-/// written.
+/// Returns an error if the dependency is missing and `PAROS_REQUIRE` is `all`, or if it is missing and the
+/// file that `PAROS_SKIPPED` names can't be written.
 pub fn require_or_skip<T, E: Display>(
     dependency: Result<T, E>,
 ) -> Result<Option<T>, MissingDependency> {
@@ -27,7 +29,7 @@ pub fn require_or_skip<T, E: Display>(
     require_or_skip_by(if_missing, dependency)
 }
 
-/// What is done where a dependency is missing.
+/// The reaction to a missing dependency.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum IfMissing {
     Fail,
@@ -41,7 +43,7 @@ fn require_or_skip_by<T, E: Display>(
     match dependency {
         Ok(found) => Ok(Some(found)),
         Err(why) => {
-            // Nobody may be listening there.
+            // Standard error may be closed.
             let _ = writeln!(io::stderr(), "skipped: {why}");
             match if_missing {
                 IfMissing::Fail => {
@@ -57,17 +59,17 @@ fn require_or_skip_by<T, E: Display>(
     }
 }
 
-/// Adds the calling test to a list: a line of the folder in which it runs, its program and its name, between tabs. Where
-/// that fails, so does the test: nobody would run it again.
+/// Adds the calling test to a list: a line with its working folder, its program and its name, separated by
+/// tabs. If this fails, the test fails, as it would never be run again.
 fn add_to_list(list: &Path) -> Result<(), MissingDependency> {
     let folder = env::current_dir().unwrap_or_default();
     let program = env::current_exe().unwrap_or_default();
-    // The harness calls a test's thread by the test's name.
+    // The test harness names a test's thread after the test.
     let thread = thread::current();
     let name = thread.name().unwrap_or_default();
     let line = format!("{}\t{}\t{name}\n", folder.display(), program.display());
     let file = OpenOptions::new().append(true).create(true).open(list);
-    // One write: lines of tests that run side by side stay whole.
+    // A single write keeps the lines of parallel tests whole.
     let written = file.and_then(|mut file| file.write_all(line.as_bytes()));
     written.map_err(|error| MissingDependency(format!("{}: {error}", list.display())))
 }

@@ -1,8 +1,8 @@
 //! The `.rmap` file format: a header, the three range maps of a volume as they lie in memory, and a
 //! CRC-32. Reading checks every byte.
 //!
-//! Little-endian throughout. `L` is the number of intervals a column holds, 1 to 4. Version 1 is written
-//! for 1 and version 2 for more; either is read.
+//! All numbers are little-endian. `L` is the number of intervals a column holds, 1 to 4. Files with L = 1 are
+//! written as version 1, others as version 2; both are read.
 //!
 //! | offset | bytes | what |
 //! |---|---|---|
@@ -17,17 +17,17 @@
 //! | 12 + 4 L N² | 2 L N² | columns along z: line y, place x |
 //! | 12 + 6 L N² | 4 | CRC-32 (IEEE 802.3) of all bytes before it |
 //!
-//! A column at (line, place) of its map is number `line * N + place`: L intervals, lowest first, with at
-//! least one voxel between two of them; empty ones last. An interval is two bytes, the complement of its
-//! first voxel, then its last voxel; two zero bytes are an empty one.
+//! The column at (line, place) of its map has the number `line * N + place`. It has L intervals, the lowest
+//! first, with at least one voxel between two of them, and empty ones last. An interval is two bytes: the
+//! complement of its first voxel, then its last voxel; two zero bytes are an empty interval.
 //!
-//! The volume is the voxels that lie in their columns of all three maps. Every interval is *tight*: its two
-//! end voxels are in the volume. Where L is more than 1 every column is *saturated*: if its last interval is
-//! empty, all voxels of the others are in the volume. See [`Volume`](paros_core::Volume).
+//! The volume is the set of voxels that lie in their columns of all three maps. Every interval is *tight*:
+//! its two end voxels are in the volume. If L is more than 1, every column is *saturated*: if its last
+//! interval is empty, all voxels of the others are in the volume. See [`Volume`](paros_core::Volume).
 //!
-//! A file of fewer intervals is read into maps of more exactly: its gaps are held, and the longest other
-//! empty runs become gaps where there is room. Two volumes of the same voxels are different files if they
-//! hold other gaps, and so have different checksums.
+//! A file is read exactly into maps with more intervals per column: its gaps are kept, and the longest other
+//! empty runs become gaps where there is room. Two volumes of the same voxels may hold different gaps; then
+//! their files, and so their checksums, differ.
 
 mod columns;
 mod fault;
@@ -46,7 +46,7 @@ pub use fault::{RmapError, RmapFault, RmapFaultAt};
 
 /// The first bytes of a file.
 pub const MAGIC: [u8; 4] = *b"RMAP";
-/// The version of one interval a column, and that of more.
+/// The versions for one interval per column, and for several.
 const VERSION_OF_ONE: u16 = 1;
 const VERSION_OF_MORE: u16 = 2;
 const HEADER_BYTES: usize = 12;
@@ -76,10 +76,10 @@ impl RmapHeader {
     }
 }
 
-/// Reads and checks the header alone. What follows it may still be wrong.
+/// Reads and checks only the header. The bytes after it may still be wrong.
 ///
 /// # Errors
-/// When the file cannot be read or its header is not one.
+/// Returns an error if the file cannot be read or its header is invalid.
 pub fn read_header(path: &Path) -> Result<RmapHeader, RmapError> {
     let mut start = Vec::with_capacity(HEADER_BYTES);
     let file = durable::open_regular_file(path).map_err(|source| read_error(path, source))?;
@@ -89,10 +89,10 @@ pub fn read_header(path: &Path) -> Result<RmapHeader, RmapError> {
     parse_header(&start).map_err(|found| format_error(path, found))
 }
 
-/// Reads and checks the header alone, which must be that of a sculpture: of one of [`GRID_SIDES`].
+/// Reads and checks only the header, which must be a sculpture's: its size must be one of [`GRID_SIDES`].
 ///
 /// # Errors
-/// As [`read_header`], and for another size.
+/// Returns the errors of [`read_header`], and an error for another size.
 pub fn read_sculpture_header(path: &Path) -> Result<RmapHeader, RmapError> {
     let header = read_header(path)?;
     if !GRID_SIDES.contains(&header.grid_side) {
@@ -102,11 +102,12 @@ pub fn read_sculpture_header(path: &Path) -> Result<RmapHeader, RmapError> {
     Ok(header)
 }
 
-/// Reads a volume of N^3 voxels and at most K intervals a column. `maps` is unchanged unless the whole file
+/// Reads a volume of N^3 voxels and at most K intervals per column. `maps` is unchanged unless the whole file
 /// is valid.
 ///
 /// # Errors
-/// When the file cannot be read, is no `.rmap`, is damaged, or holds another size or more intervals.
+/// Returns an error if the file cannot be read, is no `.rmap`, is damaged, or has another size or more
+/// intervals.
 #[inline(never)]
 pub fn read<const N: usize, const K: usize>(
     path: &Path,
@@ -118,12 +119,12 @@ where
     read_as(path, maps, Excess::Refuse).map(drop)
 }
 
-/// Reads a volume of N^3 voxels and any number of intervals a column; the closure in K of them, if those are
-/// fewer. Returns the number of voxels that closure added. `maps` is unchanged unless the whole file is
-/// valid.
+/// Reads a volume of N^3 voxels and any number of intervals per column. If the file has more than K, its
+/// closure in K intervals is read. Returns the number of voxels that closure added. `maps` is unchanged
+/// unless the whole file is valid.
 ///
 /// # Errors
-/// When the file cannot be read, is no `.rmap`, is damaged, or holds another size.
+/// Returns an error if the file cannot be read, is no `.rmap`, is damaged, or has another size.
 #[inline(never)]
 pub fn read_closed<const N: usize, const K: usize>(
     path: &Path,
@@ -152,10 +153,10 @@ where
     decode_as(&bytes, maps, excess).map_err(|found| format_error(path, found))
 }
 
-/// Writes a volume, whole or not at all.
+/// Writes a volume atomically.
 ///
 /// # Errors
-/// When the folder or the disk refuses.
+/// Returns the error of [`durable::write_file`].
 pub fn write<const N: usize, const K: usize>(
     path: &Path,
     maps: &RangeMaps<N, K>,
@@ -192,8 +193,8 @@ where
     bytes
 }
 
-/// The CRC-32 at the end of this volume's file: a fingerprint of its maps. With more than one interval a
-/// column they are more than the voxels: those of the same voxels may hold other gaps.
+/// Returns the CRC-32 at the end of this volume's file: a fingerprint of its maps. With several intervals per
+/// column, volumes of the same voxels may hold different gaps, and so have different fingerprints.
 #[must_use]
 #[inline(never)]
 pub fn volume_checksum<const N: usize, const K: usize>(maps: &RangeMaps<N, K>) -> u32
@@ -203,11 +204,11 @@ where
     stored_checksum(&encode(maps))
 }
 
-/// Decodes the bytes of a file of at most K intervals a column. `maps` is unchanged unless all of them are
-/// valid.
+/// Decodes the bytes of a file with at most K intervals per column. `maps` is unchanged unless the whole file
+/// is valid.
 ///
 /// # Errors
-/// The first fault found and where it lies.
+/// Returns the first fault and its offset.
 #[inline(never)]
 pub fn decode<const N: usize, const K: usize>(
     bytes: &[u8],
@@ -219,10 +220,10 @@ where
     decode_as(bytes, maps, Excess::Refuse).map(drop)
 }
 
-/// Decodes the bytes of a file as [`read_closed`] reads it.
+/// Decodes the bytes of a file, like [`read_closed`].
 ///
 /// # Errors
-/// The first fault found and where it lies.
+/// Returns the first fault and its offset.
 #[inline(never)]
 pub fn decode_closed<const N: usize, const K: usize>(
     bytes: &[u8],
@@ -234,7 +235,7 @@ where
     decode_as(bytes, maps, Excess::Close)
 }
 
-/// What becomes of a file with more intervals a column than the maps.
+/// The handling of a file with more intervals per column than the maps.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Excess {
     Refuse,
@@ -260,7 +261,7 @@ where
     }
 }
 
-/// Checks that a volume goes into maps of N voxels a side and K intervals a column.
+/// Checks that a volume fits into maps of N voxels a side and K intervals per column.
 fn check_fit<const N: usize, const K: usize>(
     header: &RmapHeader,
     excess: Excess,
@@ -285,10 +286,10 @@ fn format_error(path: &Path, RmapFaultAt { offset, fault }: RmapFaultAt) -> Rmap
     RmapError::Bad { path: path.to_owned(), offset, fault }
 }
 
-/// Reads and checks the header at the front of a file's bytes. What follows it may still be wrong.
+/// Reads and checks the header at the start of a file's bytes. The bytes after it may still be wrong.
 ///
 /// # Errors
-/// The first fault found and where it lies.
+/// Returns the first fault and its offset.
 pub fn parse_header(bytes: &[u8]) -> Result<RmapHeader, RmapFaultAt> {
     if let Some(&magic) = bytes.first_chunk()
         && magic != MAGIC
@@ -318,7 +319,7 @@ pub fn parse_header(bytes: &[u8]) -> Result<RmapHeader, RmapFaultAt> {
     Ok(RmapHeader { version, grid_side: n.into(), intervals_per_column: layers.into() })
 }
 
-/// Checks length and checksum and returns the bytes of the columns.
+/// Checks length and checksum. Returns the bytes of the columns.
 fn checked_columns<'a>(bytes: &'a [u8], header: &RmapHeader) -> Result<&'a [u8], RmapFaultAt> {
     let at = |offset, fault| Err(RmapFaultAt { offset, fault });
     let length = header.file_length();
@@ -336,7 +337,7 @@ fn checked_columns<'a>(bytes: &'a [u8], header: &RmapHeader) -> Result<&'a [u8],
     Ok(&summed[HEADER_BYTES..])
 }
 
-/// The last four bytes of a whole file.
+/// Returns the checksum in the last four bytes of a whole file.
 fn stored_checksum(bytes: &[u8]) -> u32 {
     bytes.last_chunk().map_or(0, |&last| u32::from_le_bytes(last))
 }

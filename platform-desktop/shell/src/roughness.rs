@@ -1,15 +1,15 @@
-//! How rough a worked patch of a surface is: how much its height varies about that of its neighbourhood.
+//! The roughness of a worked patch of a surface: the variation of its height relative to its neighbourhood.
 
 use paros_core::internals::BOX_SIDE;
 use paros_core::volume::{BitGrid, BitSet, Grid, Size};
 
-/// How far the neighbourhood of a place reaches, in millimetres.
+/// The reach of a voxel's neighbourhood, in millimetres.
 const REACH_MM: f32 = 10.6;
 
-/// How far from what was changed the patch reaches, in voxels.
+/// The distance from changed voxels to which the patch reaches, in voxels.
 const RIM: usize = 2;
 
-/// Root mean square of a patch's height about that of its neighbourhood, in millimetres.
+/// The root mean square of a patch's height relative to its neighbourhood, in millimetres.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Roughness {
     /// Before the work.
@@ -18,7 +18,7 @@ pub struct Roughness {
     pub after_mm: f32,
 }
 
-/// The roughness of the patch that was changed from `before` to `after`. `None` where nothing was.
+/// Returns the roughness of the patch that was changed from `before` to `after`; `None` if nothing changed.
 #[must_use]
 pub fn measure_roughness<const N: usize>(
     before: &BitGrid<N>,
@@ -28,7 +28,7 @@ where
     Grid<N>: Size,
 {
     let is_changed = |y: usize, z: usize| before.row(y, z) ^ after.row(y, z);
-    // Which voxels of a row have a changed one near.
+    // The voxels of a row that are near a changed one.
     let near_changed = |y: usize, z: usize| {
         let near = |i: usize| i.saturating_sub(RIM)..(i + RIM + 1).min(N);
         let rows = near(y).flat_map(|y| near(z).map(move |z| (y, z)));
@@ -50,7 +50,8 @@ where
     Some(Roughness { before_mm: before_mm?, after_mm: after_mm? })
 }
 
-/// The occupied voxels of a row with an empty neighbour; below the ground nothing is empty.
+/// Returns the occupied voxels of a row that have an empty neighbour. Below the ground nothing counts as
+/// empty.
 fn surface_of_row<const N: usize>(
     stone: &BitGrid<N>,
     (y, z): (usize, usize),
@@ -66,8 +67,8 @@ where
     here & !(inner & at(y, z.wrapping_sub(1)) & at(y, z + 1))
 }
 
-/// How high a voxel of the surface stands above the mean of the surface about it: what its cube has less of stone
-/// than that of a voxel in a flat face.
+/// Returns the height of a surface voxel above the mean of the surface around it, from how much less stone
+/// its cube contains than that of a voxel in a flat face.
 fn height_mm<const N: usize>(stone: &BitGrid<N>, [x, y, z]: [usize; 3]) -> f32
 where
     Grid<N>: Size,
@@ -85,7 +86,7 @@ where
     ((side + 1) as f32 / 2.0 - count as f32 / (side * side) as f32) * voxel_mm
 }
 
-/// Root mean square from the mean; `None` of nothing.
+/// Returns the root mean square deviation from the mean; `None` without values.
 fn deviation(values: &[f32]) -> Option<f32> {
     let count = values.len() as f32;
     let mean = values.iter().sum::<f32>() / count;
@@ -110,7 +111,7 @@ mod tests {
 
     #[test]
     fn what_ripples_is_rough_and_what_is_flat_is_not() {
-        // Away from the block's own edges.
+        // Keeps away from the block's own edges.
         let is_worked = |x: f32, z: f32| [x, z].iter().all(|at| (16.0..48.0).contains(at));
         let ripple = |x: f32, z: f32| 1.6 * (x * 0.9).sin() * (z * 0.9).sin();
         let rippled = stone(|x, z| 30.0 + if is_worked(x, z) { ripple(x, z) } else { 0.0 });

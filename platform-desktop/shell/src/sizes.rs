@@ -1,38 +1,39 @@
-//! The sizes that a sculpture has in the shells, and the intervals of its columns. They are chosen at run
-//! time, from a file or a command line, and are const generics in the core: here one becomes the other.
+//! The sizes of sculptures in the shells, and the intervals of their columns. They are chosen at run time,
+//! from a file or a command line, and are const generics in the core; the macros here convert one into the
+//! other.
 
 use paros_core::limits::INTERVALS;
 
 /// Voxels along an edge of a sculpture, the usual number first.
 pub const GRID_SIDES: [usize; 2] = [128, 256];
 
-/// The sizes as command lines have them.
+/// The sizes as texts for command lines.
 pub const GRID_SIDE_NAMES: [&str; 2] = ["128", "256"];
 
-/// Intervals of a column that a sculpture may have here, the usual number first. One is what older traces
-/// and volumes have.
+/// The numbers of intervals per column that a sculpture may have, the usual number first. Older traces and
+/// volumes have one.
 pub const INTERVAL_COUNTS: [usize; 2] = [INTERVALS, 1];
 
-/// The interval counts as command lines have them.
+/// The interval counts as texts for command lines.
 pub const INTERVAL_COUNT_NAMES: [&str; 2] = ["2", "1"];
 
-/// The grid's side of a name, or the usual one where it is none of [`GRID_SIDE_NAMES`].
+/// Returns the grid side for a text of [`GRID_SIDE_NAMES`], or the usual one for any other text.
 #[must_use]
 pub fn grid_side_or_default(name: &str) -> usize {
     let found = GRID_SIDE_NAMES.into_iter().zip(GRID_SIDES).find(|(named, _)| *named == name);
     found.map_or(GRID_SIDES[0], |(_, size)| size)
 }
 
-/// The intervals of a column of a name, or the usual number where it is none of
-/// [`INTERVAL_COUNT_NAMES`].
+/// Returns the interval count for a text of [`INTERVAL_COUNT_NAMES`], or the usual number for any other text.
 #[must_use]
 pub fn interval_count_or_default(name: &str) -> usize {
     let mut named = INTERVAL_COUNT_NAMES.into_iter().zip(INTERVAL_COUNTS);
     named.find(|(known, _)| *known == name).map_or(INTERVALS, |(_, count)| count)
 }
 
-/// An expression that is generic in the size N, at a size that is known at run time only:
-/// `with_size!(size, N => bake::<N>(mesh))`. What is not 256 is 128, or, after `else`, something else:
+/// Evaluates an expression that is generic in the size N, at a size known only at run time:
+/// `with_size!(size, N => bake::<N>(mesh))`. A size other than 256 counts as 128, or gives the expression
+/// after `else`:
 /// `with_size!(size, N => bake::<N>(mesh), else Err(Unusable))`.
 #[macro_export]
 macro_rules! with_size {
@@ -56,9 +57,9 @@ macro_rules! with_size {
     };
 }
 
-/// An expression that is generic in the intervals of a column K, at a number that is known at run time
-/// only: `with_intervals!(count, K => play::<128, K>(trace))`. What is not 1 is the usual number, or,
-/// after `else`, something else.
+/// Evaluates an expression that is generic in the intervals per column K, at a number known only at run time:
+/// `with_intervals!(count, K => play::<128, K>(trace))`. A number other than 1 counts as the usual number, or
+/// gives the expression after `else`.
 #[macro_export]
 macro_rules! with_intervals {
     ($count:expr, $K:ident => $at:expr $(,)?) => {

@@ -1,5 +1,5 @@
 //! The volumes that sessions start from: the figures, generated or loaded once, and one volume of the
-//! visitor's own. It knows no files.
+//! visitor's own. The store does not access files.
 
 use std::ops::Deref;
 
@@ -11,24 +11,24 @@ use crate::figures::{Figure, HiddenStart, MAX_FIGURE_NAME_BYTES, MAX_OWN_FIGURES
 /// A volume that sessions need at their start.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum StartVolume {
-    /// A figure, hidden or not; the lump.
+    /// A figure, hidden or not, or the lump.
     Figure(Figure),
-    /// What there is of the lump around a hidden figure.
+    /// The stone around a hidden figure.
     Stone(HiddenStart),
 }
 
-/// How many there are: the whole lump stands among the figures.
+/// The number of start volumes. The stones of whole thickness are the lump, which is among the figures.
 const COUNT: usize = Figure::ALL.len() + HiddenStart::ALL.len() - Figure::HIDDEN.len();
 
 impl StartVolume {
-    /// All of them.
+    /// Returns all start volumes.
     pub fn all() -> impl Iterator<Item = StartVolume> {
         let stones = HiddenStart::ALL.into_iter().map(StartVolume::Stone);
         let figures = Figure::ALL.into_iter().map(StartVolume::Figure);
         figures.chain(stones.skip(Figure::HIDDEN.len()))
     }
 
-    /// Its name in a package.
+    /// Returns its name in a package.
     #[must_use]
     pub fn name(self) -> String {
         match self {
@@ -37,7 +37,7 @@ impl StartVolume {
         }
     }
 
-    /// Its place among all of them.
+    /// Returns its index in [`StartVolume::all`].
     const fn place(self) -> usize {
         match self {
             StartVolume::Figure(figure) => figure as usize,
@@ -56,11 +56,11 @@ impl StartVolume {
 struct OwnFigure<const N: usize, const K: usize> {
     figure: RangeMaps<N, K>,
     stone: RangeMaps<N, K>,
-    /// Its name, after which there are zeros.
+    /// Its name, padded with zero bytes.
     name: [u8; MAX_FIGURE_NAME_BYTES],
 }
 
-/// The most hidden figures: those that there are always, and the operator's own.
+/// The most hidden figures: the built-in ones and the operator's own.
 const MAX_HIDDEN: usize = HiddenStart::ALL.len() + MAX_OWN_FIGURES;
 
 /// The hidden figures and their stones, indexed by their number in the constrained mode.
@@ -78,10 +78,10 @@ impl<'a, const N: usize, const K: usize> Deref for HiddenFigures<'a, N, K> {
     }
 }
 
-/// Buffers for all start volumes of a size. All zero bytes at first: it lives in a static.
+/// Buffers for all start volumes of a size. It starts as all zero bytes, to live in a static.
 #[derive(Debug)]
 pub struct StartVolumeStore<const N: usize, const K: usize> {
-    /// In the order of [`StartVolume::all`].
+    /// The volumes in the order of [`StartVolume::all`].
     volumes: [RangeMaps<N, K>; COUNT],
     own_figures: [OwnFigure<N, K>; MAX_OWN_FIGURES],
     own_figure_count: usize,
@@ -94,7 +94,7 @@ impl<const N: usize, const K: usize> StartVolumeStore<N, K>
 where
     Grid<N>: Size,
 {
-    /// An empty store. For static initialisers only: it is large.
+    /// Creates an empty store. For static initialisers only, as it is large.
     #[must_use]
     #[allow(clippy::new_without_default)] // a Default would hand the volumes about by value
     pub const fn new() -> Self {
@@ -114,8 +114,8 @@ where
         }
     }
 
-    /// Generates the volumes unless they are there already. `on_fraction_done` is
-    /// called with the fraction done, 0 to 1.
+    /// Generates the volumes unless they are there already. Calls `on_fraction_done` with the fraction done,
+    /// 0 to 1.
     pub fn generate_once(&mut self, scratch: &mut BitGrid<N>, on_fraction_done: impl Fn(f32)) {
         if self.has_volumes {
             return;
@@ -134,7 +134,7 @@ where
         self.has_volumes = true;
     }
 
-    /// Whether the volumes are there: generated, or loaded.
+    /// Returns `true` if the volumes have been generated or loaded.
     #[must_use]
     pub const fn has_volumes(&self) -> bool {
         self.has_volumes
@@ -143,7 +143,7 @@ where
     /// Loads the volumes instead of generating them: `load_into` writes each into its maps.
     ///
     /// # Errors
-    /// The first error of `load_into`. The store then counts as empty.
+    /// Returns the first error of `load_into`. The store then counts as empty.
     pub fn load<E>(
         &mut self,
         mut load_into: impl FnMut(StartVolume, &mut RangeMaps<N, K>) -> Result<(), E>,
@@ -156,22 +156,22 @@ where
         Ok(())
     }
 
-    /// The visitor's own volume, to be overwritten. From now on it is offered as a start volume.
+    /// Returns the visitor's own volume, to be overwritten. From now on it is offered as a start volume.
     pub fn offer_visitor_volume(&mut self) -> &mut RangeMaps<N, K> {
         self.offers_visitor_volume = true;
         &mut self.visitor_volume
     }
 
-    /// No longer offers a volume of the visitor's own.
+    /// Stops offering a volume of the visitor's own.
     pub fn withdraw_visitor_volume(&mut self) {
         self.offers_visitor_volume = false;
     }
 
-    /// Loads the operator's own hidden figures, whose names [`check_own_figure_names`] took: `load_into` writes each
-    /// and its stone into their maps.
+    /// Loads the operator's own hidden figures, whose names [`check_own_figure_names`] accepted. `load_into`
+    /// writes each figure and its stone into their maps.
     ///
     /// # Errors
-    /// The first error of `load_into`. There are none of them then.
+    /// Returns the first error of `load_into`. The store then has none of these figures.
     ///
     /// [`check_own_figure_names`]: crate::figures::check_own_figure_names
     pub fn load_own_figures<E>(
@@ -189,7 +189,8 @@ where
         Ok(())
     }
 
-    /// The name of the hidden figure of a number in the constrained mode, without how thick its stone is.
+    /// Returns the name of the hidden figure with a number in the constrained mode, without its stone's
+    /// thickness.
     #[must_use]
     pub fn hidden_figure_name(&self, number: u8) -> Option<&str> {
         if let Some(start) = HiddenStart::from_number(number) {
@@ -201,7 +202,7 @@ where
         core::str::from_utf8(name).ok()
     }
 
-    /// The hidden figures and their stones: those that there are always, then the operator's own.
+    /// Returns the hidden figures and their stones: the built-in ones, then the operator's own.
     #[must_use]
     pub fn hidden_figures(&self) -> HiddenFigures<'_, N, K> {
         let all = core::array::from_fn(|number| match HiddenStart::ALL.get(number) {
@@ -217,19 +218,19 @@ where
         HiddenFigures { all, count: HiddenStart::ALL.len() + self.own_figure_count }
     }
 
-    /// One volume's maps; empty before [`StartVolumeStore::generate_once`].
+    /// Returns one volume's maps; empty before [`StartVolumeStore::generate_once`].
     #[must_use]
     pub fn volume(&self, volume: StartVolume) -> &RangeMaps<N, K> {
         &self.volumes[volume.place()]
     }
 
-    /// One figure's maps; empty before [`StartVolumeStore::generate_once`].
+    /// Returns one figure's maps; empty before [`StartVolumeStore::generate_once`].
     #[must_use]
     pub fn figure(&self, figure: Figure) -> &RangeMaps<N, K> {
         self.volume(StartVolume::Figure(figure))
     }
 
-    /// The start volumes for a tick; `hidden_figures` is the result of
+    /// Returns the start volumes for a tick. `hidden_figures` is the result of
     /// [`StartVolumeStore::hidden_figures`].
     #[must_use]
     pub fn start_volumes<'a>(

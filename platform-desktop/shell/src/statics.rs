@@ -10,7 +10,7 @@ use paros_core::{Baker, RangeMaps, World};
 use crate::start_volume_store::StartVolumeStore;
 use crate::stl_export::StlBuffers;
 
-/// The static bit grid of a `Grid<N>`. It still holds what its last user left in it.
+/// The static bit grid of a `Grid<N>`. It keeps the contents that its last user left.
 pub trait ResidentBitGrid<const N: usize>: Size
 where
     Grid<N>: Size,
@@ -40,14 +40,14 @@ where
     }
 }
 
-/// The static buffers of a `Grid<N>` with K intervals a column. Each method locks one until the guard is
-/// dropped; it still holds what its last user left in it. Lock a world before the STL buffers that its
-/// sculpture is exported in.
+/// The static buffers of a `Grid<N>` with K intervals per column. Each method locks a buffer until the guard
+/// is dropped; the buffer keeps the contents that its last user left. To avoid a deadlock, lock a world
+/// before the STL buffers in which its sculpture is exported.
 pub trait Resident<const N: usize, const K: usize>: ResidentBitGrid<N>
 where
     Grid<N>: Size,
 {
-    /// What the baker knows of winding numbers, which columns of several intervals need.
+    /// The baker's storage of winding numbers, which columns of several intervals need.
     type Windings: Windings<N>;
 
     /// Locks the range maps.
@@ -60,7 +60,7 @@ where
     fn lock_world() -> MutexGuard<'static, WorldWithStarts<N, K>>;
 }
 
-/// A function that locks a static, which it holds.
+/// Defines a function with a static buffer that locks the buffer.
 macro_rules! lock_static {
     ($lock:ident, $NAME:ident: $Buffer:ty) => {
         fn $lock() -> MutexGuard<'static, $Buffer> {
@@ -94,7 +94,7 @@ macro_rules! resident {
     )*};
 }
 
-// One interval a column for the traces that were recorded so.
+// One interval per column is for old traces.
 resident!(
     128: 1 NoWindings, 2 ColumnWindings<128>;
     256: 1 NoWindings, 2 ColumnWindings<256>;

@@ -1,5 +1,5 @@
-//! Incremental STL export: after each tick a bounded piece of work turns a finished sculpture into
-//! the bytes of an STL file. It knows no files.
+//! Incremental STL export: a bounded step after each tick turns a finished sculpture into the bytes of an STL
+//! file. The exporter does not access files.
 
 use paros_core::convert::{ExportPhase, HEIGHT_RANGE_MM, HeightOutOfRange};
 use paros_core::volume::{BitGrid, BitSet, Grid, Size};
@@ -8,17 +8,16 @@ use paros_core::{Exporter, RangeMaps, World, WorldEvent};
 /// The default height of an export, in millimetres.
 pub const DEFAULT_HEIGHT_MM: f32 = 120.0;
 
-/// Work units of the exporter in one [`StlExporter::advance_export_step`]: 0.2 ms of a desktop's thread
-/// in the mean and 0.4 at most, so that a headset's has room for it in a tick. The exports of the demo
-/// at 128 and of a bunny at 256 take 20 and 120 of them.
+/// Work units of the exporter in one [`StlExporter::advance_export_step`]: 0.2 ms of a desktop's thread on
+/// average and 0.4 ms at most, so that a headset's thread can do it within a tick. The exports of the demo at
+/// 128 and of a bunny at 256 take 20 and 120 steps.
 pub const UNITS_PER_STEP: u32 = 2048;
 
-/// Bytes that one [`StlExporter::advance_export_step`] makes at the most, above what its units usually
-/// make.
+/// The most bytes of one [`StlExporter::advance_export_step`], above what its units usually make.
 pub const MAX_BYTES_PER_STEP: usize = 1 << 20;
 
-/// Millimetres of a print `model_height_mm` high for one of the room: a print is as high as that from its
-/// sculpture's lowest voxel to its highest. `None` without a voxel.
+/// Returns the scale of a print that is `model_height_mm` high, measured from its sculpture's lowest voxel to
+/// the highest: millimetres of the print per millimetre of the room. Returns `None` without a voxel.
 #[must_use]
 #[inline(never)]
 pub fn print_scale<const N: usize, const K: usize>(
@@ -35,7 +34,7 @@ where
     Some(model_height_mm / room_mm)
 }
 
-/// The exporter and a copy of the voxels it exports. All zero bytes at first: it lives in a static.
+/// The exporter and a copy of the voxels that it exports. It starts as all zero bytes, to live in a static.
 pub struct StlBuffers<const N: usize, const K: usize>
 where
     Grid<N>: Size,
@@ -51,19 +50,19 @@ where
 pub struct FinishedStl {
     /// The bytes of the file.
     pub bytes: Vec<u8>,
-    /// Triangles in it; 0 if there were no voxels to print.
+    /// The number of triangles in the file; 0 if there were no voxels to print.
     pub triangle_count: u32,
 }
 
-/// Makes STL files, one at a time. It works on a copy of the voxels, so that a new session may begin
-/// while the last one's sculpture is exported.
+/// Makes STL files, one at a time. It works on a copy of the voxels, so that a new session may begin during
+/// the export of the last one's sculpture.
 pub struct StlExporter<'a, const N: usize, const K: usize>
 where
     Grid<N>: Size,
 {
     buffers: &'a mut StlBuffers<N, K>,
     model_height_mm: f32,
-    /// The bytes so far of the export under way; `None` at rest.
+    /// The bytes so far of the current export; `None` if there is none.
     stl: Option<Vec<u8>>,
 }
 
@@ -71,7 +70,7 @@ impl<const N: usize, const K: usize> StlBuffers<N, K>
 where
     Grid<N>: Size,
 {
-    /// Empty buffers. For static initialisers only: they are large.
+    /// Creates empty buffers. For static initialisers only, as they are large.
     #[must_use]
     #[allow(clippy::new_without_default)] // a Default would hand the buffers about by value
     pub const fn new() -> Self {
@@ -83,10 +82,10 @@ impl<'a, const N: usize, const K: usize> StlExporter<'a, N, K>
 where
     Grid<N>: Size,
 {
-    /// An exporter at rest, for models `model_height_mm` millimetres high.
+    /// Creates an exporter for models `model_height_mm` millimetres high.
     ///
     /// # Errors
-    /// A height outside [`HEIGHT_RANGE_MM`].
+    /// Returns an error for a height outside [`HEIGHT_RANGE_MM`].
     pub fn new(
         buffers: &'a mut StlBuffers<N, K>,
         model_height_mm: f32,
@@ -97,14 +96,14 @@ where
         }
     }
 
-    /// An exporter at rest, for models of [`DEFAULT_HEIGHT_MM`].
+    /// Creates an exporter for models of [`DEFAULT_HEIGHT_MM`].
     pub const fn of_default_height(buffers: &'a mut StlBuffers<N, K>) -> Self {
         StlExporter { buffers, model_height_mm: DEFAULT_HEIGHT_MM, stl: None }
     }
 
-    /// Begins an export if the tick finished the session, else advances the one under way. Call it after
-    /// every tick. Returns each file once, when it is finished. Where a session ends before the last
-    /// one's is finished, that one is finished at once and returned.
+    /// Begins an export if the tick finished the session; otherwise advances the current one. Call it after
+    /// every tick. Returns each file once, when it is finished. If a session ends before the last export is
+    /// finished, that export is run to its end at once, and its file is returned.
     #[must_use = "a file is handed out once"]
     pub fn begin_if_finished_or_advance(&mut self, world: &World<N, K>) -> Option<FinishedStl> {
         if !world.events().contains(&WorldEvent::Finished) {
@@ -115,8 +114,8 @@ where
         last
     }
 
-    /// Begins an export of these voxels and the mask that supports some of them (empty for none). An
-    /// export under way is dropped.
+    /// Begins an export of these voxels and the mask that supports some of them (empty for no mask). Drops
+    /// the current export.
     #[inline(never)]
     pub fn begin_export(&mut self, bit_grid: &BitGrid<N>, mask: &RangeMaps<N, K>) {
         self.buffers.bit_grid.copy_from(bit_grid);
@@ -125,8 +124,8 @@ where
         self.stl = started.is_ok().then(Vec::new);
     }
 
-    /// Works on the export under way, [`UNITS_PER_STEP`] units or [`MAX_BYTES_PER_STEP`] bytes. Returns
-    /// the file once it is finished.
+    /// Advances the current export by [`UNITS_PER_STEP`] units or [`MAX_BYTES_PER_STEP`] bytes. Returns the
+    /// file once it is finished.
     #[must_use = "a file is handed out once"]
     #[inline(never)]
     pub fn advance_export_step(&mut self) -> Option<FinishedStl> {
@@ -145,7 +144,7 @@ where
         self.stl.take().map(|bytes| FinishedStl { bytes, triangle_count: triangles })
     }
 
-    /// Runs the export under way to its end; `None` if there is none.
+    /// Runs the current export to its end. Returns `None` if there is none.
     #[must_use = "a file is handed out once"]
     pub fn run_export_to_end(&mut self) -> Option<FinishedStl> {
         while self.is_busy() {
@@ -156,20 +155,20 @@ where
         None
     }
 
-    /// The height of its models, in millimetres.
+    /// Returns the height of its models, in millimetres.
     #[must_use]
     pub const fn model_height_mm(&self) -> f32 {
         self.model_height_mm
     }
 
-    /// Whether an export is under way.
+    /// Returns `true` during an export.
     #[must_use]
     pub const fn is_busy(&self) -> bool {
         self.stl.is_some()
     }
 
-    /// How much is made of the export under way, 0 to 1; 1 at rest. Its length is known once the voxels are looked
-    /// through, so that it stays 0 for a while.
+    /// Returns the finished fraction of the current export, 0 to 1; 1 if there is none. It stays 0 at first,
+    /// as the file's length is known only after all voxels have been scanned.
     #[must_use]
     pub fn part_made(&self) -> f32 {
         let Some(stl) = &self.stl else { return 1.0 };
@@ -177,7 +176,7 @@ where
         len.map_or(0.0, |len| stl.len() as f32 / (len.max(1)) as f32)
     }
 
-    /// Bytes made so far of the export under way; 0 at rest.
+    /// Returns the number of bytes made so far of the current export; 0 if there is none.
     #[must_use]
     pub fn bytes_made(&self) -> usize {
         self.stl.as_ref().map_or(0, Vec::len)
@@ -194,7 +193,7 @@ mod tests {
     use crate::statics::Resident;
     use crate::tick_runner::with_fresh_world;
 
-    /// The toy isn't as high as the box; its width tells the scale.
+    /// The toy isn't as high as the box, so its width shows the scale.
     #[test]
     fn the_scale_is_that_of_the_print() {
         with_fresh_world::<128, INTERVALS, _>(|mut runner| {

@@ -1,8 +1,8 @@
 //! The studio: one world's sessions with their ticks, saves, exports and traces.
 //!
-//! It takes tick inputs and gives files, through the [`FileWriter`]. `session` holds the world,
-//! `autosave` decides when it is saved, `recorder` records its trace, `export` makes a finished
-//! sculpture's files. It knows no window and no headset.
+//! It takes tick inputs and writes files through the [`FileWriter`]. `session` holds the world, `autosave`
+//! decides when it is saved, `recorder` records its trace, and `export` makes a finished sculpture's files.
+//! The studio depends on no window and no headset.
 
 mod autosave;
 mod carve_on;
@@ -39,25 +39,25 @@ pub use receiver::SculptureReceiver;
 use recorder::Recorder;
 use session::LiveSession;
 
-/// Draws a finished sculpture and returns the bytes of a PNG file. It is called in a thread.
+/// A function that draws a finished sculpture and returns the bytes of a PNG file. It is called in a thread.
 pub type DrawPicture<const N: usize> = fn(&RangeMaps<N, INTERVALS>) -> Result<Vec<u8>, String>;
 
-/// Reads a file into the static range maps of its size. It is called in a thread.
+/// A function that reads a file into the static range maps of its size. It is called in a thread.
 pub type VolumeReader = fn(&Path) -> Result<(), String>;
 
-/// A session that the shell is to start with the next tick's input.
+/// A session for the shell to start with the next tick's input.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SessionToStart {
-    /// How it starts.
+    /// The session mode.
     pub mode: SessionMode,
 }
 
 /// A message for the visitor.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Notice {
-    /// All is well.
+    /// A success.
     Good(String),
-    /// Something could not be done.
+    /// A failure.
     Bad(String),
 }
 
@@ -75,11 +75,11 @@ where
     export: SculptureExport<'a, N>,
     paths: StudioPaths,
     pending_read: Option<PendingRead>,
-    /// A volume that was read lies in the resident maps, and no session has started from it.
+    /// `true` if the resident maps hold a volume that was read, from which no session has started yet.
     has_read_volume: bool,
-    /// The save of the sculpture that was left for this one.
+    /// The save of the previous sculpture, which was left unfinished for this one.
     one_before: Option<Vec<u8>>,
-    /// The save of the sculpture as it was before it was finished.
+    /// The save of the sculpture just before it was finished.
     before_finish: Option<Vec<u8>>,
     /// The receiver of finished sculptures, if there is one.
     receiver: Option<Box<dyn SculptureReceiver<N>>>,
@@ -126,13 +126,13 @@ where
         studio
     }
 
-    /// The world as of the last tick.
+    /// Returns the world after the last tick.
     #[must_use]
     pub const fn world(&self) -> &World<N, INTERVALS> {
         self.session.world
     }
 
-    /// Records no traces from now on: a recording grows with every tick.
+    /// Stops recording traces, as a recording grows with every tick.
     pub fn disable_recording(&mut self) {
         self.recorder.disable_recording();
     }
@@ -143,49 +143,49 @@ where
         self.recorder.set_trace_path_at_exit(path);
     }
 
-    /// The studio's folders and file names.
+    /// Returns the studio's folders and file names.
     #[must_use]
     pub const fn paths(&self) -> &StudioPaths {
         &self.paths
     }
 
-    /// The background file writer.
+    /// Returns the background file writer.
     pub const fn file_writer(&mut self) -> &mut FileWriter {
         &mut self.file_writer
     }
 
-    /// The path of the last finished sculpture's STL file, once it is written.
+    /// Returns the path of the last finished sculpture's STL file, once it is written.
     #[must_use]
     pub fn session_stl_path(&self) -> Option<&Path> {
         self.export.session_stl_path()
     }
 
-    /// The error of the last save, while saving fails.
+    /// Returns the error of the last save, while saving fails.
     #[must_use]
     pub fn save_error(&self) -> Option<&str> {
         self.autosave.save_error()
     }
 
-    /// Whether files of a sculpture, or of a session that was left, could not be written and wait for
+    /// Returns `true` if files of a sculpture or of a previous session could not be written and wait for
     /// [`Studio::retry_failed_writes`].
     #[must_use]
     pub const fn has_writes_to_retry(&self) -> bool {
         self.export.has_failed_jobs()
     }
 
-    /// The path of the file being read.
+    /// Returns the path of the file being read.
     #[must_use]
     pub fn path_being_read(&self) -> Option<&Path> {
         self.pending_read.as_ref().map(|pending| &*pending.path)
     }
 
-    /// Whether a finished sculpture's files are being made or written.
+    /// Returns `true` if a finished sculpture's files are being made or written.
     #[must_use]
     pub const fn is_exporting(&self) -> bool {
         self.export.is_busy()
     }
 
-    /// How many finished or left sculptures have files that are not on the disk yet.
+    /// Returns the number of finished or previous sculptures whose files are not on the disk yet.
     #[must_use]
     pub fn count_unkept_sculptures(&self) -> u32 {
         u32::try_from(self.export.count_unkept()).unwrap_or(u32::MAX)
@@ -201,25 +201,26 @@ where
         self.notices.push(notice);
     }
 
-    /// Runs one tick. Where it starts a session, the one before is saved to a file of its own.
+    /// Runs one tick. If the tick starts a session and the current sculpture is unfinished, its save is first
+    /// kept in a separate file.
     pub fn run_tick(&mut self, input: &TickInput) {
         self.run_tick_wrapped(input, |step| step());
     }
 
-    /// How much of the finished sculpture's print is made, 0 to 1.
+    /// Returns the finished fraction of the finished sculpture's print, 0 to 1.
     #[must_use]
     pub fn export_part(&self) -> f32 {
         self.export.part_made()
     }
 
-    /// Runs one tick. `wrap_step` must call its argument, the step itself, exactly once: it can measure
-    /// the step's time, say.
+    /// Runs one tick. `wrap_step` must call its argument, the step itself, exactly once. It can measure the
+    /// step's time, for example.
     pub fn run_tick_wrapped(
         &mut self,
         input: &TickInput,
         wrap_step: impl FnOnce(&mut dyn FnMut()),
     ) {
-        // Visits begin in an empty world, as a session that is recorded does.
+        // Visits begin in an empty world, as recorded sessions do.
         let opens_visits = input.visit.command == VisitCommand::Open;
         let starts_session = input.start != SessionMode::None || opens_visits;
         if starts_session {
@@ -233,8 +234,8 @@ where
         self.after_tick();
     }
 
-    /// Collects finished writes and reads, without blocking. Returns whether a file has been read just
-    /// now, for [`Studio::offer_read_volume`].
+    /// Collects finished writes and reads, without blocking. Returns `true` if a file has just been read, for
+    /// [`Studio::offer_read_volume`].
     pub fn poll_background_work(&mut self) -> bool {
         while let Some(outcome) = self.file_writer.poll_outcome() {
             // Errors are added to the messages.
@@ -255,14 +256,14 @@ where
         self.has_read_volume
     }
 
-    /// Submits once more the files that could not be written.
+    /// Retries the writes that failed.
     pub fn retry_failed_writes(&mut self) {
         for job in self.export.take_failed_jobs() {
             self.submit_job(job);
         }
     }
 
-    /// Submits the trace of the session so far, and its start volume if that was the visitor's own.
+    /// Submits the trace of the session so far, and the visitor's own start volume if one is offered.
     pub fn submit_trace_and_own_volume(&mut self) {
         let Some(trace) = self.recorder.trace_bytes() else {
             let why = "only a session that began here can be recorded";
@@ -296,10 +297,10 @@ where
         let _ = self.wait_for_writes();
     }
 
-    /// Finishes the export under way, saves the session, and waits until all is written.
+    /// Finishes the current export, saves the session, and waits until everything is written.
     ///
     /// # Errors
-    /// The first write that failed.
+    /// Returns the error of the first write that failed.
     pub fn save_all_and_wait(&mut self) -> Result<(), durable::WriteError> {
         self.export.make_files_to_end();
         self.submit_finished_sculpture();
@@ -326,7 +327,8 @@ where
         self.forget_session_before();
     }
 
-    /// Forgets what belongs to the session that was in the world before: how it ended, its recording and its print.
+    /// Forgets the state of the previous session: its save before it was finished, its recording and its
+    /// print.
     fn forget_session_before(&mut self) {
         self.before_finish = None;
         self.recorder.discard_recording();
@@ -334,7 +336,8 @@ where
         self.autosave.restart_save_interval();
     }
 
-    /// Tells that the hidden figure was found in the last tick, if it was. A visit tells it in its visitor's language.
+    /// Adds a message if the hidden figure was found in the last tick. In a visit the visit itself reports
+    /// it, in the visitor's language.
     fn notice_found_figure(&mut self) {
         let world = &*self.session.world;
         if let SessionMode::Constrained { figure } = world.mode()
@@ -350,7 +353,7 @@ where
         let world = &*self.session.world;
         let has_started = |event: &WorldEvent| matches!(event, WorldEvent::Started(_));
         if world.visit().phase() != VisitPhase::Closed && world.events().iter().any(has_started) {
-            // A visit began it: whatever it is recorded in goes on.
+            // A visit began the session: its recording continues.
             self.before_finish = None;
             self.export.set_session_stl_path(None);
             // No visitor asks for it, and the next ones' are as large.
@@ -359,7 +362,7 @@ where
         let world = &*self.session.world;
         self.export.advance_stl_after_tick(world);
         if world.events().contains(&WorldEvent::Finished) {
-            // The exporter has made the last one's file at once, before it began with this one's.
+            // The exporter has finished the previous sculpture's file before it began this one.
             self.export.wait_for_picture();
             self.submit_finished_sculpture();
             self.export.start_making_files(self.session.world);

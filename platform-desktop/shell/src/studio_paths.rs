@@ -8,21 +8,22 @@ use crate::settings;
 /// A studio's folders. Each is created when something is written there.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct StudioPaths {
-    /// For the visitor: volumes, prints, pictures and traces.
+    /// The visitor's files: volumes, prints, pictures and traces.
     pub sculptures: PathBuf,
     /// Saved sessions.
     pub sessions: PathBuf,
     /// The pipeline cache.
     pub cache: PathBuf,
-    /// The file of settings.
+    /// The settings file.
     pub settings: PathBuf,
-    /// This window's number among those open at once, from 1.
+    /// The number of this window among all open ones, from 1.
     pub window: u32,
 }
 
 impl StudioPaths {
-    /// The user's folders after the XDG Base Directory Specification. Sculptures go to `sculptures` if
-    /// given, else to `Paros` in the home folder. Without a home folder, the current one counts as it.
+    /// Returns the user's folders according to the XDG Base Directory Specification. Sculptures go to
+    /// `sculptures` if given, else to `Paros` in the home folder. Without a home folder, the current folder
+    /// is used.
     #[must_use]
     pub fn for_user(sculptures: Option<&Path>) -> Self {
         let absolute =
@@ -40,7 +41,7 @@ impl StudioPaths {
         }
     }
 
-    /// Subfolders of one folder, for systems without a folder for each purpose: a headset's.
+    /// Returns subfolders of one folder, for systems without a folder for each purpose, such as headsets.
     #[must_use]
     pub fn inside_folder(folder: &Path) -> Self {
         StudioPaths {
@@ -52,25 +53,25 @@ impl StudioPaths {
         }
     }
 
-    /// The save of the current session on a grid of `grid_side` voxels a side.
+    /// Returns the path of the current session's save on a grid of `grid_side` voxels a side.
     #[must_use]
     pub fn session_file(&self, grid_side: usize) -> PathBuf {
         self.sessions.join(format!("session-{grid_side}{}.save", self.window_suffix()))
     }
 
-    /// The save of the session before it, where that was left unfinished.
+    /// Returns the path of the previous session's save, if that session was left unfinished.
     #[must_use]
     pub fn left_unfinished_session_file(&self, grid_side: usize) -> PathBuf {
         self.sessions.join(format!("session-{grid_side}{}.before.save", self.window_suffix()))
     }
 
-    /// When the headset was last used, beside the session's save.
+    /// Returns the path of the file with the time of the headset's last use, beside the session's save.
     #[must_use]
     pub fn last_use_file(&self, grid_side: usize) -> PathBuf {
         self.sessions.join(format!("session-{grid_side}{}.last-use", self.window_suffix()))
     }
 
-    /// An unused path beside the session's save, to move an unreadable save to.
+    /// Returns an unused path beside the session's save, to which an unreadable save can be moved.
     #[must_use]
     pub fn unused_path_for_unreadable_save(&self, grid_side: usize) -> PathBuf {
         (1u32..)
@@ -81,25 +82,25 @@ impl StudioPaths {
             .unwrap_or_default()
     }
 
-    /// The graphics driver's pipeline cache.
+    /// Returns the path of the graphics driver's pipeline cache.
     #[must_use]
     pub fn pipeline_cache_file(&self) -> PathBuf {
         self.cache.join("pipelines.bin")
     }
 
-    /// The log of a headset, beside the settings.
+    /// Returns the path of a headset's log, beside the settings.
     #[must_use]
     pub fn log_file(&self) -> PathBuf {
         self.settings.with_file_name("paros.log")
     }
 
-    /// The starts of a headset that have failed in a row.
+    /// Returns the path of the count of a headset's consecutive failed starts.
     #[must_use]
     pub fn failed_starts_file(&self) -> PathBuf {
         self.cache.join("failed-starts")
     }
 
-    /// The part of a file's name that tells the window; empty for the first.
+    /// Returns the part of a file's name that identifies the window; empty for the first.
     fn window_suffix(&self) -> String {
         match self.window {
             1 => String::new(),

@@ -1,5 +1,5 @@
-//! The tick loop: a fixed time step. [`TickClock`] turns frame times into ticks, and [`TickRunner`]
-//! runs each as one `World::step` and can record it in a trace. It knows no files and no display.
+//! The tick loop with a fixed time step. [`TickClock`] turns frame times into ticks, and [`TickRunner`] runs
+//! each as one `World::step` and can record it in a trace. The module accesses no files and no display.
 
 use std::time::Duration;
 
@@ -14,8 +14,8 @@ use paros_core::{StartVolumes, TickInput, World};
 use crate::statics::{Resident, WorldWithStarts};
 use crate::trace::{ReplayDivergence, Trace};
 
-/// Runs the ticks of a world. It borrows the world and its start volumes, and records every tick
-/// while a recording is on.
+/// Runs the ticks of a world. It borrows the world and its start volumes, and records every tick during a
+/// recording.
 #[derive(Debug)]
 pub struct TickRunner<'a, const N: usize, const K: usize>
 where
@@ -26,15 +26,15 @@ where
     recording: Option<TraceRecording>,
 }
 
-/// A tick of a replay, after it was run.
+/// A tick of a replay that has been run.
 #[derive(Clone, Copy, Debug)]
 pub struct ReplayedTick<'a, const N: usize, const K: usize>
 where
     Grid<N>: Size,
 {
-    /// The number of ticks before it.
+    /// The index of the tick, from 0.
     pub index: usize,
-    /// The world after it.
+    /// The world after the tick.
     pub world: &'a World<N, K>,
 }
 
@@ -42,18 +42,18 @@ where
 #[derive(Debug)]
 pub struct TraceRecording {
     header: TraceHeader,
-    /// Room for the header, then the records so far.
+    /// Space for the header, then the records so far.
     bytes: Vec<u8>,
 }
 
 impl TraceRecording {
-    /// Ticks recorded so far.
+    /// Returns the number of ticks recorded so far.
     #[must_use]
     pub const fn tick_count(&self) -> u32 {
         self.header.ticks
     }
 
-    /// The bytes of a trace file that ends with the last recorded tick.
+    /// Returns the bytes of a trace file that ends with the last recorded tick.
     #[must_use]
     pub fn to_trace_bytes(&self) -> Vec<u8> {
         let mut bytes = self.bytes.clone();
@@ -66,19 +66,19 @@ impl<'a, const N: usize, const K: usize> TickRunner<'a, N, K>
 where
     Grid<N>: Size,
 {
-    /// A runner that records nothing yet.
+    /// Creates a runner that records nothing yet.
     #[must_use]
     pub fn new(world: &'a mut World<N, K>, start_volumes: StartVolumes<'a, N, K>) -> Self {
         TickRunner { world, start_volumes, recording: None }
     }
 
-    /// The world as of the last tick.
+    /// Returns the world after the last tick.
     #[must_use]
     pub const fn world(&self) -> &World<N, K> {
         self.world
     }
 
-    /// The header of a trace that starts with the next tick: size and digests, with no ticks.
+    /// Returns the header of a trace that starts with the next tick: size and digests, with no ticks.
     #[must_use]
     pub fn trace_header(&self) -> TraceHeader {
         TraceHeader {
@@ -90,20 +90,20 @@ where
         }
     }
 
-    /// Starts a recording with the next tick. One under way is dropped.
+    /// Starts a recording with the next tick. Drops the current recording.
     pub fn start_recording(&mut self) {
         self.recording =
             Some(TraceRecording { header: self.trace_header(), bytes: vec![0; HEADER_BYTES] });
     }
 
-    /// Ends the recording and returns the bytes of its trace file; `None` if none was on.
+    /// Ends the recording and returns the bytes of its trace file; `None` if there was none.
     #[must_use]
     pub fn end_recording_to_bytes(&mut self) -> Option<Vec<u8>> {
         self.recording.take().map(|recording| recording.to_trace_bytes())
     }
 
-    /// Ends the borrow of the world and returns the recording under way, for
-    /// [`TickRunner::attach_recording`] of another runner.
+    /// Ends the borrow of the world and returns the current recording, for [`TickRunner::attach_recording`]
+    /// of another runner.
     #[must_use]
     pub fn detach_recording(self) -> Option<TraceRecording> {
         self.recording
@@ -119,8 +119,8 @@ where
         self.run_tick_wrapped(input, |step| step());
     }
 
-    /// Runs one tick. `wrap_step` must call its argument, the step itself, exactly once: it can measure
-    /// the step's time, say.
+    /// Runs one tick. `wrap_step` must call its argument, the step itself, exactly once. It can measure the
+    /// step's time, for example.
     #[expect(clippy::disallowed_methods, reason = "the one place outside tests")]
     pub fn run_tick_wrapped(
         &mut self,
@@ -138,12 +138,12 @@ where
         }
     }
 
-    /// Replays a trace, from the start volumes and the state that it was recorded on: it holds their
-    /// digests only. Calls `after_tick` after every tick.
+    /// Replays a trace. The runner must have the start volumes and the state on which the trace was recorded;
+    /// the trace holds only their digests. Calls `after_tick` after every tick.
     ///
     /// # Errors
-    /// [`ReplayDivergence`] where the trace was recorded on other start volumes or from another state, or
-    /// at the first tick after which a part of the world's state differs.
+    /// Returns a [`ReplayDivergence`] if the trace was recorded on other start volumes or from another state,
+    /// or at the first tick after which a part of the world's state differs.
     pub fn replay_on_same_start(
         &mut self,
         trace: &Trace,
@@ -186,8 +186,8 @@ where
     }
 }
 
-/// Locks the process's resident world, clears it, generates its start volumes, and calls `run` with a
-/// runner of it.
+/// Locks the process's resident world, clears it, generates its start volumes, and calls `run` with a runner
+/// for it.
 pub fn with_fresh_world<const N: usize, const K: usize, T>(
     run: impl FnOnce(TickRunner<'_, N, K>) -> T,
 ) -> T
@@ -201,12 +201,12 @@ where
     run(TickRunner::new(world, start_volumes.start_volumes(&start_volumes.hidden_figures())))
 }
 
-/// The ticks of a stretch of time.
+/// The ticks that became due since the last frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ClockTicks {
-    /// To be run; at most [`TickClock::MAX_TICKS_PER_FRAME`].
+    /// The ticks to run, at most [`TickClock::MAX_TICKS_PER_FRAME`].
     pub due: u32,
-    /// Not to be run: those beyond that number.
+    /// The ticks beyond that number, which are dropped.
     pub dropped: u32,
 }
 
@@ -214,7 +214,7 @@ pub struct ClockTicks {
 /// `TICK_RATE`, and carries the rest over.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct TickClock {
-    /// Time not yet turned into ticks, in nanoseconds times the tick rate: 1e9 is a tick.
+    /// The time not yet turned into ticks, in nanoseconds times the tick rate: 1e9 is one tick.
     remainder: u128,
 }
 
@@ -222,7 +222,7 @@ impl TickClock {
     /// The most ticks of one frame; further ticks are dropped.
     pub const MAX_TICKS_PER_FRAME: u32 = 4;
 
-    /// The ticks to run, `since_last_call` after the last call.
+    /// Returns the ticks that became due in `since_last_call`, the time since the last call.
     #[must_use]
     pub fn take_due_ticks(&mut self, since_last_call: Duration) -> ClockTicks {
         let second = 1_000_000_000;
@@ -235,7 +235,7 @@ impl TickClock {
         }
     }
 
-    /// The time since the last tick as a fraction of a tick, in 0..1: for interpolation.
+    /// Returns the time since the last tick as a fraction of a tick, in 0..1, for interpolation.
     #[must_use]
     pub fn tick_fraction(&self) -> f32 {
         self.remainder as f32 / 1e9

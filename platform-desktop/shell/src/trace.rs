@@ -1,4 +1,4 @@
-//! Trace files: read and checked as a whole before the first tick is replayed.
+//! Trace files, which are read and checked as a whole before the first tick is replayed.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -16,87 +16,88 @@ pub struct Trace {
     records: Vec<TickRecord>,
 }
 
-/// Why a file is no trace.
+/// The reason why a file is no trace.
 #[derive(Debug, thiserror::Error)]
 pub enum TraceError {
     /// The file can't be read.
     #[error("{path}: cannot read: {1}", path = .0.display())]
     Read(PathBuf, io::Error),
-    /// The header is wrong at a byte.
+    /// The header is invalid at a byte.
     #[error("{}: no trace: expected {} at byte {}", .0.display(), .1.expected, .1.offset)]
     Header(PathBuf, BadBytes),
-    /// A tick's record is wrong at a byte of the file.
+    /// A tick's record is invalid at a byte of the file.
     #[error("{}: tick {tick}: expected {} at byte {}", path.display(), bad.expected, bad.offset)]
     Record {
         /// The file.
         path: PathBuf,
         /// The tick, from 0.
         tick: usize,
-        /// What is wrong.
+        /// The invalid bytes.
         bad: BadBytes,
     },
 }
 
-/// What is wrong with the bytes of a trace file.
+/// A fault of a trace file's bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TraceFault {
-    /// The tick whose record is wrong, from 0; `None` for the header.
+    /// The tick whose record is invalid, from 0; `None` for the header.
     pub tick: Option<usize>,
-    /// What is wrong at which byte of the file.
+    /// The invalid bytes, and their offset in the file.
     pub bad: BadBytes,
 }
 
-/// Where a replay first differs from its trace.
+/// The first difference of a replay from its trace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum ReplayDivergence {
-    /// Recorded at another size.
+    /// The trace was recorded at another size.
     #[error("before tick 0: recorded at {recorded} voxels a side, played at {here}")]
     Size {
-        /// Of the trace.
+        /// The number in the trace.
         recorded: u16,
-        /// Of the world.
+        /// The world's number.
         here: u16,
     },
-    /// Recorded with another number of intervals a column.
+    /// The trace was recorded with another number of intervals per column.
     #[error("before tick 0: intervals a column: {recorded} as recorded, {here} here")]
     Intervals {
-        /// Of the trace.
+        /// The number in the trace.
         recorded: u16,
-        /// Of the world.
+        /// The world's number.
         here: u16,
     },
-    /// Recorded on other start volumes.
+    /// The trace was recorded on other start volumes.
     #[error(
         "before tick 0: recorded on other start volumes (digest {recorded:016x}, these have {here:016x})"
     )]
     Starts {
-        /// Their digest in the trace.
+        /// The digest in the trace.
         recorded: u64,
-        /// Their digest here.
+        /// The digest here.
         here: u64,
     },
-    /// Recorded from another state of the world.
+    /// The trace was recorded from another state of the world.
     #[error(
         "before tick 0: recorded from another state (digest {recorded:016x}, this one has {here:016x})"
     )]
     State {
-        /// Its digest in the trace.
+        /// The digest in the trace.
         recorded: u64,
-        /// Its digest here.
+        /// The digest here.
         here: u64,
     },
-    /// The first tick that led to another state.
+    /// A tick, the first such one, led to another state.
     #[error(
         "tick {tick}: another state of {part} (digest {here:016x}, the trace has {recorded:016x})"
     )]
     Tick {
         /// The tick, from 0.
         tick: usize,
-        /// The first part of the state that differs, of [`DIGEST_PARTS`](paros_core::internals::DIGEST_PARTS).
+        /// The first part of the state that differs, one of
+        /// [`DIGEST_PARTS`](paros_core::internals::DIGEST_PARTS).
         part: &'static str,
-        /// Its digest in the trace.
+        /// The digest in the trace.
         recorded: u64,
-        /// Its digest here.
+        /// The digest here.
         here: u64,
     },
 }
@@ -105,7 +106,7 @@ impl Trace {
     /// Reads a trace file.
     ///
     /// # Errors
-    /// [`TraceError`], with the file and the offset or tick.
+    /// Returns a [`TraceError`] with the file and the offset or tick.
     pub fn read(path: &Path) -> Result<Self, TraceError> {
         let bytes =
             durable::read_regular_file(path).map_err(|e| TraceError::Read(path.into(), e))?;
@@ -118,7 +119,7 @@ impl Trace {
     /// Decodes the bytes of a trace file.
     ///
     /// # Errors
-    /// [`TraceFault`], its offset counted from the file's start.
+    /// Returns a [`TraceFault`] whose offset counts from the file's start.
     pub fn decode(bytes: &[u8]) -> Result<Self, TraceFault> {
         let header = TraceHeader::read(&mut ByteReader::new(bytes))
             .map_err(|bad| TraceFault { tick: None, bad })?;
@@ -142,20 +143,20 @@ impl Trace {
         Ok(Trace { header, records })
     }
 
-    /// The header: size, tick count and digests.
+    /// Returns the header: size, tick count and digests.
     #[must_use]
     pub const fn header(&self) -> TraceHeader {
         self.header
     }
 
-    /// The records, one per tick.
+    /// Returns the records, one per tick.
     pub fn records(&self) -> impl ExactSizeIterator<Item = &TickRecord> {
         self.records.iter()
     }
 }
 
 impl ReplayDivergence {
-    /// The divergence of a trace whose columns have another number of intervals than any world here.
+    /// Returns the divergence of a trace whose columns have another number of intervals than any world here.
     #[must_use]
     pub const fn no_world_of_intervals(header: &TraceHeader) -> Self {
         ReplayDivergence::Intervals { recorded: header.intervals, here: INTERVALS as u16 }

@@ -1,25 +1,26 @@
-//! What sounds are made of: a sine, noise, a filter, glides and a limit.
+//! Building blocks of sounds: a sine, noise, a filter, glides and a limiter.
 //!
-//! Sums and products alone, no function of `std`: frames are the same on every machine.
+//! They use only arithmetic and `libm`, no functions of `std`, so that frames are the same on every machine.
 
 use core::f32::consts::PI;
 
 use crate::mixer::SAMPLE_RATE;
 
-/// The time of a frame, in seconds.
+/// The length of a frame, in seconds.
 pub(crate) const FRAME_SECONDS: f32 = 1.0 / SAMPLE_RATE as f32;
 
-/// What is under it is not heard, at -90 dB, and counts as nothing.
+/// The level, -90 dB, below which a sound counts as silent.
 pub(crate) const INAUDIBLE: f32 = 3e-5;
 
-/// The sine of a phase in turns, -0.5 to 1.5, within a thousandth: a parabola, and its square.
+/// Returns the sine of a phase in turns, -0.5 to 1.5, to within 0.001: a parabola with a quadratic
+/// correction.
 pub(crate) fn sine_of_turns(turns: f32) -> f32 {
     let x = 1.0 - 2.0 * (turns - floor(turns));
     let y = 4.0 * x * (1.0 - x.abs());
     y + 0.225 * (y * y.abs() - y)
 }
 
-/// The greatest whole number that isn't greater, of a number of some thousands at most.
+/// Returns the greatest whole number not above `x`, for magnitudes up to some thousands.
 fn floor(x: f32) -> f32 {
     let cut = x as i32 as f32;
     if cut > x { cut - 1.0 } else { cut }
@@ -30,7 +31,7 @@ fn floor(x: f32) -> f32 {
 pub(crate) struct Phase(f32);
 
 impl Phase {
-    /// Goes on by a frame at a frequency in hertz. Returns the new phase.
+    /// Advances by a frame at a frequency in hertz. Returns the new phase.
     pub(crate) fn advance(&mut self, hz: f32) -> f32 {
         self.0 += hz * FRAME_SECONDS;
         self.0 -= floor(self.0);
@@ -43,12 +44,12 @@ impl Phase {
 pub(crate) struct Noise(u32);
 
 impl Noise {
-    /// Noise that differs for each seed.
+    /// Creates noise that differs for each seed.
     pub(crate) const fn new(seed: u32) -> Self {
         Noise(seed.wrapping_mul(0x9e37_79b9) | 1)
     }
 
-    /// -1 to 1.
+    /// Returns the next sample, -1 to 1.
     pub(crate) fn next(&mut self) -> f32 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 17;
@@ -57,17 +58,17 @@ impl Noise {
     }
 }
 
-/// A band-pass filter, Simper's state-variable filter by trapezoidal integration: it may be tuned while it runs. Its
-/// gain in the middle of the band is 1.
+/// A band-pass filter: Simper's state-variable filter with trapezoidal integration, which may be tuned while
+/// it runs. Its gain at the centre of the band is 1.
 #[derive(Clone, Copy, Default, Debug)]
 pub(crate) struct BandPass {
-    /// Of the first and the second integrator, and the damping.
+    /// The gains of the first and the second integrator, and the damping.
     gains: [f32; 3],
     states: [f32; 2],
 }
 
 impl BandPass {
-    /// Tunes it to a middle in hertz; its band is as wide as that divided by `quality`.
+    /// Tunes it to a centre frequency in hertz. The bandwidth is that frequency divided by `quality`.
     pub(crate) fn tune(&mut self, hz: f32, quality: f32) {
         let g = libm::tanf(PI * (hz * FRAME_SECONDS).clamp(0.0, 0.45));
         let damping = 1.0 / quality;
@@ -75,20 +76,20 @@ impl BandPass {
         self.gains = [first, g * first, damping];
     }
 
-    /// The next frame.
+    /// Filters the next sample.
     pub(crate) fn filter(&mut self, input: f32) -> f32 {
         let [first, second, damping] = self.gains;
         let [band_state, low_state] = self.states;
         let high = input - low_state;
         let band = first * band_state + second * high;
-        // g of `tune` is second / first.
+        // `second / first` is the `g` of `tune`.
         let low = low_state + second / first * band;
         self.states = [2.0 * band - band_state, 2.0 * low - low_state];
         band * damping
     }
 }
 
-/// A value that goes to its target and never jumps.
+/// A value that approaches its target smoothly.
 #[derive(Clone, Copy, Default, Debug)]
 pub(crate) struct Glide {
     now: f32,
@@ -96,24 +97,24 @@ pub(crate) struct Glide {
 }
 
 impl Glide {
-    /// Part of the way that a frame goes: two thirds of it in 5 ms.
+    /// The fraction of the remaining distance per frame: two thirds of it in 5 ms.
     const RATE: f32 = FRAME_SECONDS / 0.005;
 
     pub(crate) const fn set_target(&mut self, target: f32) {
         self.target = target;
     }
 
-    /// Goes to its target at once, where nobody hears it.
+    /// Jumps to its target, for when it is inaudible.
     pub(crate) const fn jump(&mut self) {
         self.now = self.target;
     }
 
-    /// Whether it is, and stays, nothing.
+    /// Returns `true` if the value and its target are 0.
     pub(crate) fn is_zero(&self) -> bool {
         self.now == 0.0 && self.target == 0.0
     }
 
-    /// The next frame's value.
+    /// Returns the next frame's value.
     pub(crate) fn next(&mut self) -> f32 {
         self.now += (self.target - self.now) * Self::RATE;
         if (self.target - self.now).abs() < INAUDIBLE {
@@ -123,13 +124,13 @@ impl Glide {
     }
 }
 
-/// The gains of both ears for a pan of -1 to 1, of equal power wherever it is.
+/// Returns the gains of both ears for a pan of -1 to 1, with constant power.
 pub(crate) fn ear_gains(pan: f32) -> [f32; 2] {
     let turns = (pan.clamp(-1.0, 1.0) + 1.0) / 8.0;
     [sine_of_turns(0.25 - turns), sine_of_turns(turns)]
 }
 
-/// Keeps a sample under full scale: up to 0.6 it stays as it is, beyond it is bent towards 0.95.
+/// Limits a sample softly: up to 0.6 it is unchanged, above that it is bent towards 0.95.
 pub(crate) fn limit_softly(sample: f32) -> f32 {
     const KNEE: f32 = 0.6;
     const ROOM: f32 = 0.35;
@@ -175,7 +176,7 @@ mod tests {
         }
     }
 
-    /// The gain of a band-pass at 1,000 Hz for a tone.
+    /// Returns the gain of a band-pass at 1,000 Hz for a tone.
     fn gain_at(hz: f32) -> f32 {
         let (mut filter, mut phase, mut peak) = (BandPass::default(), Phase::default(), 0.0f32);
         filter.tune(1000.0, 2.0);

@@ -1,13 +1,13 @@
-//! What a session sounds like.
+//! Sound synthesis for a session.
 //!
-//! Takes a [`World`](paros_core::World) after each tick and that tick's input; a [`SoundPlanner`] makes of them what
-//! is to sound, a small [`SoundPlan`], a [`Mixer`] of plans the frames of both ears, and a [`Speaker`] has a device
-//! play them. Plans and frames are a function of what was put in: the same trace sounds the same on every machine.
-//! It decides nothing, and reads no clock.
+//! A [`SoundPlanner`] turns the [`World`](paros_core::World) after each tick, and that tick's input, into a
+//! small [`SoundPlan`]. A [`Mixer`] renders plans to stereo frames, and a [`Speaker`] plays them on a device.
+//! Plans and frames depend only on these inputs: the same trace sounds the same on every machine. The crate
+//! decides nothing about the session, and reads no clock.
 //!
-//! The synthesis is the crate's own, of oscillators, filtered noise and envelopes in one page (`dsp`). `fundsp` was
-//! tried for it: three voices made of its nodes are 91 KB of code, of 130 KB that the headset's package has left, and
-//! it brings 21 crates, among them a second `glam` and two more `hashbrown`.
+//! The synthesis is the crate's own: oscillators, filtered noise and envelopes (`dsp`). The crate `fundsp`
+//! was tried: three voices made of its nodes take 91 KB of code, of the 130 KB left in the headset's package,
+//! and it brings 21 crates, among them a second `glam` and two more `hashbrown`.
 #![deny(unsafe_code)]
 
 mod device;

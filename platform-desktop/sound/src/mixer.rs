@@ -1,4 +1,4 @@
-//! From plans to the frames of both ears.
+//! The mixer, which renders plans to stereo frames.
 
 use paros_core::session::TICK_RATE;
 
@@ -7,20 +7,20 @@ use crate::plan::{SoundPlan, VoicePlan};
 use crate::shot::SoundingShot;
 use crate::voice::HandVoice;
 
-/// Frames in a second.
+/// The sample rate, in frames per second.
 pub const SAMPLE_RATE: u32 = 48_000;
 
-/// Shots that sound at once. Those that are many (blows, chips) leave the last four to the others: a clock is heard
-/// whatever two hammers do.
+/// The most shots that sound at once. Frequent shots (blows, chips) leave the last four to the others, so
+/// that a clock is heard even while two hammers run.
 const SOUNDING_SHOTS: usize = 14;
 const KEPT_FOR_OTHERS: usize = 4;
 
-/// Frames after which voices end if no plan comes any more: eight ticks, more than a late picture takes. A window that
-/// is hidden, or a headset that sleeps, has no ticks.
+/// Frames without a plan after which voices end: eight ticks, more than a late frame takes. A hidden window
+/// or a sleeping headset runs no ticks.
 const PATIENCE_FRAMES: u32 = 8 * SAMPLE_RATE / TICK_RATE;
 
-/// Mixes what plans ask for. It allocates nothing, and gives the same frames for the same plans between the same
-/// frames.
+/// Mixes the sounds of plans. It allocates nothing, and is deterministic: the same sequence of plans and
+/// frames gives the same samples.
 #[derive(Clone, Debug)]
 pub struct Mixer {
     voices: [HandVoice; 2],
@@ -29,7 +29,7 @@ pub struct Mixer {
     frames_since_plan: u32,
 }
 
-/// How many frames go with a tick of this number, so that 72 of them are a second.
+/// Returns the number of frames of a tick, so that 72 consecutive ticks make one second.
 #[must_use]
 pub const fn frames_in_tick(tick: u64) -> usize {
     let (rate, ticks) = (SAMPLE_RATE as u64, TICK_RATE as u64);
@@ -37,7 +37,7 @@ pub const fn frames_in_tick(tick: u64) -> usize {
 }
 
 impl Mixer {
-    /// A silent mixer at a volume of 0 to 100, which ears hear as evenly spaced.
+    /// Creates a silent mixer at a volume of 0 to 100, on a scale of even steps for the ear.
     #[must_use]
     pub fn new(percent: u32) -> Self {
         let part = percent.min(100) as f32 / 100.0;
@@ -49,7 +49,7 @@ impl Mixer {
         }
     }
 
-    /// Takes the plan of a tick: what it asks for begins with the next frame.
+    /// Applies the plan of a tick: its sounds begin with the next frame.
     pub fn follow(&mut self, plan: &SoundPlan) {
         self.frames_since_plan = 0;
         for (voice, plan) in self.voices.iter_mut().zip(&plan.voices) {
@@ -60,7 +60,7 @@ impl Mixer {
                 true => SOUNDING_SHOTS - KEPT_FOR_OTHERS,
                 false => SOUNDING_SHOTS,
             };
-            // The rare ones begin at the end, where the many don't come.
+            // Rare shots are placed from the end, which frequent shots don't use.
             let free = self.shots[..most].iter_mut().rev().find(|sounding| sounding.has_ended());
             if let Some(free) = free {
                 free.begin(shot);
@@ -68,7 +68,7 @@ impl Mixer {
         }
     }
 
-    /// Fills frames of left and right, each between -1 and 1.
+    /// Renders stereo frames, left and right, with samples between -1 and 1.
     pub fn render(&mut self, frames: &mut [[f32; 2]]) {
         frames.fill([0.0; 2]);
         self.frames_since_plan = self.frames_since_plan.saturating_add(frames.len() as u32);
@@ -82,7 +82,7 @@ impl Mixer {
         }
     }
 
-    /// Whether all that was asked for has ended.
+    /// Returns `true` if all sounds have ended.
     #[must_use]
     pub fn is_silent(&self) -> bool {
         self.voices.iter().all(HandVoice::is_silent)

@@ -1,11 +1,11 @@
-//! What is to sound in a tick.
+//! The sounds of a tick.
 
 use paros_core::limits::MAX_EVENTS;
 
-/// What a hand's tool sounds like as long as it runs.
+/// The kind of continuous sound of a hand's tool.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum VoiceKind {
-    /// Not at all.
+    /// No sound.
     #[default]
     Silent,
     /// An electric motor.
@@ -16,44 +16,44 @@ pub enum VoiceKind {
     Hiss,
 }
 
-/// How a hand's tool sounds in a tick.
+/// The sound of a hand's tool in a tick.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub struct VoicePlan {
-    /// What it sounds like.
+    /// The kind of sound.
     pub kind: VoiceKind,
-    /// How loud, 0 to 1.
+    /// The loudness, 0 to 1.
     pub level: f32,
-    /// What the stone does against it, 0 to 1.
+    /// The load by the stone, 0 to 1.
     pub load: f32,
-    /// Of a motor without load, in hertz.
+    /// The pitch of a motor without load, in hertz.
     pub pitch_hz: f32,
-    /// -1 left, 1 right.
+    /// The pan, -1 (left) to 1 (right).
     pub pan: f32,
 }
 
-/// What sounds once and ends by itself.
+/// A kind of sound that begins once and ends by itself.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ShotKind {
     /// A chisel's blow on stone.
     Blow,
     /// A blow into the air.
     Puff,
-    /// What a blow chips off.
+    /// A chip that a blow removes.
     Chip,
     /// A flake that is split off.
     Flake,
     /// A piece that comes loose and falls.
     Fall,
-    /// Another tenth of the hidden figure is bared: it rings, the higher the more of it is bared.
+    /// Another tenth of the hidden figure is bared: a bell, higher for each tenth.
     Bared {
-        /// 1 to 10.
+        /// The bared tenths, 1 to 10.
         tenths: u8,
     },
     /// The hidden figure is found.
     Found,
-    /// The clock warns.
+    /// The clock's warning.
     Clock {
-        /// How many strokes, 1 to 3.
+        /// The number of strokes, 1 to 3.
         strokes: u8,
     },
     /// The session's or the visit's end.
@@ -64,12 +64,12 @@ pub enum ShotKind {
     Redo,
     /// A tool or a bit is taken.
     Take,
-    /// A tool is let go of.
+    /// A tool is released.
     PutBack,
 }
 
 impl ShotKind {
-    /// Whether it is one of many: it gives way where too much sounds at once.
+    /// Returns `true` for frequent sounds, which are dropped if too many sound at once.
     #[must_use]
     pub const fn is_one_of_many(self) -> bool {
         matches!(self, ShotKind::Blow | ShotKind::Puff | ShotKind::Chip | ShotKind::Flake)
@@ -79,34 +79,34 @@ impl ShotKind {
 /// A sound that begins in a tick.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Shot {
-    /// What sounds.
+    /// The kind of sound.
     pub kind: ShotKind,
-    /// How strongly, 0 to 1.
+    /// The strength, 0 to 1.
     pub strength: f32,
-    /// -1 left, 1 right.
+    /// The pan, -1 (left) to 1 (right).
     pub pan: f32,
 }
 
-/// Sounds that begin in a tick, at most: one of each event, and a blow of each hand.
+/// The most sounds that begin in a tick: one for each event, and one blow for each hand.
 pub const MAX_SHOTS: usize = MAX_EVENTS + 2;
 
-/// What is to sound in a tick. All of it: of what it doesn't name, voices end.
+/// The complete set of sounds of a tick. A voice that the plan doesn't contain ends.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub struct SoundPlan {
-    /// Left and right hand.
+    /// The voices of the left and the right hand.
     pub voices: [VoicePlan; 2],
     shots: [Option<Shot>; MAX_SHOTS],
 }
 
 impl SoundPlan {
-    /// Adds a sound. One beyond [`MAX_SHOTS`] is left out.
+    /// Adds a sound. A sound beyond [`MAX_SHOTS`] is dropped.
     pub fn push(&mut self, shot: Shot) {
         if let Some(free) = self.shots.iter_mut().find(|place| place.is_none()) {
             *free = Some(shot);
         }
     }
 
-    /// The sounds that begin.
+    /// Returns the sounds that begin.
     pub fn shots(&self) -> impl Iterator<Item = &Shot> {
         self.shots.iter().flatten()
     }

@@ -1,4 +1,4 @@
-//! From a tick to its plan.
+//! The planner, which turns a tick into its plan.
 
 use paros_core::edit::Pose;
 use paros_core::glam::{Quat, Vec3};
@@ -10,20 +10,20 @@ use paros_core::{TickInput, World, WorldEvent};
 
 use crate::plan::{Shot, ShotKind, SoundPlan, VoiceKind, VoicePlan};
 
-/// How far to a side a sound may go: what is at an ear is heard by the other one, too.
+/// The greatest pan: a sound at one ear is heard by the other ear too.
 const WIDEST_PAN: f32 = 0.85;
 
-/// Metres a second at which a rasp is loudest.
+/// The speed at which a rasp is loudest, in metres per second.
 const FULL_RASP_SPEED: f32 = 0.5;
 
-/// Who stands before the stool, as long as no head was tracked.
+/// The head of a visitor in front of the stool, used until a head has been tracked.
 const DEFAULT_HEAD: RoomPose = (Vec3::new(0.0, 1.6, 0.0), Quat::IDENTITY);
 
-/// Makes a plan of each tick. It remembers where the head and the bits were.
+/// Makes a plan for each tick. It stores the last poses of the head and the bits.
 #[derive(Clone, Copy, Debug)]
 pub struct SoundPlanner {
     head: RoomPose,
-    /// In the room, in metres, of the last tick.
+    /// The positions of the bits after the last tick, in the room, in metres.
     bits: [Option<Vec3>; 2],
 }
 
@@ -34,7 +34,7 @@ impl Default for SoundPlanner {
 }
 
 impl SoundPlanner {
-    /// What is to sound after a tick, with the input that it had.
+    /// Returns the plan for a tick, from the world after it and its input.
     pub fn plan_tick<const N: usize, const K: usize>(
         &mut self,
         world: &World<N, K>,
@@ -46,7 +46,7 @@ impl SoundPlanner {
         self.head = input.head.to_clamped_metres().unwrap_or(self.head);
         let mut plan = SoundPlan::default();
         if world.visit().phase() == VisitPhase::Attract {
-            // A stone is carved all day for those who look: nobody has to hear it.
+            // The attract screen carves all day, and is silent.
             return plan;
         }
         for hand in 0..2 {
@@ -71,7 +71,8 @@ impl SoundPlanner {
         plan
     }
 
-    /// Where an event sounds, in the room: where its hand's bit is or its voxels were, or else the stone.
+    /// Returns the position of an event's sound in the room: its hand's bit, the middle of its voxels, or
+    /// else the stone.
     fn place_of_event<const N: usize, const K: usize>(
         &self,
         world: &World<N, K>,
@@ -96,7 +97,7 @@ impl SoundPlanner {
         }
     }
 
-    /// -1 left of the head, 1 right of it, for a place of the room.
+    /// Returns the pan of a position in the room: negative on the left of the head, positive on the right.
     fn pan_of(&self, place: Vec3) -> f32 {
         let (head, rotation) = self.head;
         let direction = (place - head).normalize_or_zero();
@@ -104,7 +105,7 @@ impl SoundPlanner {
     }
 }
 
-/// Where a hand's bit is in the room, if its tool is in use.
+/// Returns the position of a hand's bit in the room; `None` if its tool is not in use.
 fn bit_place<const N: usize, const K: usize>(world: &World<N, K>, hand: usize) -> Option<Vec3>
 where
     Grid<N>: Size,
@@ -116,7 +117,7 @@ where
     in_use.then(|| world.stool_frame().to_room(&state.frozen_pose).0)
 }
 
-/// The middle of a box of voxels, in the room; `None` for no voxel.
+/// Returns the middle of a box of voxels, in the room; `None` without voxels.
 fn room_middle<const N: usize, const K: usize>(
     world: &World<N, K>,
     within: VoxelBox,
@@ -129,7 +130,7 @@ where
     (!within.is_empty()).then(|| world.stool_frame().to_room(&pose).0)
 }
 
-/// The voice of a tool whose bit moves at `speed`, in metres a second.
+/// Returns the voice of a tool whose bit moves at `speed`, in metres per second.
 fn voice_of_tool(tool: Tool, bit: ToolBit, state: &HandState, speed: f32) -> VoicePlan {
     let load = f32::from(state.haptic) / 255.0;
     let voice = |kind, level| VoicePlan { kind, level, load, ..VoicePlan::default() };
@@ -141,12 +142,12 @@ fn voice_of_tool(tool: Tool, bit: ToolBit, state: &HandState, speed: f32) -> Voi
             voice(VoiceKind::Scrape, pressed * (speed / FULL_RASP_SPEED).min(1.0))
         }
         Tool::FillGun => voice(VoiceKind::Hiss, 1.0),
-        // A hammer sounds by its blows.
+        // A hammer's sounds are its blows.
         Tool::Rasp | Tool::Impact => VoicePlan::default(),
     }
 }
 
-/// How fast the motor turns a bit: the heavier, the slower.
+/// Returns the pitch of the motor with a bit: heavier bits turn more slowly.
 const fn motor_pitch_hz(bit: ToolBit) -> f32 {
     match bit {
         ToolBit::SmallBall => 420.0,
@@ -156,7 +157,7 @@ const fn motor_pitch_hz(bit: ToolBit) -> f32 {
         ToolBit::Grinder => 200.0,
         ToolBit::RoughingBall => 165.0,
         ToolBit::DiscSaw => 480.0,
-        // Not turned by a motor.
+        // These bits are not turned by a motor.
         ToolBit::PointChisel
         | ToolBit::FlatChisel
         | ToolBit::PitchingChisel
@@ -166,7 +167,7 @@ const fn motor_pitch_hz(bit: ToolBit) -> f32 {
     }
 }
 
-/// The blow that a pneumatic hammer begins in a tick, and how strong it is.
+/// Returns the blow that a pneumatic hammer begins in a tick, and its strength.
 fn blow_of_hammer(tool: Tool, bit: ToolBit, state: &HandState) -> Option<(ShotKind, f32)> {
     let period = u16::from(bit.spec().bite_period);
     let is_struck =
@@ -177,7 +178,7 @@ fn blow_of_hammer(tool: Tool, bit: ToolBit, state: &HandState) -> Option<(ShotKi
     })
 }
 
-/// What an event sounds like, and how strong; `None` for one that is seen alone, or heard by the tool's voice.
+/// Returns the sound of an event, and its strength; `None` if it has no sound of its own.
 fn shot_of_event(event: &WorldEvent, phase: VisitPhase) -> Option<(ShotKind, f32)> {
     match *event {
         WorldEvent::Took { .. } | WorldEvent::HandsSwapped => Some((ShotKind::Take, 1.0)),
@@ -198,7 +199,8 @@ fn shot_of_event(event: &WorldEvent, phase: VisitPhase) -> Option<(ShotKind, f32
             let earlier = WARNING_SECONDS.iter().filter(|warning| **warning > seconds).count();
             Some((ShotKind::Clock { strokes: 1 + earlier.min(2) as u8 }, 1.0))
         }
-        // A visit has ended for its visitor when hands are off; the sculpture is finished some seconds later.
+        // A visit ends for its visitor with the phase `HandsOff`; the sculpture is finished some seconds
+        // later.
         WorldEvent::Visit(VisitPhase::HandsOff) => Some((ShotKind::End, 1.0)),
         WorldEvent::Finished if phase == VisitPhase::Closed => Some((ShotKind::End, 1.0)),
         WorldEvent::Finished
@@ -209,7 +211,8 @@ fn shot_of_event(event: &WorldEvent, phase: VisitPhase) -> Option<(ShotKind, f32
     }
 }
 
-/// How strong the sound of so many voxels is: a fifth for one, all for 30,000, as much more for each doubling.
+/// Returns the strength of a sound for a number of voxels: a fifth for one, 1 for 30,000, rising by the same
+/// amount with each doubling.
 fn strength_of_voxels(count: u32) -> f32 {
     (0.2 + 0.8 * count.max(1).ilog2() as f32 / 15.0).min(1.0)
 }
@@ -300,7 +303,7 @@ mod tests {
             let told = shot_of_event(&WorldEvent::Visit(phase), phase).map(|(kind, _)| kind);
             let is_end = phase == VisitPhase::HandsOff;
             assert_eq!(told, is_end.then_some(ShotKind::End), "{phase:?}");
-            // It is finished in the phase of the export, when the visitor has been told.
+            // The sculpture is finished in the export phase, when the end has already sounded.
             let finished = shot_of_event(&WorldEvent::Finished, phase).is_some();
             assert_eq!(finished, phase == VisitPhase::Closed, "{phase:?}");
         }

@@ -6,12 +6,12 @@ use crate::dsp::{
 use crate::mixer::SAMPLE_RATE;
 use crate::plan::{Shot, ShotKind};
 
-/// Partials of a sound, at most: three strokes of the clock have two each, the find five.
+/// The most partials of a sound: the clock's three strokes have two each, [`ShotKind::Found`] has five.
 const MAX_PARTIALS: usize = 6;
 
-/// How a sound is made.
+/// The parameters of a sound.
 struct Recipe {
-    /// From nothing to its loudest, in milliseconds: at once would click.
+    /// The time to full loudness, in milliseconds; without it the sound would click.
     attack_ms: f32,
     partials: &'static [PartialSpec],
     burst: Option<BurstSpec>,
@@ -22,7 +22,7 @@ struct PartialSpec {
     onset_ms: f32,
     hz: f32,
     gain: f32,
-    /// Until two thirds of it are gone.
+    /// The time constant of the decay, in milliseconds: the level falls to 1/e in it.
     decay_ms: f32,
 }
 
@@ -42,7 +42,7 @@ const fn burst(hz: f32, quality: f32, gain: f32, decay_ms: f32) -> Option<BurstS
     Some(BurstSpec { hz, quality, gain, decay_ms })
 }
 
-/// The chisel's steel, and the stone under it.
+/// The tones of the chisel's steel and of the stone under it.
 static BLOW: Recipe = Recipe {
     attack_ms: 1.0,
     partials: &[partial(0.0, 1340.0, 0.16, 14.0), partial(0.0, 210.0, 0.3, 22.0)],
@@ -59,13 +59,13 @@ static FLAKE: Recipe = Recipe {
     partials: &[partial(0.0, 320.0, 0.25, 40.0), partial(0.0, 870.0, 0.12, 25.0)],
     burst: burst(1100.0, 0.6, 0.6, 45.0),
 };
-/// It lies on the floor a third of a second later.
+/// The piece hits the floor a third of a second later.
 static FALL: Recipe = Recipe {
     attack_ms: 3.0,
     partials: &[partial(330.0, 72.0, 0.55, 120.0), partial(330.0, 131.0, 0.25, 80.0)],
     burst: burst(420.0, 0.6, 0.5, 140.0),
 };
-/// A glass bell's partials, of which the third beats with the second.
+/// The partials of a glass bell; the third one beats with the second.
 static BARED: Recipe = Recipe {
     attack_ms: 2.0,
     partials: &[
@@ -76,7 +76,7 @@ static BARED: Recipe = Recipe {
     ],
     burst: None,
 };
-/// C, E, G, C, E, one after the other.
+/// The notes C, E, G, C, E, one after another.
 static FOUND: Recipe = Recipe {
     attack_ms: 3.0,
     partials: &[
@@ -88,7 +88,7 @@ static FOUND: Recipe = Recipe {
     ],
     burst: None,
 };
-/// Two partials a stroke.
+/// Two partials per stroke.
 static CLOCK: Recipe = Recipe {
     attack_ms: 2.0,
     partials: &[
@@ -134,10 +134,10 @@ static PUT_BACK: Recipe = Recipe {
     burst: burst(900.0, 0.8, 0.25, 14.0),
 };
 
-/// What a bell's pitch is multiplied by for the tenths 1 to 10: two octaves of the pentatonic scale.
+/// The pitch ratios of the bell for the tenths 1 to 10: two octaves of the pentatonic scale.
 const BARED_RATIOS: [f32; 10] = [1.0, 1.125, 1.25, 1.5, 1.667, 2.0, 2.25, 2.5, 3.0, 3.333];
 
-/// How a sound is made, by what its pitch is multiplied, and how many of its partials there are.
+/// Returns a sound's parameters, pitch ratio and number of partials.
 fn recipe_of(kind: ShotKind) -> (&'static Recipe, f32, usize) {
     let recipe = match kind {
         ShotKind::Blow => &BLOW,
@@ -162,7 +162,7 @@ fn recipe_of(kind: ShotKind) -> (&'static Recipe, f32, usize) {
     (recipe, 1.0, recipe.partials.len())
 }
 
-/// What is left of a level from one frame to the next, and how it begins.
+/// An envelope with a delayed onset, a linear attack and an exponential decay.
 #[derive(Clone, Copy, Default, Debug)]
 struct Envelope {
     onset_frames: u32,
@@ -187,7 +187,7 @@ impl Envelope {
         self.level == 0.0
     }
 
-    /// The next frame's level; `None` before it begins and after its end.
+    /// Returns the next frame's level; `None` before it begins and after its end.
     fn next(&mut self) -> Option<f32> {
         if self.onset_frames > 0 {
             self.onset_frames -= 1;
@@ -202,7 +202,7 @@ impl Envelope {
     }
 }
 
-/// A tone of a sound that sounds.
+/// The state of a partial.
 #[derive(Clone, Copy, Default, Debug)]
 struct Partial {
     envelope: Envelope,
@@ -210,7 +210,7 @@ struct Partial {
     phase: Phase,
 }
 
-/// A sound that sounds, or silence.
+/// The state of a sound, or silence.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SoundingShot {
     partials: [Partial; MAX_PARTIALS],
@@ -221,7 +221,7 @@ pub(crate) struct SoundingShot {
 }
 
 impl SoundingShot {
-    /// Silence; the noise differs for each seed.
+    /// Creates silence; the noise differs for each seed.
     pub(crate) fn new(seed: u32) -> Self {
         SoundingShot {
             partials: [Partial::default(); MAX_PARTIALS],
@@ -232,7 +232,7 @@ impl SoundingShot {
         }
     }
 
-    /// Begins a sound, in place of what there was.
+    /// Begins a sound, replacing the current one.
     pub(crate) fn begin(&mut self, shot: &Shot) {
         let (recipe, ratio, count) = recipe_of(shot.kind);
         let strength = shot.strength.clamp(0.0, 1.0);
@@ -250,7 +250,7 @@ impl SoundingShot {
         self.ears = ear_gains(shot.pan);
     }
 
-    /// Whether nothing is heard of it until another begins.
+    /// Returns `true` if it is silent until another sound begins.
     pub(crate) fn has_ended(&self) -> bool {
         self.burst.has_ended() && self.partials.iter().all(|partial| partial.envelope.has_ended())
     }

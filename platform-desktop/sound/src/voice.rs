@@ -1,9 +1,9 @@
-//! The voice of a hand's tool, which goes on as long as the tool runs.
+//! The voice of a hand's tool, which sounds as long as the tool runs.
 
 use crate::dsp::{BandPass, Glide, Noise, Phase, ear_gains, sine_of_turns};
 use crate::plan::{VoiceKind, VoicePlan};
 
-/// The sounds of a hand's tool. Each has a gain of its own, so that one fades while another comes.
+/// The sounds of a hand's tool. Each has its own gain, so that one fades out while another fades in.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct HandVoice {
     motor: Motor,
@@ -14,8 +14,8 @@ pub(crate) struct HandVoice {
     noise: Noise,
 }
 
-/// A motor's whine: a tone that modulates its own phase, the rougher the more it has to do, a second one that beats
-/// with it, and the grit of stone.
+/// A motor's whine: a tone with phase feedback, rougher under load, a second tone that beats with it, and the
+/// grit of stone.
 #[derive(Clone, Copy, Default, Debug)]
 struct Motor {
     gain: Glide,
@@ -25,7 +25,7 @@ struct Motor {
     grit: BandPass,
 }
 
-/// Noise of stone, cut by the teeth that pass.
+/// Noise of stone, modulated by passing teeth.
 #[derive(Clone, Copy, Default, Debug)]
 struct Scrape {
     gain: Glide,
@@ -34,7 +34,7 @@ struct Scrape {
     band: BandPass,
 }
 
-/// Low noise that wavers.
+/// Low noise of varying level.
 #[derive(Clone, Copy, Default, Debug)]
 struct Hiss {
     gain: Glide,
@@ -43,7 +43,7 @@ struct Hiss {
 }
 
 impl HandVoice {
-    /// A silent voice; its noise differs for each seed.
+    /// Creates a silent voice; its noise differs for each seed.
     pub(crate) fn new(seed: u32) -> Self {
         let (mut motor, mut scrape, mut hiss) =
             (Motor::default(), Scrape::default(), Hiss::default());
@@ -54,7 +54,7 @@ impl HandVoice {
         HandVoice { motor, scrape, hiss, load, ears, noise: Noise::new(seed) }
     }
 
-    /// Goes towards what is planned.
+    /// Sets the targets of a plan.
     pub(crate) fn follow(&mut self, plan: &VoicePlan) {
         let was_silent = self.is_silent();
         let level_of = |kind| if plan.kind == kind { plan.level.clamp(0.0, 1.0) } else { 0.0 };
@@ -62,7 +62,7 @@ impl HandVoice {
         self.scrape.gain.set_target(level_of(VoiceKind::Scrape));
         self.hiss.gain.set_target(level_of(VoiceKind::Hiss));
         if plan.kind == VoiceKind::Silent {
-            // It fades as it sounded.
+            // It fades with its last pitch and pan.
             return;
         }
         self.load.set_target(plan.load.clamp(0.0, 1.0));
@@ -72,14 +72,14 @@ impl HandVoice {
             ear.set_target(gain);
         }
         if was_silent {
-            // Only its gain rises: it has its pitch and its place from the first frame on.
+            // Only the gain glides: pitch and pan are right from the first frame on.
             let [left, right] = &mut self.ears;
             let others = [&mut self.load, &mut self.motor.pitch_hz, &mut self.scrape.speed];
             others.into_iter().chain([left, right]).for_each(Glide::jump);
         }
     }
 
-    /// Whether nothing is heard of it until it follows another plan.
+    /// Returns `true` if it is silent until it follows another plan.
     pub(crate) fn is_silent(&self) -> bool {
         [&self.motor.gain, &self.scrape.gain, &self.hiss.gain].into_iter().all(Glide::is_zero)
     }
@@ -110,7 +110,7 @@ impl HandVoice {
 
 impl Motor {
     fn next(&mut self, load: f32, noise: &mut Noise) -> f32 {
-        // Stone slows it by a fifth.
+        // Full load lowers the pitch by a fifth.
         let hz = self.pitch_hz.next() * (1.0 - 0.2 * load);
         let rough = 0.05 + 0.09 * load;
         let buzz = sine_of_turns(self.phases[0].advance(hz) + rough * self.last);

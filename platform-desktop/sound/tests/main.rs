@@ -2,7 +2,7 @@
 
 use paros_models::allocations::CountingAllocator;
 
-/// Counts allocations a thread, so that tests of other threads don't disturb who counts.
+/// Counts allocations per thread, so that parallel tests don't disturb each other.
 #[global_allocator]
 static ALLOCATOR: CountingAllocator = CountingAllocator;
 

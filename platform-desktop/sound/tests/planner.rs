@@ -1,4 +1,4 @@
-//! Ticks of a world and the plans of them.
+//! Tests of the plans for the ticks of a world.
 
 use glam::{Quat, Vec3};
 use paros_core::glam;
@@ -30,7 +30,7 @@ impl<'a, const K: usize> PlannedWorld<'a, K> {
         self.planner.plan_tick(&self.harness.world, input)
     }
 
-    /// A tick with the right hand's bit at a place in millimetres of the stone's box, pointing along -z.
+    /// Runs a tick with the right hand's bit at a place in millimetres of the stone's box, pointing along -z.
     fn step_at(&mut self, place: Vec3, trigger: u8) -> SoundPlan {
         let input = input_with_bit_at(self.harness, place, Quat::IDENTITY, trigger);
         self.step(&input)
@@ -41,9 +41,9 @@ fn count_of(plan: &SoundPlan, is_kind: impl Fn(ShotKind) -> bool) -> usize {
     plan.shots().filter(|shot| is_kind(shot.kind)).count()
 }
 
-/// In the air, above the middle of the stone.
+/// A place in the air, above the middle of the stone.
 const ABOVE: Vec3 = Vec3::new(225.0, 330.0, 225.0);
-/// With its middle a voxel below the stone's face.
+/// A place about a voxel below the stone's face.
 const AT_FACE: Vec3 = Vec3::new(225.0, 190.0, 225.0);
 
 test_with_one_and_two_intervals!(
@@ -75,11 +75,11 @@ fn a_motor_sounds_in_the_tick_of_its_pull_and_has_load_in_stone<const K: usize>(
         assert_eq!(plan.voices[RIGHT].load, f32::from(haptic) / 255.0);
     }
     assert_eq!(loads[0], 0.0);
-    // In single ticks the bit has cut itself free.
+    // In some ticks the bit has cut itself free.
     let mean = loads[45..].iter().sum::<f32>() / 15.0;
     assert!(mean > 0.12, "{loads:?}");
     let mut last = world.step_at(ABOVE, 0);
-    // The bit finishes the way of its pull.
+    // The bit completes the movement of its pull.
     (0..12).for_each(|_| last = world.step_at(ABOVE, 0));
     assert_eq!(last.voices[RIGHT].kind, VoiceKind::Silent);
 }
@@ -102,7 +102,7 @@ fn a_rasp_sounds_while_it_is_moved_on_stone<const K: usize>(harness: &mut WorldH
         let along = Vec3::X * (3.0 * tick as f32);
         passes[2] += usize::from(scrapes(world.step_at(ABOVE + along, 255)));
     }
-    // The pull has no speed yet; the lift from the stone is a tick's way.
+    // In the first tick the pull has no speed yet; lifting the bit from the stone moves it for one tick.
     assert!(passes[0] >= 30 && passes[1] <= 1 && passes[2] <= 1, "{passes:?}");
 }
 
@@ -124,7 +124,7 @@ fn a_hammer_strikes_as_its_table_says<const K: usize>(harness: &mut WorldHarness
         let period = usize::from(bit.spec().bite_period);
         let (mut puffs, mut blows, mut chips) = (Vec::new(), Vec::new(), 0);
         for tick in 0..10 * period {
-            // It is pressed deeper and deeper into the stone.
+            // The bit is pressed deeper and deeper into the stone.
             let depth = 1.5 * tick.saturating_sub(5 * period) as f32;
             let at = if tick < 5 * period { ABOVE } else { AT_FACE - Vec3::Y * depth };
             let plan = world.step_at(at, 255);
@@ -146,13 +146,13 @@ fn a_bit_is_heard_where_it_is<const K: usize>(harness: &mut WorldHarness<64, K>)
     let mut pan_at = |x: f32, head: Quat| {
         let place = Vec3::new(x, ABOVE.y, ABOVE.z);
         let mut input = input_with_bit_at(world.harness, place, Quat::IDENTITY, 255);
-        // An arm's length before the stool.
+        // The head is an arm's length in front of the stool.
         input.head = RawPose::quantise(Vec3::new(0.0, 1.2, -0.05), head);
         world.step(&input).voices[RIGHT].pan
     };
     let [left, middle, right] = [25.0, 225.0, 425.0].map(|x| pan_at(x, Quat::IDENTITY));
     assert!(left < -0.25 && middle.abs() < 0.02 && right > 0.25, "{left} {middle} {right}");
-    // Who turns to the left has it all on the right.
+    // For a head turned to the left, the sound is on the right.
     let turned = pan_at(225.0, Quat::from_rotation_y(std::f32::consts::FRAC_PI_2));
     assert!(turned > 0.6 && turned < 0.9, "{turned}");
 }

@@ -1,32 +1,35 @@
-//! The faces of the block that hands work on: its sides, as the stool turns them to the visitor, and its top.
+//! The faces of the block that hands work on: its sides, each turned to the visitor by the stool, and its
+//! top.
 
 use glam::Vec3;
 
 use super::direction_at_azimuth;
 
-/// How far the sides' frames of reference are from the block's axis, clear of its edges, and the top's from the ground.
+/// The distance of the sides' origins from the block's axis, clear of its edges, and of the top's origin from
+/// the ground.
 const CLEAR: f32 = 98.0;
 const ABOVE: f32 = 144.0;
 
 /// A face, in units of 1/128 of the block's edge. Hands stroke along it in parallel strips.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Face {
-    /// A point clear of the block, before the middle of its foot, or over the middle of its top.
+    /// The origin, clear of the block: in front of the middle of the face's foot, or over the middle of the
+    /// top.
     origin: Vec3,
-    /// Into the stone.
+    /// The direction into the stone.
     pub(super) inward: Vec3,
-    /// In which strips go.
+    /// The direction along the strips.
     pub(super) along: Vec3,
-    /// In which strips lie side by side.
+    /// The direction from one strip to the next.
     pub(super) aside: Vec3,
-    /// Where strips begin and end along the face.
+    /// The start and end of strips along the face.
     pub(super) strip: [f32; 2],
-    /// How far from the origin the stone is worked at most where no figure is.
+    /// The greatest depth from the origin to which the stone is worked where there is no figure.
     pub(super) deepest: f32,
 }
 
 impl Face {
-    /// The side at an azimuth, from +z to +x, worked from its upper edge down.
+    /// Returns the side at an azimuth, from +z to +x, worked from its upper edge down.
     pub(super) fn side(degrees_from_z_to_x: f32) -> Face {
         let out = direction_at_azimuth(degrees_from_z_to_x);
         Face {
@@ -39,7 +42,7 @@ impl Face {
         }
     }
 
-    /// What is seen from above, worked from left to right.
+    /// Returns the top, worked from left to right.
     pub(super) fn top() -> Face {
         Face {
             origin: Vec3::new(64.0, ABOVE, 64.0),
@@ -51,7 +54,7 @@ impl Face {
         }
     }
 
-    /// A place over the face.
+    /// Returns a point in the face's plane.
     pub(super) fn point(&self, along: f32, aside: f32) -> Vec3 {
         self.origin + self.along * along + self.aside * aside
     }

@@ -1,8 +1,7 @@
-//! The lantern: the lump with six slots that wind up its sides, cut through to a post that is left in
-//! the middle.
+//! The lantern: the lump with six slots that wind up its sides, cut through to a post in the middle.
 //!
-//! Most of the hollow is seen along no axis: the stone between the slots stands before it, the roof over
-//! it. One interval a column would fill that again.
+//! Most of the hollow is visible along no axis: it lies behind the stone between the slots and under the
+//! roof. With one interval per column, closure would fill it again.
 
 use glam::Vec3;
 use paros_core::session::{BenchItem, SessionMode, Tool, ToolBit, commands};
@@ -14,16 +13,16 @@ use super::{Chapter, RIGHT, direction_at_azimuth, evenly_spaced};
 /// Slots round the lantern.
 const SLOTS: usize = 6;
 
-/// A slot is three cuts wide; how far they are apart.
+/// The distance between the three cuts side by side that make a slot.
 const ASIDE: f32 = 8.0;
 
-/// Degrees by which a slot winds round the lantern from its lower end to the upper one.
+/// The angle by which a slot winds round the lantern from its lower to its upper end, in degrees.
 const TWIST_DEGREES: f32 = 40.0;
 
-/// The lowest and the highest cut of a slot, in voxels of a block of 128.
+/// The heights of the lowest and the highest cut of a slot, in 1/128 of the block's edge.
 const SLOT_HEIGHTS: [f32; 2] = [24.0, 92.0];
 
-/// How far from the axis a cut ends, and how far it begins, clear of the block.
+/// The distances from the axis at which a cut ends, and at which it begins, clear of the block.
 const POST: f32 = 16.0;
 const FAR: f32 = 98.0;
 
@@ -50,7 +49,7 @@ pub(super) fn carve_lantern<const N: usize, const K: usize>(
     done(Chapter::Slotted, hands);
 }
 
-/// Cuts a slot, from the top down, by one plunge towards the axis after the other.
+/// Cuts a slot from the top down, by successive plunges towards the axis.
 fn cut_slot<const N: usize, const K: usize>(
     hands: &mut ScriptedHands<'_, '_, N, K>,
     degrees_from_z_to_x: f32,
@@ -71,8 +70,8 @@ fn cut_slot<const N: usize, const K: usize>(
     hands.move_hand_to_rest(RIGHT);
 }
 
-/// Plunges the bit along `direction` and back out. Does nothing where less than `min_depth_voxels`
-/// of stone lie before the mask or `max_travel_voxels`.
+/// Plunges the bit along `direction` and back out. Does nothing if there is less than `min_depth_voxels` of
+/// stone before the mask or `max_travel_voxels`.
 fn plunge_bit<const N: usize, const K: usize>(
     hands: &mut ScriptedHands<'_, '_, N, K>,
     start_voxels: Vec3,
@@ -87,7 +86,7 @@ fn plunge_bit<const N: usize, const K: usize>(
     else {
         return;
     };
-    // The bit is let into what is left by its own size; the mask stops it.
+    // The bit enters by its own size beyond the surface that the ray meets; the mask stops it.
     let end = mask.unwrap_or(max_travel_voxels).min(max_travel_voxels);
     if end - stone < min_depth_voxels || hands.has_ended() {
         return;
@@ -97,7 +96,7 @@ fn plunge_bit<const N: usize, const K: usize>(
     hands.move_bit_to(RIGHT, start_voxels, direction);
     hands.move_bit_to(RIGHT, outside, direction);
     hands.drive_bit(RIGHT, outside, direction, end - stone + clear);
-    // The trigger stays down until the bit is out: switched off, it could stick in a bent hole.
+    // The trigger stays down until the bit is out: a bit that is switched off could stick in a curved hole.
     hands.move_bit_to(RIGHT, start_voxels, direction);
     hands.release_trigger(RIGHT);
 }

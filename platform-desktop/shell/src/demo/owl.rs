@@ -1,5 +1,5 @@
-//! The owl: out of the whole block, sawn, roughed, chiselled and worked down to the figure's own surface; then a
-//! cord of paste.
+//! The owl demo: it is sawn, roughed and chiselled out of the block down to the figure's own surface; then it
+//! gets a cord of paste.
 
 use glam::Vec3;
 use paros_core::edit::Pose;
@@ -14,25 +14,26 @@ use super::surface_pass::{BitTip, STROKE_SPEED, SurfacePass, depth_at, work_face
 use super::{Chapter, RIGHT, SIDES};
 use crate::figures::{Figure, HiddenStart, StoneThickness};
 
-/// Half a block of stone over the owl.
+/// The start: the owl in stone of half thickness.
 const STONE: HiddenStart = HiddenStart { figure: Figure::Owl, thickness: StoneThickness::Half };
 
 /// The azimuths of the block's corners.
 const CORNERS: [f32; 4] = [45.0, 135.0, 225.0, 315.0];
 
-/// How far from the block's axis its corners are sawn off, in 1/128 of its edge: clear of the owl.
+/// The distance from the block's axis at which its corners are sawn off, in 1/128 of its edge: clear of the
+/// owl.
 const CORNER_CUT: f32 = 52.0;
 
-/// The most of the stone.
+/// The roughing pass, which removes most of the stone.
 const ROUGH: RowPass = RowPass { radius: 11.4, spacing: 17.0, press: 10.0 };
 
-/// Down to the owl: what touches it presses deep.
+/// The pass down to the owl, which presses deep.
 const LARGE: RowPass = RowPass { radius: 6.8, spacing: 10.2, press: 9.1 };
 
-/// What the large ball left in the hollows.
+/// The pass over what the large ball left in the hollows.
 const MEDIUM: RowPass = RowPass { radius: 4.27, spacing: 8.5, press: 6.8 };
 
-/// The breast's feathers.
+/// The chisel's pass over the breast's feathers.
 const CHISEL: SurfacePass = SurfacePass {
     tip: BitTip::Box { half_width: 2.0, half_length: 5.7 },
     spacing: 5.0,
@@ -42,7 +43,7 @@ const CHISEL: SurfacePass = SurfacePass {
     speed: 1.1,
 };
 
-/// What the medium one left.
+/// The pass over what the medium ball left.
 const SMALL: SurfacePass = SurfacePass {
     tip: BitTip::Ball(2.56),
     spacing: 5.0,
@@ -84,7 +85,7 @@ pub(super) fn carve_owl<const N: usize, const K: usize>(
     done(Chapter::Finished, hands);
 }
 
-/// Takes the stone off down to the owl, on all sides.
+/// Removes the stone down to the owl, on all sides.
 fn rough_out<const N: usize, const K: usize>(
     hands: &mut ScriptedHands<'_, '_, N, K>,
     done: &mut impl FnMut(Chapter, &ScriptedHands<'_, '_, N, K>),
@@ -99,7 +100,7 @@ fn rough_out<const N: usize, const K: usize>(
     done(Chapter::Bared, hands);
 }
 
-/// Works the owl's hollows out.
+/// Works out the owl's hollows.
 fn work_finer<const N: usize, const K: usize>(
     hands: &mut ScriptedHands<'_, '_, N, K>,
     done: &mut impl FnMut(Chapter, &ScriptedHands<'_, '_, N, K>),
@@ -127,7 +128,8 @@ where
     Grid<N>: Size,
 {
     let unit = N as f32 / 128.0;
-    // Over the edge first: on a straight way down from the spiral the head would hold the nozzle.
+    // Moves out over the edge first: on the straight path down from the spiral the head would catch the
+    // nozzle.
     hands.move_bit_to(RIGHT, Vec3::new(64.0, 140.0, 162.0) * unit, Vec3::NEG_Y);
     hands.resize_bit(RIGHT, NOZZLE_STEPS);
     hands.turn_azimuth_to_visitor(0.0);
@@ -146,15 +148,16 @@ where
     hands.move_hand_to_rest(RIGHT);
 }
 
-/// Height of the cord's middle, in 1/128 of the block's edge.
+/// The height of the cord's middle, in 1/128 of the block's edge.
 const NECK: f32 = 65.0;
 
-/// The paste's nozzle, so many steps smaller than it comes: it lies on the shoulders, under the beak.
+/// The paste's nozzle, two steps smaller than its first size, so that it fits on the shoulders, under the
+/// beak.
 const NOZZLE: BitTip = BitTip::Ball(2.42);
 const NOZZLE_STEPS: i8 = -2;
 
-/// Holds a running tool to the neck while the stool turns once, so far off it that a nozzle would leave `gap`, in 1/128
-/// of the block's edge.
+/// Holds a running tool to the neck while the stool turns once, at a distance at which a nozzle leaves `gap`,
+/// in 1/128 of the block's edge.
 fn hold_to_neck<const N: usize, const K: usize>(
     hands: &mut ScriptedHands<'_, '_, N, K>,
     trigger: u8,

@@ -1,4 +1,5 @@
-//! Rows over what is seen of the stone: a hand that strokes a side to and fro, pressing, as people take stone off.
+//! Roughing in rows over the visible stone: a hand strokes a side back and forth and presses, as people
+//! remove stone.
 
 use glam::Vec3;
 use paros_core::edit::Pose;
@@ -8,14 +9,14 @@ use super::scripted_hands::{ScriptedHands, pose_pointing};
 use super::surface_pass::STROKE_SPEED;
 use super::{RIGHT, SIDES, direction_at_azimuth, evenly_spaced};
 
-/// How a side is stroked. Lengths are in 1/128 of the block's edge.
+/// The parameters of a pass over a side. Lengths are in 1/128 of the block's edge.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RowPass {
-    /// Of the ball.
+    /// The radius of the ball.
     pub(super) radius: f32,
-    /// Between rows.
+    /// The distance between rows.
     pub(super) spacing: f32,
-    /// How far the ball is pressed into what is seen.
+    /// The depth to which the ball is pressed into the visible stone.
     pub(super) press: f32,
 }
 
@@ -23,11 +24,11 @@ pub(super) struct RowPass {
 #[derive(Clone, Copy, Debug)]
 struct Side {
     axis: Axis,
-    /// Into the stone.
+    /// The direction into the stone.
     inward: Vec3,
 }
 
-/// Strokes the four sides, turned to the visitor one after the other, and the top.
+/// Strokes the four sides, each turned to the visitor, and the top.
 pub(super) fn stroke_all_sides<const N: usize, const K: usize>(
     hands: &mut ScriptedHands<'_, '_, N, K>,
     pass: RowPass,
@@ -42,7 +43,8 @@ pub(super) fn stroke_all_sides<const N: usize, const K: usize>(
     stroke_side(hands, Side { axis: Axis::Y, inward: Vec3::NEG_Y }, pass);
 }
 
-/// Strokes a side in rows, to and fro: level ones from the top down, or the top from its back to its front.
+/// Strokes a side in rows, back and forth: level rows from the top down, or the top from its back to its
+/// front.
 fn stroke_side<const N: usize, const K: usize>(
     hands: &mut ScriptedHands<'_, '_, N, K>,
     side: Side,
@@ -51,7 +53,7 @@ fn stroke_side<const N: usize, const K: usize>(
     Grid<N>: Size,
 {
     for (row, aside) in evenly_spaced(126.0, 2.0, -pass.spacing).enumerate() {
-        // Two ticks' way.
+        // In steps of two ticks' distance.
         let mut along: Vec<f32> = evenly_spaced(0.0, 128.0, 2.0 * STROKE_SPEED).collect();
         if row % 2 == 1 {
             along.reverse();
@@ -62,7 +64,7 @@ fn stroke_side<const N: usize, const K: usize>(
             Axis::Z => Vec3::new(along, aside, 0.0),
         };
         for at in along {
-            // What the stroke took is seen at once.
+            // Each pose sees what the stroke has removed so far.
             if let Some(pose) = pose_on_stone(hands, side, across(at), pass) {
                 hands.stroke_through(RIGHT, [pose], STROKE_SPEED * N as f32 / 128.0);
             }
@@ -72,8 +74,8 @@ fn stroke_side<const N: usize, const K: usize>(
     hands.move_hand_to_rest(RIGHT);
 }
 
-/// Where the ball is pressed into what is seen of the stone at a place across a side; `None` where there is none, or
-/// where it is seen so much aslant that one would turn the stone first.
+/// Returns the pose in which the ball presses into the visible stone at a place across a side; `None` if
+/// there is no stone, or its surface is so oblique that a person would turn the stone first.
 fn pose_on_stone<const N: usize, const K: usize>(
     hands: &ScriptedHands<'_, '_, N, K>,
     side: Side,
@@ -97,12 +99,12 @@ where
     }
     let height = around.into_iter().flatten().fold(height, f32::max) + pass.radius - pass.press;
     let point = across - side.inward * height;
-    // No deeper than the stool allows.
+    // The point is no lower than the stool allows.
     let point = point.with_y(point.y.max(0.3 * pass.radius));
     Some(pose_pointing(point * (N as f32 / 128.0), side.inward))
 }
 
-/// How far the stone reaches against the way in which the hand looks, from the grid's origin; `None` where there is
+/// Returns the height of the stone against the view direction, from the grid's origin; `None` if there is
 /// none.
 fn height_at<const N: usize, const K: usize>(
     hands: &ScriptedHands<'_, '_, N, K>,

@@ -1,4 +1,4 @@
-//! Sawing the block's corners off: a level cut at the foot, then an upright one. What is cut loose falls.
+//! Sawing off the block's corners: a level cut at the foot, then upright cuts. The loose piece falls.
 
 use glam::{Mat3, Quat, Vec3};
 use paros_core::edit::Pose;
@@ -11,14 +11,15 @@ use super::{RIGHT, direction_at_azimuth};
 const BLADE: f32 = 19.9;
 const HALF_WIDTH: f32 = 40.0;
 
-/// Heights of the cuts: of the level one, and of the blade's middle in each upright one, from the top down.
+/// The heights of the cuts: of the level one, and of the blade's middle in each upright one, from the top
+/// down.
 const FOOT: f32 = 5.0;
 const UPRIGHT: [f32; 2] = [48.0, 22.0];
 
-/// How far the blade goes in a tick in 1/128 of the block's edge: 0.36 m/s, with which it keeps up at 256.
+/// The speed of the blade, in 1/128 of the block's edge per tick: 0.36 m/s, at which cutting keeps up at 256.
 const SAW_SPEED: f32 = 1.42;
 
-/// Saws off the corner at an azimuth, as far from the block's axis as says `from_axis`, in units of 1/128 of the
+/// Saws off the corner at an azimuth, at a distance of `from_axis` from the block's axis, in 1/128 of the
 /// block's edge.
 pub(super) fn saw_off_corner<const N: usize, const K: usize>(
     hands: &mut ScriptedHands<'_, '_, N, K>,
@@ -31,7 +32,7 @@ pub(super) fn saw_off_corner<const N: usize, const K: usize>(
     let aside = Vec3::Y.cross(out);
     let foot = Vec3::new(64.0, 0.0, 64.0);
     hands.turn_azimuth_to_visitor(degrees_from_z_to_x);
-    // Level, its middle outside of where the upright cut will be.
+    // The level cut: the blade's middle lies outside the later upright cut.
     let level = blade_rotation(Vec3::Y, -out);
     let row = foot + out * (from_axis + BLADE - 3.0) + Vec3::Y * FOOT;
     saw_along(hands, level, [row - aside * HALF_WIDTH, row + aside * HALF_WIDTH]);
@@ -45,12 +46,14 @@ pub(super) fn saw_off_corner<const N: usize, const K: usize>(
     hands.move_hand_to_rest(RIGHT);
 }
 
-/// The rotation of a blade of this normal, held in a hand that points in a direction across it.
+/// Returns the rotation of a blade with a normal, held in a hand that points in a direction across the
+/// normal.
 fn blade_rotation(normal: Vec3, pointing: Vec3) -> Quat {
     Quat::from_mat3(&Mat3::from_cols(normal, normal.cross(pointing), -pointing))
 }
 
-/// Saws from one point to the other, from clear of the stone to clear of it. Points are in 1/128 of the block's edge.
+/// Saws from one point to another. Begins and ends clear of the stone. Points are in 1/128 of the block's
+/// edge.
 fn saw_along<const N: usize, const K: usize>(
     hands: &mut ScriptedHands<'_, '_, N, K>,
     rotation: Quat,

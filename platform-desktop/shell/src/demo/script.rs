@@ -1,21 +1,21 @@
-//! The sessions that are scripted, and their chapters.
+//! The scripted sessions and their chapters.
 
 /// A scripted session.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum DemoScript {
-    /// The owl comes out of the lump that hides it, roughed, worked finer and decorated.
+    /// The owl: carved out of the lump that hides it, roughed, worked finer and decorated.
     Owl,
-    /// A lantern is cut through the lump: six twisted slots round a post. One interval a column can't
-    /// hold it.
+    /// The lantern: six twisted slots cut through the lump round a post. One interval per column can't
+    /// represent it.
     Lantern,
 }
 
 /// A stage of a session, for pictures and the report.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Chapter {
-    /// The lump as it came.
+    /// The untouched lump.
     Stone,
-    /// Its corners have been sawn off and fell.
+    /// The lump's corners have been sawn off.
     Sawn,
     /// The roughing ball is done.
     Rough,
@@ -23,22 +23,22 @@ pub enum Chapter {
     Bared,
     /// The chisel and the smaller balls are done.
     Fine,
-    /// Paste went where it shouldn't.
+    /// Paste was put in the wrong place.
     Mishap,
-    /// That was undone.
+    /// The paste was undone.
     Undone,
     /// A cord of paste lies round the neck.
     Cord,
-    /// It is rasped smooth; finished.
+    /// The cord is rasped smooth; the owl is finished.
     Finished,
     /// Half of the lantern's slots are cut.
     HalfSlotted,
-    /// All of them are, and the lantern is finished.
+    /// All slots are cut; the lantern is finished.
     Slotted,
 }
 
 impl DemoScript {
-    /// Its chapters, in order.
+    /// Returns its chapters, in order.
     #[must_use]
     pub const fn chapters(self) -> &'static [Chapter] {
         match self {
@@ -47,7 +47,7 @@ impl DemoScript {
         }
     }
 
-    /// What comes out of the stone, for the report.
+    /// Returns the name of the figure, for the report.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -72,7 +72,7 @@ impl Chapter {
 
     const LANTERN: [Chapter; 3] = [Chapter::Stone, Chapter::HalfSlotted, Chapter::Slotted];
 
-    /// What has just been done, for the report.
+    /// Returns a text that says what has just been done, for the report.
     #[must_use]
     pub const fn completion_announcement(self) -> &'static str {
         match self {

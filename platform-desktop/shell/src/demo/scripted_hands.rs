@@ -1,4 +1,4 @@
-//! Scripted hands: movements as one tick input after another, at the speed of a person's hands.
+//! Scripted hands: movements as a sequence of tick inputs, at the speed of a person's hands.
 
 use std::ops::ControlFlow;
 
@@ -10,29 +10,29 @@ use paros_core::session::{BenchItem, PointerCommand, RawPose, SessionMode, TICK_
 use paros_core::volume::{Grid, Size};
 use paros_core::{RangeMaps, TickInput, World};
 
-/// Metres that a hand moves in a tick, clear of the stone: 1.6 m/s.
+/// The distance in metres that a hand moves in a tick, clear of the stone: 1.6 m/s.
 const HAND_SPEED: f32 = 1.6 / TICK_RATE as f32;
 
-/// How far the hand is ahead of a bit that the stone holds back, in voxels.
+/// The distance by which the hand leads a bit that the stone holds back, in voxels.
 const PUSH: f32 = 3.0;
 
-/// The hands' pose between strokes, in metres: before the chest.
+/// The hands' rest positions between strokes, in metres: in front of the chest.
 const REST: [Vec3; 2] = [Vec3::new(-0.25, 1.0, -0.1), Vec3::new(0.25, 1.0, -0.1)];
 
-/// Called after every tick; may end the session early.
+/// A function that is called after every tick and may end the session early.
 pub type TickWatcher<'a, const N: usize, const K: usize> =
     dyn FnMut(&World<N, K>) -> ControlFlow<()> + 'a;
 
-/// Distances in voxels from a ray's origin to what it meets first, if it meets any.
+/// The distances in voxels from a ray's origin to the first stone and the first mask voxel.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct StoneAndMaskDistances {
-    /// To stone.
+    /// The distance to stone; `None` if the ray meets none.
     pub stone: Option<f32>,
-    /// To the mask.
+    /// The distance to the mask; `None` if the ray doesn't meet it.
     pub mask: Option<f32>,
 }
 
-/// Two hands that give the inputs of a [`TickRunner`].
+/// Two hands that produce the inputs of a [`TickRunner`].
 pub struct ScriptedHands<'a, 's, const N: usize, const K: usize>
 where
     Grid<N>: Size,
@@ -48,7 +48,7 @@ impl<'a, 's, const N: usize, const K: usize> ScriptedHands<'a, 's, N, K>
 where
     Grid<N>: Size,
 {
-    /// Hands at rest before the chest.
+    /// Creates hands at rest in front of the chest.
     pub fn new(
         runner: &'a mut TickRunner<'s, N, K>,
         watcher: &'a mut TickWatcher<'a, N, K>,
@@ -57,12 +57,12 @@ where
         ScriptedHands { runner, watcher, input: TickInput::default(), grips, ended: false }
     }
 
-    /// The world as of the last tick.
+    /// Returns the world after the last tick.
     pub fn world(&self) -> &World<N, K> {
         self.runner.world()
     }
 
-    /// Whether the watcher has ended the session; no tick is run any more.
+    /// Returns `true` once the watcher has ended the session; then no tick is run any more.
     pub fn has_ended(&self) -> bool {
         self.ended
     }
@@ -81,7 +81,7 @@ where
         self.input.commands = 0;
     }
 
-    /// Makes the bit that a hand holds larger by so many steps, or smaller.
+    /// Makes the bit that a hand holds larger by `by` steps, or smaller if negative.
     pub fn resize_bit(&mut self, hand: usize, by: i8) {
         self.input.pointer = PointerCommand::Resize { hand: hand as u8, by };
         self.run_tick();
@@ -110,19 +110,19 @@ where
         self.move_hand_to_rest(hand);
     }
 
-    /// Moves a hand to its rest pose before the chest.
+    /// Moves a hand to its rest pose in front of the chest.
     pub fn move_hand_to_rest(&mut self, hand: usize) {
         self.move_hand_to(hand, REST[hand], Quat::IDENTITY);
     }
 
-    /// Turns the stool with the left stick until the side at an azimuth (of the grid,
-    /// counter-clockwise from +z to +x) faces the visitor.
+    /// Turns the stool with the left stick until the side at an azimuth of the grid (counter-clockwise from
+    /// +z to +x) faces the visitor.
     pub fn turn_azimuth_to_visitor(&mut self, degrees_from_z_to_x: f32) {
         let target = (degrees_from_z_to_x * (-65_536.0 / 360.0)).round() as i32 as u16;
         loop {
             let now = (self.stool_radians() * (65_536.0 / core::f32::consts::TAU)).round();
             let left = i32::from(target.wrapping_sub(now as i32 as u16) as i16);
-            // A full push of the stick turns by 227 in a tick, a third of it still by 72.
+            // A full push of the stick turns by 227 in a tick, a third of a push by 72.
             let push = match left.abs() {
                 0..72 => break,
                 n if n < 227 => 40,
@@ -137,12 +137,12 @@ where
         self.input.hands[0].stick[0] = 0;
     }
 
-    /// Moves the bit to a point of the grid, pointing along `grid_direction`. The trigger stays as it is.
+    /// Moves the bit to a point of the grid, pointing along `grid_direction`. The trigger is unchanged.
     pub fn move_bit_to(&mut self, hand: usize, point_voxels: Vec3, grid_direction: Vec3) {
         self.move_bit_to_pose(hand, &pose_pointing(point_voxels, grid_direction));
     }
 
-    /// Moves the bit to a pose in the grid. The trigger stays as it is.
+    /// Moves the bit to a pose in the grid. The trigger is unchanged.
     pub fn move_bit_to_pose(&mut self, hand: usize, pose: &Pose) {
         let (position, rotation) = self.grip_for_bit(hand, pose);
         self.move_hand_to(hand, position, rotation);
@@ -192,8 +192,9 @@ where
         }
     }
 
-    /// Turns the stool once around by the left stick, while the other hand holds its running tool where
-    /// `pose_at_azimuth` says, of the grid's azimuth in degrees that faces the visitor. The trigger stays down.
+    /// Turns the stool by one turn with the left stick, while the other hand holds its running tool at the
+    /// pose that `pose_at_azimuth` returns for the grid's azimuth, in degrees, that faces the visitor. The
+    /// trigger stays down.
     pub fn turn_once_under_tool(
         &mut self,
         hand: usize,
@@ -215,12 +216,12 @@ where
         self.input.hands[0].stick[0] = 0;
     }
 
-    /// The azimuth of the grid, from +z to +x in degrees, that faces the visitor.
+    /// Returns the azimuth of the grid, from +z to +x in degrees, that faces the visitor.
     fn azimuth_before_visitor(&self) -> f32 {
         -self.stool_radians() * (180.0 / core::f32::consts::PI)
     }
 
-    /// How far the stool is turned, in radians.
+    /// Returns the rotation of the stool, in radians.
     fn stool_radians(&self) -> f32 {
         let (_, turn) =
             self.world().stool_frame().to_room(&Pose { rotation: Quat::IDENTITY, ..Pose::ZERO });
@@ -233,7 +234,7 @@ where
         self.run_tick();
     }
 
-    /// Casts a ray to the first voxel of stone and of the mask. It steps by a voxel.
+    /// Casts a ray to the first voxel of stone and of the mask, in steps of a voxel.
     pub fn cast_ray_to_stone_and_mask(
         &self,
         origin_voxels: Vec3,
@@ -289,7 +290,7 @@ where
         self.grips[hand] = (position, rotation);
     }
 
-    /// The grip pose in the room, in metres, at which the bit has a pose in the grid.
+    /// Returns the grip pose in the room, in metres, at which the bit has a pose in the grid.
     fn grip_for_bit(&self, hand: usize, pose: &Pose) -> RoomPose {
         let (tip, rotation) = self.world().stool_frame().to_room(pose);
         let reach = self.world().held_tool(hand).map_or(0.0, |(tool, _)| tool_length_m(tool));
@@ -297,7 +298,7 @@ where
     }
 }
 
-/// The pose at a point in the grid, pointing along a direction.
+/// Returns the pose at a point in the grid, pointing along a direction.
 pub fn pose_pointing(position: Vec3, grid_direction: Vec3) -> Pose {
     Pose { position, rotation: Quat::from_rotation_arc(Vec3::NEG_Z, grid_direction) }
 }

@@ -1,4 +1,4 @@
-//! Passes over a face: strokes along the hidden figure, strip by strip, where there is stone to be taken.
+//! Passes over a face: strokes along the hidden figure, strip by strip, where there is stone to remove.
 
 use paros_core::volume::{Grid, Size};
 
@@ -6,58 +6,58 @@ use super::faces::Face;
 use super::scripted_hands::{ScriptedHands, StoneAndMaskDistances, pose_pointing};
 use super::{RIGHT, evenly_spaced};
 
-/// The end of a bit that works. Lengths are units of 1/128 of the block's edge.
+/// The working end of a bit. Lengths are in 1/128 of the block's edge.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum BitTip {
     /// A ball of this radius.
     Ball(f32),
-    /// A box as wide as twice `half_width`, whose end lies `half_length` before its centre.
+    /// A box that is twice `half_width` wide, and whose end lies `half_length` beyond its centre.
     Box {
-        /// Across the direction in which it points.
+        /// Half the width across the pointing direction.
         half_width: f32,
-        /// Along it.
+        /// Half the length along the pointing direction.
         half_length: f32,
     },
 }
 
-/// A pass of a bit over a face. Lengths are units of 1/128 of the block's edge.
+/// A pass of a bit over a face. Lengths are in 1/128 of the block's edge.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SurfacePass {
     /// The bit's end.
     pub(super) tip: BitTip,
-    /// Between strips.
+    /// The distance between strips.
     pub(super) spacing: f32,
-    /// How far the bit stays off the figure; less than zero, it is pressed on it.
+    /// The distance of the bit from the figure; if negative, the bit presses on it.
     pub(super) off: f32,
-    /// The least depth of stone in its way for which it is worth a stroke.
+    /// The least depth of stone that is worth a stroke.
     pub(super) least: f32,
-    /// The strips go this far to either side of the face's middle.
+    /// The distance to which strips reach on either side of the face's middle.
     pub(super) half_width: f32,
-    /// How far the bit goes in a tick.
+    /// The distance that the bit moves in a tick.
     pub(super) speed: f32,
 }
 
-/// What a person's hand does in stone: 0.55 m/s.
+/// The speed of a person's hand in stone, in 1/128 of the block's edge per tick: 0.55 m/s.
 pub(super) const STROKE_SPEED: f32 = 2.17;
 
-/// Where the bit is over a place of a face: how far in from the face's own plane.
+/// Depths of the bit at a place of a face, measured inwards from the face's plane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Depth {
-    /// Where the bit would touch the figure, or be as deep as the face is worked.
+    /// The depth at which the bit touches the figure, or to which the face is worked.
     pub(super) work: f32,
-    /// Where it touches stone.
+    /// The depth at which the bit touches stone.
     pub(super) stone: f32,
 }
 
 impl Depth {
-    /// Of a bit that stays off the figure.
+    /// Returns the depths of a bit that stays `off` the figure.
     fn less(self, off: f32) -> Depth {
         Depth { work: self.work - off, ..self }
     }
 }
 
 impl BitTip {
-    /// How far the bit reaches before its centre, at a distance from its axis within its half width.
+    /// Returns the reach of the bit beyond its centre, at a distance from its axis within its half width.
     fn reach_at(self, from_axis: f32) -> f32 {
         match self {
             BitTip::Ball(radius) => libm::sqrtf((radius * radius - from_axis * from_axis).max(0.0)),
@@ -65,7 +65,7 @@ impl BitTip {
         }
     }
 
-    /// Half its width.
+    /// Returns half its width.
     const fn half_width(self) -> f32 {
         match self {
             BitTip::Ball(radius) => radius,
@@ -74,7 +74,7 @@ impl BitTip {
     }
 }
 
-/// Works a face in strips, to and fro.
+/// Works a face in strips, back and forth.
 pub(super) fn work_face<const N: usize, const K: usize>(
     hands: &mut ScriptedHands<'_, '_, N, K>,
     face: &Face,
@@ -89,7 +89,7 @@ pub(super) fn work_face<const N: usize, const K: usize>(
     hands.move_hand_to_rest(RIGHT);
 }
 
-/// Works a strip of a face, each part of it where there is stone in the bit's way.
+/// Works the parts of a strip that have stone in the bit's way.
 fn work_strip<const N: usize, const K: usize>(
     hands: &mut ScriptedHands<'_, '_, N, K>,
     face: &Face,
@@ -99,7 +99,7 @@ fn work_strip<const N: usize, const K: usize>(
 ) where
     Grid<N>: Size,
 {
-    // Parts so near to each other are one: it takes as long to come out and in again.
+    // Parts closer than this, in steps, are joined: moving out and in again takes as long.
     const GAP: usize = 10;
     let [first, last] = face.strip;
     let is_work = |place: &(f32, Option<Depth>)| {
@@ -123,7 +123,7 @@ fn work_strip<const N: usize, const K: usize>(
     }
 }
 
-/// Leads the bit in from outside, along a part of a strip, and out.
+/// Moves the bit in from outside, along a part of a strip, and out again.
 fn stroke_part<const N: usize, const K: usize>(
     hands: &mut ScriptedHands<'_, '_, N, K>,
     face: &Face,
@@ -143,12 +143,12 @@ fn stroke_part<const N: usize, const K: usize>(
     hands.move_bit_to(RIGHT, at(first, clear), face.inward);
     let poses = way.iter().map(|&(along, depth)| pose_pointing(at(along, depth.work), face.inward));
     hands.stroke_through(RIGHT, poses, pass.speed * unit);
-    // It comes out with its trigger down: switched off, it could stick in a bent hole.
+    // The trigger stays down until the bit is out: a bit that is switched off could stick in a curved hole.
     hands.move_bit_to(RIGHT, at(last, 0.0), face.inward);
     hands.release_trigger(RIGHT);
 }
 
-/// Where the hand looks whether its bit would touch something, in half widths of the bit.
+/// The points at which the bit's contact is tested, in half widths of the bit.
 const LOOKS: [(f32, f32); 13] = [
     (0.0, 0.0),
     (0.5, 0.0),
@@ -165,8 +165,8 @@ const LOOKS: [(f32, f32); 13] = [
     (-0.63, -0.63),
 ];
 
-/// How deep a bit's tip goes at a place of a face, along it and aside, until it touches stone and figure; `None` where
-/// it meets no stone.
+/// Returns the depths at which a bit's tip touches figure and stone at a place of a face, given along the
+/// face and aside; `None` if it meets no stone.
 pub(super) fn depth_at<const N: usize, const K: usize>(
     hands: &ScriptedHands<'_, '_, N, K>,
     face: &Face,

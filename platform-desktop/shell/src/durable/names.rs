@@ -1,4 +1,4 @@
-//! The names of temporary files, and when they are stale.
+//! The names of temporary files, and the age at which they are stale.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
@@ -7,8 +7,8 @@ use std::time::Duration;
 /// still being written were removed, its rename would fail with an error and it would be written again.
 pub(super) const MAX_TEMPORARY_AGE: Duration = Duration::from_secs(60 * 60);
 
-/// A temporary file name, unique among those of all processes. It is not derived from the target's
-/// name, which may have the greatest length allowed.
+/// Returns a temporary file name that no other process uses. It is not derived from the target's name, which
+/// may have the greatest length allowed.
 #[must_use]
 pub fn temporary_name() -> String {
     static COUNT: AtomicU32 = AtomicU32::new(0);
@@ -16,7 +16,7 @@ pub fn temporary_name() -> String {
     format!(".paros-{}-{number}.part", std::process::id())
 }
 
-/// Whether [`temporary_name`] makes such names.
+/// Returns `true` if [`temporary_name`] could have made the name.
 pub(super) fn is_temporary_name(name: &str) -> bool {
     let numbers = name.strip_prefix(".paros-").and_then(|rest| rest.strip_suffix(".part"));
     numbers.and_then(|numbers| numbers.split_once('-')).is_some_and(|(process, number)| {

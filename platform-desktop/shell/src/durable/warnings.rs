@@ -1,32 +1,32 @@
-//! What a storage refused though the files are written. The same would be refused with every file: so each
-//! kind is told once in a process.
+//! Warnings about limits of a storage that lose no file. Every file would meet the same limit: so each kind
+//! is reported once in a process.
 
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// What a storage lacks.
+/// A limit of a storage.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum StorageLimit {
-    /// A folder can't be synced: a loss of power may undo the last files.
+    /// A folder can't be synced: a power failure may undo the last writes.
     UnsyncedFolder,
-    /// There are no hard links: files get their names by renaming.
+    /// There are no hard links: files are renamed instead.
     NoLinks,
 }
 
-/// A storage's refusal that lost no file.
+/// A warning about a limit that lost no file.
 #[derive(Debug)]
 pub struct StorageWarning {
-    /// What is lacking.
+    /// The limit.
     pub limit: StorageLimit,
-    /// The folder where it was met first.
+    /// The folder in which it occurred first.
     pub folder: PathBuf,
     /// The system's reason.
     pub source: io::Error,
 }
 
-/// Warnings that were met in this process.
+/// The warnings of this process: all kinds that occurred, and those that have not been taken yet.
 struct Warnings {
     met: Vec<StorageLimit>,
     untold: Vec<StorageWarning>,
@@ -34,14 +34,14 @@ struct Warnings {
 
 static WARNINGS: Mutex<Warnings> = Mutex::new(Warnings { met: Vec::new(), untold: Vec::new() });
 
-/// Removes and returns the warnings that nobody has taken yet: at most one of a kind in a process.
+/// Removes and returns the pending warnings: at most one of each kind in a process.
 #[must_use]
 pub fn take_storage_warnings() -> Vec<StorageWarning> {
     let mut warnings = WARNINGS.lock().unwrap_or_else(PoisonError::into_inner);
     std::mem::take(&mut warnings.untold)
 }
 
-/// Notes a refusal, if it is the first of its kind.
+/// Records a warning if it is the first of its kind.
 pub(super) fn note(limit: StorageLimit, folder: &Path, source: io::Error) {
     let mut warnings = WARNINGS.lock().unwrap_or_else(PoisonError::into_inner);
     if !warnings.met.contains(&limit) {

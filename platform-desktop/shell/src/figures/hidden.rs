@@ -1,4 +1,4 @@
-//! The hidden figures, each with the stone around it: what a session of the constrained mode starts from.
+//! The hidden figures and the stone around them, from which sessions of the constrained mode start.
 
 use paros_core::RangeMaps;
 use paros_core::session::SessionMode;
@@ -7,15 +7,15 @@ use paros_shapes::lump;
 
 use super::{Figure, raster};
 
-/// How much stone hides a figure at the start.
+/// The thickness of the stone around a figure at the start.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[repr(u8)]
 pub enum StoneThickness {
     /// The whole lump.
     Whole = 0,
-    /// About 45 mm of it.
+    /// About 45 mm of stone.
     Half = 1,
-    /// About 20 mm of it: what a newcomer takes off in minutes.
+    /// About 20 mm of stone, which a newcomer removes in minutes.
     Near = 2,
 }
 
@@ -24,17 +24,17 @@ pub enum StoneThickness {
 pub struct HiddenStart {
     /// One of [`Figure::HIDDEN`].
     pub figure: Figure,
-    /// The stone around it.
+    /// The thickness of the stone around it.
     pub thickness: StoneThickness,
 }
 
-/// The thinner stones' fracture, as a share of the lump's.
+/// The roughness of thinner stones, as a share of the lump's.
 const ROUGHNESS_OF_LUMP: f32 = 0.5;
 
-/// The most by which that fracture moves their surface.
+/// The greatest displacement of a thinner stone's surface.
 const ROUGHNESS: f32 = ROUGHNESS_OF_LUMP * lump::MAX_FRACTURE;
 
-/// Names on the command line, by figure and thickness. The bare name is for newcomers.
+/// Names on the command line, by figure and thickness. The bare name has the thinnest stone, for newcomers.
 const NAMES: [[&str; 3]; 4] = [
     ["owl-whole", "owl-half", "owl"],
     ["cat-whole", "cat-half", "cat"],
@@ -43,11 +43,12 @@ const NAMES: [[&str; 3]; 4] = [
 ];
 
 impl StoneThickness {
-    /// All of them, thickest first.
+    /// All thicknesses, the thickest first.
     pub const ALL: [StoneThickness; 3] =
         [StoneThickness::Whole, StoneThickness::Half, StoneThickness::Near];
 
-    /// How far it reaches from the figure, in 1/128 of the box's edge; `None` for all of the lump.
+    /// Returns the distance from the figure to which the stone reaches, in 1/128 of the box's edge; `None`
+    /// for the whole lump.
     const fn reach(self) -> Option<f32> {
         // The box's edge is 450 mm.
         const MILLIMETRE: f32 = 128.0 / 450.0;
@@ -60,7 +61,7 @@ impl StoneThickness {
 }
 
 impl HiddenStart {
-    /// All of them in the order of their numbers: by thickness, then by figure.
+    /// All starts, in the order of their numbers: by thickness, then by figure.
     pub const ALL: [HiddenStart; Figure::HIDDEN.len() * StoneThickness::ALL.len()] = {
         let first = HiddenStart { figure: Figure::Owl, thickness: StoneThickness::Whole };
         let mut all = [first; Figure::HIDDEN.len() * StoneThickness::ALL.len()];
@@ -74,32 +75,32 @@ impl HiddenStart {
         all
     };
 
-    /// The one of a number of [`SessionMode::Constrained`].
+    /// Returns the start with a number of [`SessionMode::Constrained`].
     #[must_use]
     pub fn from_number(number: u8) -> Option<Self> {
         Self::ALL.get(usize::from(number)).copied()
     }
 
-    /// Its number in [`SessionMode::Constrained`].
+    /// Returns its number in [`SessionMode::Constrained`].
     #[must_use]
     pub const fn number(self) -> u8 {
         self.thickness as u8 * Figure::HIDDEN.len() as u8 + self.place_in_hidden() as u8
     }
 
-    /// The mode that starts with it.
+    /// Returns the session mode that starts with it.
     #[must_use]
     pub const fn mode(self) -> SessionMode {
         SessionMode::Constrained { figure: self.number() }
     }
 
-    /// Its name on the command line.
+    /// Returns its name on the command line.
     #[must_use]
     pub fn name(self) -> &'static str {
         NAMES[self.place_in_hidden()][self.thickness as usize]
     }
 
-    /// Rasterizes its stone, as [`Figure::rasterize_into`] does a figure: a subset of the lump, and the figure one
-    /// of it. `maps` are the lump before.
+    /// Rasterizes its stone, like [`Figure::rasterize_into`] for a figure. The stone is a subset of the lump,
+    /// and contains the figure. `maps` must hold the lump before.
     #[inline(never)]
     pub fn rasterize_stone_into<const N: usize, const K: usize>(
         self,
@@ -112,13 +113,13 @@ impl HiddenStart {
         let Some(reach) = self.thickness.reach() else { return };
         raster::keep_within(bit_grid, &|p| {
             let even = self.figure.signed_distance(p) - reach + 0.5;
-            // A bound is enough where a sign is certain: the fracture takes most of the time.
+            // Far from the surface a bound suffices for the sign; the fracture takes most of the time.
             let rough = if even > ROUGHNESS {
                 -ROUGHNESS
             } else if even < -ROUGHNESS {
                 ROUGHNESS
             } else {
-                // Smoother than the lump, as a newcomer strokes it off in layers.
+                // Smoother than the lump, as a newcomer removes it in layers.
                 ROUGHNESS_OF_LUMP * lump::fracture(p)
             };
             (even + rough) * 0.75
@@ -127,7 +128,7 @@ impl HiddenStart {
         bit_grid.set_from_maps(maps);
     }
 
-    /// The figure's place in [`Figure::HIDDEN`].
+    /// Returns the figure's index in [`Figure::HIDDEN`].
     const fn place_in_hidden(self) -> usize {
         self.figure as usize - Figure::HIDDEN[0] as usize
     }

@@ -32,19 +32,19 @@ pub enum Figure {
     Amphora = 3,
     /// A dolphin over a wave.
     Dolphin = 4,
-    /// The friendly nobody of the creative mode.
+    /// A round little creature, for the creative mode.
     Toy = 5,
 }
 
 impl Figure {
-    /// All of them, in the order of their numbers.
+    /// All figures, in the order of their numbers.
     pub const ALL: [Figure; 6] =
         [Figure::Lump, Figure::Owl, Figure::Cat, Figure::Amphora, Figure::Dolphin, Figure::Toy];
 
-    /// Those that hide in the lump, for the constrained mode (section 3.5 of the paper).
+    /// The figures that can hide in the lump, for the constrained mode (section 3.5 of the paper).
     pub const HIDDEN: [Figure; 4] = [Figure::Owl, Figure::Cat, Figure::Amphora, Figure::Dolphin];
 
-    /// Its name on the command line.
+    /// Returns the name on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -57,14 +57,14 @@ impl Figure {
         }
     }
 
-    /// The figure with this [`Figure::name`].
+    /// Returns the figure with this [`Figure::name`].
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|figure| figure.name() == name)
     }
 
-    /// Rasterizes the figure: a voxel belongs to it if its centre does. `maps` become the closure of
-    /// its voxels, `bit_grid` the same.
+    /// Rasterizes the figure: a voxel belongs to it if its centre does. Sets `maps` and `bit_grid` to the
+    /// closure of these voxels.
     #[inline(never)]
     pub fn rasterize_into<const N: usize, const K: usize>(
         self,
@@ -85,15 +85,15 @@ impl Figure {
         bit_grid.set_from_maps(maps);
     }
 
-    /// Whether the centre of a voxel of an N^3 grid lies in the figure. [`Figure::rasterize_into`] must
-    /// agree with this before closure.
+    /// Returns `true` if the centre of a voxel of an N^3 grid lies in the figure. [`Figure::rasterize_into`]
+    /// must agree with this before closure.
     #[must_use]
     pub fn contains_voxel_centre<const N: usize>(self, voxel: [usize; 3]) -> bool {
         self.signed_distance(raster::block_centre::<N>(voxel, 1)) <= 0.0
     }
 
-    /// Signed distance to the figure's surface, or a bound closer to zero, in 1/128 of the box's edge.
-    /// The origin is the middle of the ground.
+    /// Returns the signed distance to the figure's surface, or a bound closer to zero, in 1/128 of the box's
+    /// edge. The origin is the middle of the ground.
     fn signed_distance(self, p: Vec3) -> f32 {
         match self {
             Figure::Lump => lump::signed_distance(p),

@@ -1,4 +1,4 @@
-//! The operator's own hidden figures, which a headset's package brings beside those that there are always.
+//! The operator's own hidden figures, which a headset's package adds to the built-in ones.
 
 use paros_core::RangeMaps;
 use paros_core::session::SessionMode;
@@ -7,28 +7,29 @@ use paros_core::volume::{BitGrid, BitSet, Grid, Size};
 use super::HiddenStart;
 use crate::modes::parse_mode;
 
-/// The most figures of the operator's own: twice as many as there are without, and 12 MiB of maps at 256.
+/// The most figures of the operator's own: twice the number of built-in ones, and 12 MiB of maps at 256.
 pub const MAX_OWN_FIGURES: usize = 8;
 
 /// The most bytes of a figure's name.
 pub const MAX_FIGURE_NAME_BYTES: usize = 32;
 
-/// How thick the stone lies over such a figure: that of a newcomer's, in millimetres, and the box's edge in them.
+/// The thickness of the stone around such a figure, as for newcomers, and the box's edge, both in
+/// millimetres.
 const COAT_MM: usize = 20;
 const BOX_MM: usize = 450;
 
-/// The mode that starts with the figure at a place among the operator's own.
+/// Returns the mode that starts with the figure at an index of the operator's own.
 #[must_use]
 pub const fn own_figure_mode(place: usize) -> SessionMode {
     debug_assert!(place < MAX_OWN_FIGURES);
     SessionMode::Constrained { figure: (HiddenStart::ALL.len() + place) as u8 }
 }
 
-/// Checks the names of the operator's own figures: how many there are, and whether each is a name that no other mode
-/// has, of small letters, digits and hyphens.
+/// Checks the operator's own figure names: at most [`MAX_OWN_FIGURES`], unique among all modes, of small
+/// letters, digits and hyphens.
 ///
 /// # Errors
-/// A text: the name, and what was expected.
+/// Returns a text with the name and what was expected.
 pub fn check_own_figure_names(names: &[String]) -> Result<(), String> {
     if names.len() > MAX_OWN_FIGURES {
         return Err(format!("{} figures, expected at most {MAX_OWN_FIGURES}", names.len()));
@@ -49,14 +50,14 @@ pub fn check_own_figure_names(names: &[String]) -> Result<(), String> {
     Ok(())
 }
 
-/// Voxels to be left empty on every side of a figure for the coat of stone, and one more around it.
+/// Returns the number of voxels to leave empty on every side of a figure: the stone's thickness and one more.
 #[must_use]
 pub const fn coat_margin(grid_side: usize) -> usize {
     coat_reach_subunits(grid_side).div_ceil(256) + 1
 }
 
-/// Writes the stone around a figure: the closure of all voxels within the coat's thickness of one of the figure's, by
-/// their centres. The figure is a subset of it.
+/// Writes the stone around a figure: the closure of all voxels whose centres are within the stone's thickness
+/// of the centre of a voxel of the figure. The stone contains the figure.
 pub fn write_coat_into<const N: usize, const K: usize>(
     figure: &BitGrid<N>,
     stone: &mut RangeMaps<N, K>,
@@ -88,14 +89,14 @@ pub fn write_coat_into<const N: usize, const K: usize>(
     scratch.write_closure(stone);
 }
 
-/// A row of a ball's voxels, by where it lies to the middle one.
+/// A row of a ball's voxels, by its offset from the middle row.
 struct BallRow {
     dy: isize,
     dz: isize,
     half_width: usize,
 }
 
-/// The rows of a ball whose radius is in 1/256 voxels.
+/// Returns the rows of a ball with a radius in 1/256 voxels.
 fn list_ball_rows(radius: usize) -> Vec<BallRow> {
     let most = (radius / 256) as isize;
     let rows = (-most..=most).flat_map(|dy| (-most..=most).map(move |dz| (dy, dz)));
@@ -107,7 +108,7 @@ fn list_ball_rows(radius: usize) -> Vec<BallRow> {
     rows.filter_map(half_width).collect()
 }
 
-/// The coat's thickness in 1/256 voxels.
+/// Returns the stone's thickness in 1/256 voxels.
 const fn coat_reach_subunits(grid_side: usize) -> usize {
     256 * grid_side * COAT_MM / BOX_MM
 }
@@ -137,7 +138,8 @@ mod tests {
         }
     }
 
-    /// Held against every voxel's distance to each of the figure's, on the ground, at a side and in the middle.
+    /// Compares the stone with every voxel's distance to each voxel of the figure, on the ground, at a side
+    /// and in the middle.
     #[test]
     fn the_coat_is_what_is_near_the_figure() {
         let figure = [[20, 0, 31], [21, 0, 31], [40, 22, 30], [1, 30, 63]];
@@ -158,7 +160,7 @@ mod tests {
         for voxel in voxels {
             assert_eq!(scratch.contains(voxel), is_near(voxel), "{voxel:?}");
         }
-        // Closure adds, and takes nothing away.
+        // Closure only adds voxels.
         bits.set_from_maps(&stone);
         assert!(bits.count_voxels() >= scratch.count_voxels());
         // 20 mm of 450 are 5.7 voxels of 128.

@@ -1,18 +1,18 @@
-//! Octree rasterization of a signed distance function into bit rows: a block whose centre is farther
-//! from the surface than its corners is filled or left empty as a whole.
+//! Octree rasterization of a signed distance function into bit rows: a block whose centre is farther from the
+//! surface than its corners are from its centre is filled or left empty as a whole.
 
 use glam::Vec3;
 use paros_core::volume::{BitGrid, BitSet, Grid, Size};
 
-/// Lipschitz bound of the fields: the most that one may change over a unit. More than 1 allows for
+/// Lipschitz bound of the distance functions: their greatest change over a unit. It is above 1 to allow for
 /// reliefs.
 const STEEPEST: f32 = 2.0;
 
-/// Units along an edge of the box.
+/// The edge of the box in units.
 const EDGE: f32 = 128.0;
 
-/// The centre of a cube of `edge_voxels` voxels a side whose lowest is `lowest_voxel`, in units: x and
-/// z from the middle of the box, y from the ground.
+/// Returns the centre of a cube of `edge_voxels` voxels a side from `lowest_voxel` on, in units: x and z from
+/// the middle of the box, y from the ground.
 pub(super) fn block_centre<const N: usize>(lowest_voxel: [usize; 3], edge_voxels: usize) -> Vec3 {
     let [x, y, z] = lowest_voxel;
     let unit = EDGE / N as f32;

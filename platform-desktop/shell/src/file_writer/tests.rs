@@ -1,4 +1,4 @@
-//! What is written where, and what is not.
+//! Tests of the destinations of files, and of failed writes.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,37 +1,36 @@
-//! Thermal state and battery of the headset, and the warnings that they call for. No stroke is stopped
-//! for either.
+//! Thermal state and battery of the headset, and the warnings for them. Neither ever interrupts a stroke.
 
-/// How hot the headset is, in three levels; OpenXR's notification levels NORMAL, WARNING, IMPAIRED.
+/// The thermal state in three levels, OpenXR's notification levels NORMAL, WARNING and IMPAIRED.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
 pub enum ThermalState {
-    /// No throttling, and none near.
+    /// The device neither throttles nor is about to.
     #[default]
     Normal,
-    /// The device will throttle if this goes on.
+    /// The device will soon throttle.
     Warm,
-    /// The device throttles, or will be switched off.
+    /// The device throttles, or is about to shut down.
     Hot,
 }
 
 /// Thermal state and battery.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct DeviceHealth {
-    /// How hot the device is.
+    /// The thermal state.
     pub thermal: ThermalState,
-    /// The battery's charge in percent, where it is known and the battery isn't being charged, or drains all the same.
+    /// The battery's charge in percent, if it is known and the battery discharges, be it on a charger.
     pub battery_percent: Option<u8>,
-    /// Whether the battery drains though it is being charged: its charger is too weak. See [`ChargeWatch`].
+    /// `true` if the battery discharges on a charger that is too weak. See [`ChargeWatch`].
     pub drains_on_charger: bool,
-    /// The battery as the device tells of it: for who looks after several.
+    /// The battery as the device reports it, for staff who look after several headsets.
     pub battery: Battery,
 }
 
 /// The battery's state.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Battery {
-    /// The charge in percent, 0 to 100; none if the device does not know it.
+    /// The charge in percent, 0 to 100; `None` if the device does not know it.
     pub percent: Option<u8>,
-    /// Whether it is being charged.
+    /// `true` if the battery is being charged.
     pub charging: bool,
 }
 
@@ -53,37 +52,37 @@ pub enum ThermalStatus {
 pub struct ThermalReading {
     /// The status now.
     pub status: ThermalStatus,
-    /// The thermal headroom in ten seconds from now: 1 is where the device throttles. None if
-    /// the device does not know it.
+    /// The thermal headroom forecast for 10 s from now: at 1 the device throttles. `None` if the device does
+    /// not know it.
     pub headroom: Option<f32>,
 }
 
-/// Sees that a battery drains although it is being charged. A device reports that as charging, and a headset is worn
-/// on the cable all day; so the charge itself is followed, from reading to reading.
+/// Detects a battery that discharges on its charger. Devices report such a battery as charging, and a headset
+/// is worn on the cable all day; so the charge itself is compared from reading to reading.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum ChargeWatch {
-    /// It isn't being charged, or its charge is unknown.
+    /// The battery isn't being charged, or its charge is unknown.
     #[default]
     Unplugged,
-    /// It is being charged, from this charge on or up to it, in percent.
+    /// The battery is being charged.
     Charging {
-        /// The greatest charge since.
+        /// The greatest charge since charging began, in percent.
         highest: u8,
     },
-    /// It is being charged and drains.
+    /// The battery discharges on its charger.
     Draining {
-        /// The least charge since.
+        /// The least charge since it began to discharge, in percent.
         lowest: u8,
     },
 }
 
-/// The fall of the charge, in percent, by which a battery on its charger drains: one might be rounding, or the moment
-/// of plugging in.
+/// The fall of the charge, in percent, from which a battery counts as discharging on its charger. A fall of 1
+/// might be rounding, or the moment of plugging in.
 const DRAINED_PERCENT: u8 = 2;
 
 impl ChargeWatch {
-    /// Takes in a reading. Returns whether the battery drains though it is being charged: its charge has fallen by
-    /// 2 percent on the charger and hasn't risen since.
+    /// Adds a reading. Returns `true` if the battery discharges on its charger: its charge has fallen by 2
+    /// percent while charging and hasn't risen since.
     pub fn observe(&mut self, percent: Option<u8>, is_charging: bool) -> bool {
         *self = match (*self, percent.filter(|_| is_charging)) {
             (_, None) => ChargeWatch::Unplugged,
@@ -115,7 +114,7 @@ const HOT_HEADROOM: f32 = 1.0;
 const LOW_BATTERY: u8 = 15;
 
 impl DeviceHealth {
-    /// Thermal state and battery charge by Android's readings, of a battery that drains on its charger or not.
+    /// Assesses the device's health from Android's readings and from [`ChargeWatch::observe`].
     #[must_use]
     pub fn assess(thermal: ThermalReading, battery: Battery, drains_on_charger: bool) -> Self {
         let headroom = thermal.headroom.unwrap_or(0.0);
@@ -133,7 +132,7 @@ impl DeviceHealth {
         DeviceHealth { thermal, battery_percent, drains_on_charger, battery }
     }
 
-    /// The warning that a change from `previous` calls for; each is given once.
+    /// Returns the warning for a change from `previous`, or `None` if nothing has become worse.
     #[must_use]
     pub fn new_warning(self, previous: DeviceHealth) -> Option<&'static str> {
         if self.thermal == ThermalState::Hot && previous.thermal != ThermalState::Hot {
@@ -145,7 +144,7 @@ impl DeviceHealth {
         (self.is_battery_low() && !previous.is_battery_low()).then_some("the battery is low")
     }
 
-    /// Whether the battery is low, and not being charged or not enough.
+    /// Returns `true` if the battery is low, and either isn't being charged or drains on its charger.
     #[must_use]
     pub fn is_battery_low(self) -> bool {
         self.battery_percent.is_some_and(|percent| percent < LOW_BATTERY)
@@ -153,7 +152,8 @@ impl DeviceHealth {
 }
 
 impl ThermalStatus {
-    /// The status for Android's number. A number that a later Android adds is taken for the worst.
+    /// Returns the status for Android's number. Unknown numbers of later Android versions count as the worst
+    /// status.
     #[must_use]
     pub fn from_number(number: i32) -> Self {
         use ThermalStatus::{Critical, Emergency, Light, Moderate, None, Severe, Shutdown};
@@ -179,7 +179,7 @@ mod tests {
         assert_eq!(fine.new_warning(hot), None);
     }
 
-    /// The readings after which a battery drains on its charger.
+    /// Returns, for each reading, whether the battery discharges on its charger after it.
     fn drains_after(readings: &[(u8, bool)]) -> Vec<bool> {
         let mut watch = ChargeWatch::default();
         readings
@@ -202,14 +202,14 @@ mod tests {
         ];
         let expected = [false, false, true, true, true, false, false, true];
         assert_eq!(drains_after(&falls), expected);
-        // From the highest since it was plugged in.
+        // The fall counts from the highest charge since it was plugged in.
         assert_eq!(
             drains_after(&[(50, true), (53, true), (52, true), (51, true)]),
             [false, false, false, true]
         );
         // Without a charger it only empties.
         assert_eq!(drains_after(&[(50, false), (40, false), (39, true), (38, true)]), [false; 4]);
-        // Another charger, another try.
+        // Unplugging resets the watch.
         assert_eq!(
             drains_after(&[(50, true), (48, true), (48, false), (47, true)]),
             [false, true, false, false]
@@ -250,7 +250,7 @@ mod tests {
         let charging = Battery { charging: true, ..battery };
         let on_charger = DeviceHealth::assess(cool, charging, false);
         assert_eq!((on_charger.battery_percent, on_charger.battery), (None, charging));
-        // On a charger that is too weak it is as without one.
+        // A charger that is too weak counts as none.
         let weak = DeviceHealth { drains_on_charger: true, battery: charging, ..expected };
         assert_eq!(DeviceHealth::assess(cool, charging, true), weak);
     }

@@ -1,11 +1,11 @@
-//! Fixed foveated rendering: which level is set when. The caller sees to it that no level changes in the
-//! middle of a stroke.
+//! Fixed foveated rendering: chooses the level. The caller must not change the level in the middle of a
+//! stroke.
 
 use std::fmt;
 
 use super::device_health::{DeviceHealth, ThermalState};
 
-/// How coarsely pictures are shaded towards their edges: `XrFoveationLevelFB`.
+/// The coarseness of shading towards the edges of a picture: `XrFoveationLevelFB`.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
 pub enum FoveationLevel {
     /// Full resolution everywhere (`NONE`).
@@ -13,7 +13,7 @@ pub enum FoveationLevel {
     Off,
     /// Hardly visible.
     Low,
-    /// Visible to someone who looks for it.
+    /// Visible to people who look for it.
     Medium,
     /// The coarsest.
     High,
@@ -28,15 +28,15 @@ impl FoveationLevel {
         ("high", FoveationLevel::High),
     ];
 
-    /// The level of a name of [`FoveationLevel::NAMES`].
+    /// Returns the level with a name from [`FoveationLevel::NAMES`].
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         let found = FoveationLevel::NAMES.into_iter().find(|(named, _)| *named == name);
         found.map(|(_, level)| level)
     }
 
-    /// The line for the log where a setting asks for foveation and something is missing; none where it
-    /// was not asked for.
+    /// Returns a line for the log if a setting requests foveation and something that it needs is missing;
+    /// `None` if no foveation was requested.
     #[must_use]
     pub fn describe_unmet_request(
         requested: Option<FoveationLevel>,
@@ -47,19 +47,21 @@ impl FoveationLevel {
     }
 }
 
-/// What is asked of the runtime.
+/// The foveation to request from the runtime.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Foveation {
     /// The level.
     pub level: FoveationLevel,
-    /// Whether the runtime may take a lower one while frames are in time.
+    /// `true` if the runtime may use a lower level while frames are on time.
     pub is_dynamic: bool,
 }
 
 impl Foveation {
-    /// The foveation for a device's health, and at least the level of a setting: `None` leaves it to the GPU and the
-    /// health, `Off` disables foveation. An integrated GPU, as headsets have, gets MEDIUM at least, dynamic, from the
-    /// first frame on, as Meta recommends: a sculpture that fills the view is near what its texture units do.
+    /// Chooses the foveation for a device's health and a setting. The setting is a least level; `Off`
+    /// disables foveation, and `None` leaves it to the GPU and the health.
+    ///
+    /// An integrated GPU, as in headsets, gets at least MEDIUM, dynamic, from the first frame on, as Meta
+    /// recommends: a sculpture that fills the view nearly exhausts its texture units.
     #[must_use]
     pub fn choose(
         health: DeviceHealth,
@@ -126,7 +128,7 @@ mod tests {
             (low, FoveationLevel::Medium),
             (hot, FoveationLevel::High),
             (DeviceHealth { battery_percent: Some(9), ..hot }, FoveationLevel::High),
-            // One that is being charged has no charge to speak of.
+            // The charge isn't known while the battery is charging.
             (DeviceHealth { battery_percent: None, ..FINE }, FoveationLevel::Off),
         ] {
             assert_eq!(Foveation::choose(health, None, false).level, level, "{health:?}");

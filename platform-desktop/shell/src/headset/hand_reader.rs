@@ -1,12 +1,13 @@
-//! Which of a runtime's reports a hand is read from, tick by tick, and which of its pinches and fists count.
+//! Input source selection: chooses, tick by tick, whether a hand is read from controller actions or from
+//! joints, and which of its pinches and fists count.
 //!
-//! Runtimes report hands in more ways than one. Meta's has a tracked hand be a simple controller, too, with
-//! a valid grip, where that interaction profile is suggested; others report joints of a hand that holds a
-//! controller, or a controller on a table beside a bare hand.
+//! Runtimes report hands in several ways. Meta's runtime reports a tracked hand as a simple controller with a
+//! valid grip too, if that interaction profile is suggested. Others report joints of a hand that holds a
+//! controller, or a controller that lies on a table beside a bare hand.
 
 use super::hand_sample::HandSample;
 
-/// What a hand's current interaction profile (`xrGetCurrentInteractionProfile`) is about.
+/// The kind of device of a hand's current interaction profile (`xrGetCurrentInteractionProfile`).
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum HandProfile {
     /// A controller with a trigger and a grip, or nothing at all.
@@ -18,10 +19,10 @@ pub enum HandProfile {
     HandInteraction,
 }
 
-/// What a hand is read from.
+/// The source that a hand is read from.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum HandSource {
-    /// Nothing: it is not tracked.
+    /// None: the hand is not tracked.
     #[default]
     None,
     /// The actions of a controller.
@@ -32,24 +33,24 @@ pub enum HandSource {
     HandInteraction,
 }
 
-/// All that a runtime reports of a hand at one time.
+/// A runtime's complete report of a hand at one time.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub struct HandReport {
-    /// Its current interaction profile.
+    /// The current interaction profile.
     pub profile: HandProfile,
-    /// What its actions say.
+    /// The hand's state according to the actions.
     pub actions: HandSample,
-    /// What its joints say; none while they are not tracked.
+    /// The hand's state according to the joints; `None` while they are not tracked.
     pub joints: Option<HandSample>,
 }
 
-/// The reader of one hand: its source as of the last tick, and what it remembers for the next.
+/// The reader of one hand: the source of the last tick, and the state for hysteresis.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct HandReader {
     source: HandSource,
-    /// The last source that was one.
+    /// The last source other than [`HandSource::None`].
     last_known: HandSource,
-    /// The simple controller that is reported now was once reported together with tracked joints.
+    /// `true` if the current simple controller has once been reported together with tracked joints.
     simple_is_hand: bool,
     trigger: ControlGate,
     squeeze: ControlGate,
@@ -58,18 +59,18 @@ pub struct HandReader {
 }
 
 impl HandReader {
-    /// The hand's source as of the last tick.
+    /// Returns the hand's source in the last tick.
     #[must_use]
     pub const fn source(&self) -> HandSource {
         self.source
     }
 
-    /// Reads a tick's report: the sample of the source that it chooses, all zero without one. Trigger and squeeze
-    /// are 0 where they don't count.
+    /// Reads a tick's report. Returns the sample of the chosen source, or all zeros if the hand is not
+    /// tracked. Trigger and squeeze are 0 where they don't count.
     ///
-    /// A source that takes over counts from when its trigger and squeeze are seen open: a hand that lays a
-    /// controller down is half a fist, and would let go of its tool. The squeeze of a hand that was lost
-    /// counts so, too; its trigger goes on with the stroke.
+    /// After a change of source, trigger and squeeze count only once they have been seen released: a hand
+    /// that lays a controller down is half a fist, and would drop its tool. After a loss of tracking this
+    /// holds for the squeeze alone; the trigger stays pressed, so that the stroke continues.
     pub fn read_tick(&mut self, report: &HandReport) -> HandSample {
         let source = choose_source(self.last_known, self.simple_is_hand, report);
         self.simple_is_hand = report.profile == HandProfile::SimpleController
@@ -95,14 +96,14 @@ impl HandReader {
         sample
     }
 
-    /// Leaves the hand out of a tick, as if it was lost.
+    /// Skips a tick, as if the hand's tracking was lost.
     pub fn skip_tick(&mut self) {
         self.source = HandSource::None;
     }
 
-    /// Sets trigger and squeeze to 0 where they don't count. Of a bare hand's gestures, which overlap, the
-    /// first one counts: a fist doesn't run the tool until a pinch begins anew, and fingers that curl in
-    /// the middle of a stroke don't let go of it.
+    /// Sets trigger and squeeze to 0 where they don't count. A bare hand's gestures overlap, and the first
+    /// one counts: a fist doesn't run the tool until a new pinch begins, and fingers that curl in the middle
+    /// of a stroke don't drop the tool.
     fn gate_controls(&mut self, sample: &mut HandSample) {
         let is_bare = self.source != HandSource::Controller;
         if is_bare && self.pull_ticks > FIST_WITHIN_TICKS && !self.squeeze.is_pressed {
@@ -119,7 +120,7 @@ impl HandReader {
     }
 }
 
-/// A trigger or a squeeze that counts only once it was seen open.
+/// A trigger or a squeeze that counts only after it has been seen released.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 struct ControlGate {
     is_closed: bool,
@@ -131,7 +132,7 @@ impl ControlGate {
         (self.is_closed, self.is_pressed) = (true, false);
     }
 
-    /// The value, 0 to 1, or 0 where it doesn't count. No number counts as open.
+    /// Returns the value, 0 to 1, or 0 where it doesn't count. NaN counts as released.
     fn pass(&mut self, value: f32) -> f32 {
         if value >= RELEASED_BELOW {
             self.is_pressed |= !self.is_closed && value >= PRESSED_FROM;
@@ -142,21 +143,22 @@ impl ControlGate {
     }
 }
 
-/// As the core has its hysteresis, 128 and 96 of 255, but for rounding.
+/// Hysteresis thresholds: those of the core, 128 and 96 of 255, up to rounding.
 const PRESSED_FROM: f32 = 0.5;
 const RELEASED_BELOW: f32 = 0.37;
 
-/// A fist that closes within an eighth of a second of a pinch was to be one from the start: the thumb and the
-/// index finger meet on its way.
+/// Ticks, an eighth of a second, within which a fist that follows a pinch replaces it: thumb and index finger
+/// meet while a fist closes.
 const FIST_WITHIN_TICKS: u32 = 9;
 
-/// Metres between a controller's grip and a bare hand's, where both are tracked: nearer, the hand takes the
-/// controller up; farther, it has laid it down; between them all stays as it is.
+/// Distances in metres between a controller's grip and a bare hand's, if both are tracked. Below the first,
+/// the hand takes up the controller; above the second, it has laid it down; between them nothing changes.
 const TAKEN_UP_M: f32 = 0.1;
 const LAID_DOWN_M: f32 = 0.2;
 
-/// Chooses a hand's source. `last_known` is the last that was one; `simple_is_hand` says that the simple
-/// controller of this report has had joints, without which it is a lost hand and no controller.
+/// Chooses a hand's source. `last_known` is the last source other than [`HandSource::None`]. `simple_is_hand`
+/// is `true` if the simple controller of this report has had joints: without joints it is a lost hand, not a
+/// controller.
 fn choose_source(last_known: HandSource, simple_is_hand: bool, report: &HandReport) -> HandSource {
     let of_actions = match report.profile {
         HandProfile::HandInteraction => HandSource::HandInteraction,
@@ -187,7 +189,7 @@ mod tests {
     use crate::headset::hand_sample::HandSample;
     use HandProfile::{Controller, HandInteraction, SimpleController};
 
-    /// A hand at this place along x, in metres, with its trigger and its squeeze.
+    /// Returns a hand at a position along x, in metres, with its trigger and squeeze.
     fn hand_at(x: f32, trigger: f32, squeeze: f32) -> HandSample {
         let pose = Some((Vec3::X * x, Quat::IDENTITY));
         HandSample { aim: pose, grip: pose, trigger, squeeze, ..HandSample::default() }
@@ -201,7 +203,7 @@ mod tests {
         }
     }
 
-    /// What is read from these reports, one a tick.
+    /// Returns the sources that are chosen for these reports, one per tick.
     fn sources<const N: usize>(reports: [HandReport; N]) -> [HandSource; N] {
         let mut reader = HandReader::default();
         reports.map(|report| {
@@ -221,7 +223,7 @@ mod tests {
             (SimpleController, None, None, HandSource::None),
             (SimpleController, Some(0.0), None, HandSource::Controller),
             (SimpleController, None, Some(0.0), HandSource::Joints),
-            // A tracked hand, as Meta's runtime has it.
+            // A tracked hand as Meta's runtime reports it.
             (SimpleController, Some(0.0), Some(0.0), HandSource::Joints),
             (HandInteraction, None, None, HandSource::None),
             (HandInteraction, Some(0.0), None, HandSource::HandInteraction),
@@ -233,7 +235,7 @@ mod tests {
         }
     }
 
-    /// A controller's hand has a finger, too, which points at nothing.
+    /// A hand that holds a controller has a fingertip too, but doesn't point with it.
     #[test]
     fn a_bare_hand_has_the_fingertip_of_its_joints() {
         for (profile, has_tip) in
@@ -255,7 +257,7 @@ mod tests {
         let laid_down = report(Controller, None, None);
         let known = [HandSource::Joints, HandSource::None, HandSource::None, HandSource::None];
         assert_eq!(sources([hand, lost, nothing, lost]), known);
-        // A new profile, a new controller.
+        // After a change of profile it is a new controller.
         let taken_up = [HandSource::Joints, HandSource::None, HandSource::Controller];
         assert_eq!(sources([hand, laid_down, lost]), taken_up);
     }
@@ -277,7 +279,7 @@ mod tests {
         HandReport { actions: hand_at(0.0, trigger, squeeze), ..HandReport::default() }
     }
 
-    /// A bare hand's pinch and fist, by joints and as Meta's runtime has it.
+    /// Returns a report of a bare hand's pinch and fist, by joints and as Meta's runtime reports it.
     fn bare(trigger: f32, squeeze: f32) -> HandReport {
         let joints = Some(hand_at(0.0, trigger, squeeze));
         HandReport { joints, ..report(SimpleController, Some(0.0), None) }
@@ -297,7 +299,7 @@ mod tests {
             assert_eq!(read(&mut reader, from(0.0, 0.0)), [0.0, 0.0]);
             assert_eq!(read(&mut reader, from(0.0, 1.0)), [0.0, 1.0], "it takes a tool");
             assert_eq!(read(&mut reader, from(0.0, 0.0)), [0.0, 0.0]);
-            // Lost on the way from one to the other.
+            // The hand is lost while it changes from one source to the other.
             read(&mut reader, HandReport::default());
             for _ in 0..3 {
                 assert_eq!(read(&mut reader, to(0.8, 0.8)), [0.0, 0.0], "half a fist");
@@ -361,7 +363,7 @@ mod tests {
         assert_eq!(read(&mut reader, bare(0.0, 1.0)), [0.0, 0.0], "it was no fist");
         assert_eq!(read(&mut reader, bare(0.0, 0.0)), [0.0, 0.0]);
         assert_eq!(read(&mut reader, bare(0.0, 1.0)), [0.0, 1.0]);
-        // A controller has fingers for both.
+        // On a controller, trigger and squeeze are independent.
         let mut reader = begin(held);
         for _ in 0..=2 * FIST_WITHIN_TICKS {
             assert_eq!(read(&mut reader, held(1.0, 0.0)), [1.0, 0.0]);

@@ -1,5 +1,5 @@
-//! Hand samples: a tracked controller or a bare hand in SI units, quantised into the core's input; which poses
-//! of a runtime count, and what joints mean.
+//! Hand samples: the state of a tracked controller or a bare hand in SI units, quantised into the core's
+//! input. Decides which of a runtime's poses count, and derives pinch and fist from joints.
 
 use glam::{Mat3, Quat, Vec3};
 use paros_core::HandInput;
@@ -9,65 +9,65 @@ use paros_core::session::RawPose;
 /// The state of a controller or a bare hand at one time.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub struct HandSample {
-    /// The aim pose, in metres; none while it is not tracked.
+    /// The aim pose, in metres; `None` while it is not tracked.
     pub aim: Option<RoomPose>,
-    /// The grip pose, in metres; none while it is not tracked.
+    /// The grip pose, in metres; `None` while it is not tracked.
     pub grip: Option<RoomPose>,
-    /// How far the trigger is pulled, 0 to 1.
+    /// The trigger's pull, 0 to 1.
     pub trigger: f32,
-    /// How far the grip is squeezed, 0 to 1.
+    /// The squeeze of the grip, 0 to 1.
     pub squeeze: f32,
     /// The thumbstick to the right and forward, -1 to 1.
     pub stick: [f32; 2],
-    /// The pressed buttons, by [`paros_core::session::buttons`].
+    /// The pressed buttons, as bits of [`paros_core::session::buttons`].
     pub buttons: u8,
-    /// The tip of a bare hand's index finger, in metres, where it is known.
+    /// The tip of a bare hand's index finger, in metres; `None` if it is unknown.
     pub fingertip: Option<Vec3>,
 }
 
-/// How well a runtime knows a pose, by the flags of `XrSpaceLocation`.
+/// The tracking quality of a pose, from the flags of `XrSpaceLocation`.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum Tracking {
     /// The pose is not valid.
     #[default]
     Unknown,
-    /// The pose is valid and not tracked: guessed, or where it was seen last.
+    /// The pose is valid but not tracked: an estimate, or the last known pose.
     Inferred,
     /// The pose is valid, and its position is tracked.
     Tracked,
 }
 
-/// A pose in metres, and how well the runtime knows it.
+/// A pose in metres, and its tracking quality.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ReportedPose {
-    /// The pose, which may be anything where it is not known.
+    /// The pose; meaningless if it is [`Tracking::Unknown`].
     pub pose: RoomPose,
-    /// How well it is known.
+    /// The tracking quality.
     pub tracking: Tracking,
 }
 
 impl ReportedPose {
-    /// The pose if it is tracked. One that is only valid counts for none: runtimes leave a lost hand or
-    /// controller where they saw it last, and a tool must not go on there.
+    /// Returns the pose if it is tracked. A pose that is only valid doesn't count: runtimes leave a lost hand
+    /// or controller where they last saw it, and a tool must not keep working there.
     #[must_use]
     pub fn if_tracked(self) -> Option<RoomPose> {
         (self.tracking == Tracking::Tracked).then_some(self.pose)
     }
 
-    /// The position if it is tracked or inferred.
+    /// Returns the position if it is tracked or inferred.
     fn position_if_valid(self) -> Option<Vec3> {
         (self.tracking != Tracking::Unknown).then_some(self.pose.0)
     }
 }
 
-/// The reported joints of a hand that pinch and fist are read from (`XR_EXT_hand_tracking`).
+/// The reported joints of a hand from which pinch and fist are derived (`XR_EXT_hand_tracking`).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct HandJoints {
     /// 0 is the left hand, 1 the right one.
     pub hand: usize,
-    /// The palm joint: it faces along -y, the fingers point along -z.
+    /// The palm joint. The palm faces along -y, and the fingers point along -z.
     pub palm: ReportedPose,
-    /// From the palm joint to the skin, in metres.
+    /// The distance from the palm joint to the skin, in metres.
     pub palm_radius_m: f32,
     /// The tips of the thumb and the index finger.
     pub pinch_tips: [ReportedPose; 2],
@@ -76,8 +76,8 @@ pub struct HandJoints {
 }
 
 impl HandSample {
-    /// The sample quantised into the core's input. A pose that is not tracked becomes one that the
-    /// core passes over.
+    /// Returns the sample quantised into the core's input. An untracked pose becomes a pose that the core
+    /// ignores.
     #[must_use]
     pub fn to_hand_input(&self) -> HandInput {
         let quantize_pose = |pose: Option<RoomPose>| {
@@ -96,9 +96,9 @@ impl HandSample {
         }
     }
 
-    /// A bare hand: pinching thumb and index finger pulls the trigger, closing the other fingers
-    /// squeezes. None where the palm is not tracked or a tip not known; a tip may be inferred, as curled
-    /// fingers hide behind the hand.
+    /// Returns the sample of a bare hand: pinching thumb and index finger pulls the trigger, and closing the
+    /// other fingers squeezes. Returns `None` if the palm is not tracked or a tip is unknown; a tip may be
+    /// inferred, as curled fingers hide behind the hand.
     #[must_use]
     pub fn from_joints(joints: &HandJoints) -> Option<Self> {
         let palm = joints.palm.if_tracked()?;
@@ -109,7 +109,7 @@ impl HandSample {
         let [thumb, index] = joints.pinch_tips;
         let (thumb, index) = (thumb.position_if_valid()?, index.position_if_valid()?);
         let pinch = closed_fraction(thumb.distance(index), PINCH_OPEN_CLOSED_M);
-        // In a fist both tips meet, too, but at the palm.
+        // In a fist these tips meet too, but at the palm.
         let curled = closed_fraction(index.distance(palm.0), FIST_OPEN_CLOSED_M);
         Some(HandSample {
             aim: Some(palm),
@@ -122,9 +122,9 @@ impl HandSample {
     }
 }
 
-/// The grip pose of a bare hand, as OpenXR defines it ("Standard pose identifiers"): on the palm's skin, -z
-/// from the little finger to the thumb, x normal to the palm, away from a left one and into a right one. A tool
-/// that a hand holds so points as it does from a controller: sideways of the fingers, not along them.
+/// Returns the grip pose of a bare hand, as OpenXR defines it ("Standard pose identifiers"): on the palm's
+/// skin, -z from the little finger to the thumb, x normal to the palm, away from a left palm and into a right
+/// one. So a held tool points as it does from a controller: across the fingers, not along them.
 fn grip_from_palm((position, rotation): RoomPose, radius_m: f32, hand: usize) -> RoomPose {
     let side = if hand == 0 { -1.0 } else { 1.0 };
     let to_palm = Mat3::from_cols(Vec3::Y * side, Vec3::Z, Vec3::X * side);
@@ -135,20 +135,20 @@ fn grip_from_palm((position, rotation): RoomPose, radius_m: f32, hand: usize) ->
 /// Pinch thresholds: metres between the tips of thumb and index finger, open and closed.
 const PINCH_OPEN_CLOSED_M: [f32; 2] = [0.05, 0.015];
 
-/// Fist thresholds: metres from the palm to the other fingers' tips in the mean, open and closed.
+/// Fist thresholds: mean distance in metres from the palm to the other fingers' tips, open and closed.
 const FIST_OPEN_CLOSED_M: [f32; 2] = [0.085, 0.045];
 
-/// A linear ramp: 0 at `open_m` and beyond, 1 at `closed_m` and below.
+/// Returns a linear ramp: 0 at `open_m` and beyond, 1 at `closed_m` and below.
 fn closed_fraction(distance_m: f32, [open_m, closed_m]: [f32; 2]) -> f32 {
     ((open_m - distance_m) / (open_m - closed_m)).clamp(0.0, 1.0)
 }
 
-/// 0 to 1 as a byte; NaN becomes 0.
+/// Converts 0 to 1 to a byte; NaN becomes 0.
 fn to_unorm8(value: f32) -> u8 {
     (value.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
-/// -1 to 1 as a signed byte; NaN becomes 0.
+/// Converts -1 to 1 to a signed byte; NaN becomes 0.
 fn to_snorm8(value: f32) -> i8 {
     (value.clamp(-1.0, 1.0) * 127.0).round() as i8
 }
@@ -180,7 +180,7 @@ mod tests {
         assert_eq!(input.grip.rotation, [0, 0, 0, i16::MAX]);
         assert_eq!((input.trigger, input.squeeze, input.stick), (128, 255, [-127, 32]));
         assert!(input.tracked && input.buttons == 3);
-        // The aim is not known: a pose that the core passes over.
+        // The aim is unknown: a pose that the core ignores.
         assert!(input.aim.to_clamped_metres().is_none());
     }
 
@@ -196,7 +196,8 @@ mod tests {
 
     const TRACKED: Tracking = Tracking::Tracked;
 
-    /// A hand at (0, 1, 0) with its palm down, its tips so far apart and so far from the palm, in metres.
+    /// Returns a hand at (0, 1, 0) with its palm down. `gap` is the distance between the tips of thumb and
+    /// index finger, the other arguments are distances from the palm, in metres.
     fn hand_with(gap: f32, reach: f32, index_reach: f32) -> HandJoints {
         let at = |position| ReportedPose { pose: (position, Quat::IDENTITY), tracking: TRACKED };
         let index = Vec3::Y + Vec3::NEG_Z * index_reach;
@@ -220,7 +221,7 @@ mod tests {
         assert_eq!(open.fingertip, Some(Vec3::new(0.0, 1.0, -0.09)));
         let pinch = hand(0.01, 0.1, 0.09);
         assert_eq!((pinch.trigger, pinch.squeeze), (1.0, 0.0));
-        // Thumb and index finger meet in it.
+        // Thumb and index finger meet in a fist.
         let fist = hand(0.01, 0.03, 0.03);
         assert_eq!((fist.trigger, fist.squeeze), (0.0, 1.0));
         // A tool in the fist, and a finger that reaches out of it to the thumb.

@@ -1,6 +1,8 @@
-//! Haptics: the vibrations of ticks, merged into one pulse a frame for each hand, a dull pulse of its own for
-//! what closure refuses, and a bright one where another tenth of the hidden figure is bared. A pulse of cutting
-//! outlasts its frame, so that a late one leaves no gap, and is stopped once nothing is felt.
+//! Haptics: the vibrations of ticks, merged into one pulse per frame and hand.
+//!
+//! A dull pulse marks a cut that closure refuses, and a bright one marks each further tenth of the hidden
+//! figure that is bared. A cutting pulse lasts longer than its frame, so that a late frame leaves no gap; it
+//! is stopped as soon as cutting ends.
 
 use paros_core::session::TICK_RATE;
 use paros_core::volume::{Grid, Size};
@@ -9,59 +11,61 @@ use paros_core::{World, WorldEvent};
 /// A vibration, as `XrHapticVibration` describes it.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct HapticPulse {
-    /// 0 to 1.
+    /// The amplitude, 0 to 1.
     pub amplitude: f32,
-    /// In hertz; 0, as OpenXR's `XR_FREQUENCY_UNSPECIFIED`, leaves it to the controller.
+    /// The frequency in hertz; 0, OpenXR's `XR_FREQUENCY_UNSPECIFIED`, leaves it to the controller.
     pub frequency_hz: f32,
     /// Duration in nanoseconds.
     pub nanos: i64,
 }
 
-/// What changes in a hand's vibration with a frame.
+/// A change of a hand's vibration at a frame.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum HapticChange {
-    /// Nothing: silence, or a pulse that goes on.
+    /// No change: silence, or the current pulse continues.
     None,
-    /// A pulse begins, in place of the one before it.
+    /// A pulse begins, and replaces the one before it.
     Begin(HapticPulse),
-    /// The pulse of cutting ends before its time.
+    /// The cutting pulse is stopped early.
     Stop,
 }
 
-/// Ticks that a pulse of cutting lasts unless it is stopped or another takes its place.
+/// The length of a cutting pulse in ticks, unless it is stopped or replaced.
 const CUT_TICKS: u32 = 3;
 
-/// Ticks that a refusal is felt for, an eighth of a second.
+/// The length of a refusal pulse in ticks: an eighth of a second.
 const REFUSAL_TICKS: u32 = 9;
 
-/// Ticks from one refusal that is felt to the next, at least: two a second.
+/// The least number of ticks from one refusal pulse to the next: two pulses a second at most.
 const REFUSAL_INTERVAL_TICKS: u32 = TICK_RATE / 2;
 
-/// A refusal: long, and far below the 150 to 300 Hz at which controllers resonate and cutting is felt.
+/// The refusal pulse: long, and far below the 150 to 300 Hz at which controllers resonate and cutting is
+/// felt.
 const REFUSAL: HapticPulse =
     HapticPulse { amplitude: 0.7, frequency_hz: 55.0, nanos: ticks_to_nanos(REFUSAL_TICKS) };
 
-/// Ticks that another bared tenth rings, a third of a second.
+/// The length of the pulse for another bared tenth in ticks: a third of a second.
 const RING_TICKS: u32 = 24;
 
-/// Another tenth is bared: at what controllers resonate to, as a bell among the noise of cutting.
+/// The pulse for another bared tenth: at the controllers' resonance, to stand out like a bell from the noise
+/// of cutting.
 const RING: HapticPulse =
     HapticPulse { amplitude: 1.0, frequency_hz: 230.0, nanos: ticks_to_nanos(RING_TICKS) };
 
-/// What one hand is to feel of a tick.
+/// The haptics of one hand in a tick.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct TickHaptics {
-    /// Strength of its contact with the stone, 0 to 255.
+    /// The strength of the hand's contact with the stone, 0 to 255.
     pub level: u8,
-    /// Whether closure brought back more than its edits removed.
+    /// `true` if closure restored more than the hand's edits removed.
     pub is_refused: bool,
-    /// Whether more of the hidden figure was told to be bared, by this hand's work or, where neither works, by what
-    /// fell.
+    /// `true` if another part of the hidden figure was reported as bared, by this hand's work or, if neither
+    /// hand works, by a piece that fell off.
     pub rings: bool,
 }
 
 impl TickHaptics {
-    /// Of the last tick of a world, left and right.
+    /// Returns the haptics of a world's last tick, left and right.
     #[must_use]
     pub fn of_last_tick<const N: usize, const K: usize>(world: &World<N, K>) -> [Self; 2]
     where
@@ -79,9 +83,11 @@ impl TickHaptics {
     }
 }
 
-/// The haptics of the ticks since the last frame. A new pulse replaces the one before it, so a frame
-/// gives each hand at most one, with the strongest level of its ticks. A ring goes before, then a refusal, and no lesser
-/// pulse of its hand cuts either short.
+/// The haptics of the ticks since the last frame.
+///
+/// A new pulse replaces the one before it, so a frame gives each hand at most one pulse, with the strongest
+/// level of its ticks. A ring has priority over a refusal, and a refusal over cutting; a pulse never cuts one
+/// of higher priority short.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct FrameHaptics {
     hands: [HandHaptics; 2],
@@ -90,14 +96,14 @@ pub struct FrameHaptics {
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 struct HandHaptics {
     level: u8,
-    /// A ring is to be felt in this frame, or a refusal.
+    /// `true` if this frame begins a ring, or a refusal pulse.
     rings: bool,
     is_refused: bool,
-    /// Ticks until the last pulse of cutting is over, the last ring, and the last refusal.
+    /// Ticks until the last cutting pulse, ring and refusal pulse end.
     cut_ticks_left: u32,
     ring_ticks_left: u32,
     refusal_ticks_left: u32,
-    /// Ticks until another may be felt.
+    /// Ticks until the next refusal pulse may begin.
     pause_ticks_left: u32,
 }
 
@@ -152,14 +158,14 @@ impl HandHaptics {
 }
 
 impl FrameHaptics {
-    /// Adds what the left and the right hand are to feel of a tick.
+    /// Adds the haptics of a tick, left and right.
     pub fn add_tick(&mut self, left_and_right: [TickHaptics; 2]) {
         for (hand, tick) in self.hands.iter_mut().zip(left_and_right) {
             hand.add_tick(tick);
         }
     }
 
-    /// Takes what changes with a frame, left and right.
+    /// Returns the changes for a frame, left and right, and starts to collect for the next frame.
     #[must_use]
     pub fn take_changes(&mut self) -> [HapticChange; 2] {
         self.hands.each_mut().map(HandHaptics::take_change)
@@ -185,7 +191,7 @@ mod tests {
     const REFUSED: TickHaptics = TickHaptics { level: 200, is_refused: true, rings: false };
     const RINGS: TickHaptics = TickHaptics { level: 200, is_refused: true, rings: true };
 
-    /// A pulse of cutting at a level.
+    /// Returns a cutting pulse of a level.
     fn cut(level: u8) -> HapticChange {
         let amplitude = f32::from(level) / 255.0;
         HapticChange::Begin(HapticPulse { amplitude, frequency_hz: 0.0, nanos: 41_666_666 })
@@ -203,7 +209,7 @@ mod tests {
         assert_eq!(haptics.take_changes(), [SILENT, cut(204)]);
     }
 
-    /// The pulse would last three ticks.
+    /// Without a stop the pulse would last three ticks.
     #[test]
     fn cutting_that_ends_is_stopped_at_once_and_only_once() {
         let mut haptics = FrameHaptics::default();
@@ -215,7 +221,7 @@ mod tests {
         assert_eq!(haptics.take_changes(), [HapticChange::Stop, SILENT]);
         haptics.add_tick([NOTHING; 2]);
         assert_eq!(haptics.take_changes(), [SILENT; 2]);
-        // It is over by itself where the next frame is late.
+        // It ends by itself if the next frame is late.
         haptics.add_tick([level(80), NOTHING]);
         assert_eq!(haptics.take_changes(), [cut(80), SILENT]);
         for _ in 0..CUT_TICKS {
@@ -224,7 +230,7 @@ mod tests {
         assert_eq!(haptics.take_changes(), [SILENT; 2]);
     }
 
-    /// One frame a tick; the left hand only cuts.
+    /// There is one frame per tick; the left hand only cuts.
     #[test]
     fn a_hand_that_is_refused_feels_it_twice_a_second() {
         let mut haptics = FrameHaptics::default();
@@ -251,7 +257,7 @@ mod tests {
         haptics.add_tick([REFUSED, NOTHING]);
         haptics.add_tick([level(255), NOTHING]);
         assert_eq!(haptics.take_changes(), [HapticChange::Begin(REFUSAL), SILENT]);
-        // Two of its ticks are over with that frame.
+        // Two ticks of the pulse have passed at that frame.
         for tick in 2..REFUSAL_TICKS {
             haptics.add_tick([level(if tick == 4 { 0 } else { 255 }), level(255)]);
             assert_eq!(haptics.take_changes(), [SILENT, cut(255)], "nothing stops it");
@@ -266,7 +272,7 @@ mod tests {
         haptics.add_tick([REFUSED, level(90)]);
         haptics.add_tick([RINGS, level(90)]);
         assert_eq!(haptics.take_changes(), [HapticChange::Begin(RING), cut(90)]);
-        // A tick of it is over with that frame.
+        // One tick of the ring has passed at that frame.
         for tick in 1..RING_TICKS {
             haptics.add_tick([REFUSED, NOTHING]);
             let right = if tick == 1 { HapticChange::Stop } else { SILENT };

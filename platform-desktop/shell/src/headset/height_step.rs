@@ -1,30 +1,32 @@
-//! Heights of the room for visitors who sit, stand or are tall: one of a few, so that bench and stool are at about the
-//! height of the elbows, and never one in between.
+//! Height steps of the room for visitors who sit, stand or are tall, so that bench and stool are at about
+//! elbow height. There are only a few fixed steps, none in between.
 
-/// How much higher or lower than the real floor the room's floor lies.
+/// A step of the room's floor above or below the real floor.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum HeightStep {
-    /// For those who sit, and children.
+    /// Lower, for people who sit and for children.
     Low,
-    /// On the floor, for those who stand.
+    /// On the real floor, for people who stand.
     #[default]
     Middle,
-    /// For tall people.
+    /// Higher, for tall people.
     High,
 }
 
-/// Eyes below this height above the floor are those of people who sit, or of children: between the 1.27 m of tall people
-/// seated and the 1.41 m of small women standing (95th and 5th percentile: Pheasant and Haslegrave, "Bodyspace").
+/// The eye height, in metres above the floor, below which people count as seated or as children. It lies
+/// between the 1.27 m of tall people seated and the 1.41 m of small women standing (95th and 5th percentile:
+/// Pheasant and Haslegrave, "Bodyspace").
 const LOW_BELOW: f32 = 1.34;
 
-/// Eyes from this height on are those of tall people: half of all men's are above 1.63 m, a twentieth above 1.75 m.
+/// The eye height, in metres above the floor, from which people count as tall: half of all men's eyes are
+/// above 1.63 m, a twentieth above 1.75 m.
 const HIGH_FROM: f32 = 1.68;
 
 impl HeightStep {
-    /// All of them, the lowest first.
+    /// All steps, the lowest first.
     pub const ALL: [HeightStep; 3] = [HeightStep::Low, HeightStep::Middle, HeightStep::High];
 
-    /// The step for eyes so many metres above the floor.
+    /// Returns the step for an eye height in metres above the floor.
     #[must_use]
     pub fn for_eyes(height: f32) -> Self {
         match height {
@@ -34,8 +36,8 @@ impl HeightStep {
         }
     }
 
-    /// How high the room's floor lies above the real one, in metres. A seated person's elbows are 30 cm lower than those
-    /// of one who stands; 20 keep the stool's top above the knees.
+    /// Returns the height of the room's floor above the real floor, in metres. A seated person's elbows are
+    /// 30 cm lower than a standing person's; a step of only 20 cm keeps the stool's top above the knees.
     #[must_use]
     pub const fn offset_metres(self) -> f32 {
         match self {

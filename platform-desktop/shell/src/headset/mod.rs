@@ -1,7 +1,9 @@
-//! Policies of the headset that need no device, and that the exhibition, the settings or the package need too: what hands
-//! are read from, feel and do, how much is drawn, who wears the headset, how hot it is, and what the app's package holds.
-//! They take plain numbers and times, as a runtime or a device tells them, and give inputs and decisions.
-//! They call neither OpenXR nor Android. `paros-headset` has the others.
+//! Policies of the headset that need no device, and that the exhibition, the settings or the package need
+//! too.
+//!
+//! They cover hand input, haptics, rendering resolution, who wears the headset, its temperature, and the
+//! contents of the app's package. They take plain numbers and times from a runtime or a device, and return
+//! inputs and decisions. They call neither OpenXR nor Android. `paros-headset` has the other policies.
 
 pub mod device_health;
 pub mod foveation;

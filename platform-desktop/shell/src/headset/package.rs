@@ -1,6 +1,7 @@
-//! The contents of the app's package (APK) that both its maker and the headset's shell name: start
-//! volumes as assets, so that a headset need not make them, the operator's own hidden figures, settings, a fleet's
-//! file, and Khronos' OpenXR loader.
+//! The contents of the app's package (APK) that both its build and the headset's shell refer to.
+//!
+//! They are start volumes as assets, so that a headset need not generate them, the operator's own hidden
+//! figures, settings, a fleet file, and Khronos' OpenXR loader.
 
 use crate::figures::check_own_figure_names;
 use crate::rmap::{self, RmapFaultAt};
@@ -12,19 +13,19 @@ use paros_core::volume::{Grid, Size};
 /// The file name of Khronos' OpenXR loader in the package, beside the shell's own library.
 pub const OPENXR_LOADER: &str = "libopenxr_loader.so";
 
-/// The name of the asset that holds the package's settings, as a file of them.
+/// The name of the asset that holds the package's settings file.
 pub const SETTINGS_ASSET: &str = settings::FILE_NAME;
 
-/// The name of the asset that holds the fleet's file by which headsets enrol at a booth.
+/// The name of the asset that holds the fleet file, with which headsets enrol at a booth.
 pub const FLEET_ASSET: &str = "fleet.toml";
 
-/// The name of the asset that lists the operator's own figures, a name a line.
+/// The name of the asset that lists the operator's own figures, one name per line.
 pub const FIGURES_ASSET: &str = "figures.txt";
 
 /// The folder of the assets of the operator's own figures.
 pub const FIGURES_FOLDER: &str = "figures/";
 
-/// Why the start volumes of a package can't be used.
+/// The reason why the start volumes of a package can't be used.
 #[derive(Debug, thiserror::Error)]
 pub enum AssetError {
     /// The package lacks the asset of this name.
@@ -33,27 +34,28 @@ pub enum AssetError {
     /// The asset of this name is damaged at a byte.
     #[error("{0}: byte {at}: {fault}", at = .1.offset, fault = .1.fault)]
     Damaged(String, RmapFaultAt),
-    /// The list of the operator's own figures is none, and why.
+    /// The list of the operator's own figures is invalid, with the reason.
     #[error("{file}: {0}", file = FIGURES_ASSET)]
     BadList(String),
 }
 
-/// The name of the asset that holds a start volume of a size: an `.rmap`.
+/// Returns the name of the `.rmap` asset that holds a start volume of a size.
 #[must_use]
 pub fn start_volume_asset<const N: usize>(volume: StartVolume) -> String {
     format!("starts/{N}/{}.rmap", volume.name())
 }
 
-/// The names of the assets that hold a figure of the operator's own and its stone, at a size: two `.rmap`.
+/// Returns the names of the two `.rmap` assets that hold one of the operator's own figures and its stone, at
+/// a size.
 #[must_use]
 pub fn own_figure_assets<const N: usize>(name: &str) -> [String; 2] {
     ["", "-stone"].map(|part| format!("{FIGURES_FOLDER}{N}/{name}{part}.rmap"))
 }
 
-/// The names of the operator's own figures in a package; none where it lists none.
+/// Returns the names of the operator's own figures in a package; an empty list if the package has no list.
 ///
 /// # Errors
-/// The list is none of such names.
+/// Returns an error if [`check_own_figure_names`] rejects the list.
 pub fn read_own_figure_names(
     open_asset: impl Fn(&str) -> Option<Vec<u8>>,
 ) -> Result<Vec<String>, AssetError> {
@@ -66,7 +68,7 @@ pub fn read_own_figure_names(
 /// Loads the operator's own figures of these names from a package.
 ///
 /// # Errors
-/// An asset is missing or damaged. There are none of them then.
+/// Returns an error if an asset is missing or damaged. The store then has none of these figures.
 pub fn load_own_figures<const N: usize, const K: usize>(
     names: &[String],
     volumes: &mut StartVolumeStore<N, K>,
@@ -82,10 +84,10 @@ where
     })
 }
 
-/// Loads the start volumes from a package, where `open_asset` gives the bytes of an asset by its name.
+/// Loads the start volumes from a package. `open_asset` returns the bytes of an asset by its name.
 ///
 /// # Errors
-/// An asset is missing or damaged. Then the volumes are still to be made.
+/// Returns an error if an asset is missing or damaged. The volumes must then be generated.
 pub fn load_start_volumes<const N: usize, const K: usize>(
     volumes: &mut StartVolumeStore<N, K>,
     open_asset: impl Fn(&str) -> Option<Vec<u8>>,
@@ -123,7 +125,7 @@ mod tests {
     };
     use crate::figures::Figure;
 
-    /// On the heap, one at a time: several are more than a test's stack.
+    /// Returns a store on the heap; several would exceed a test's stack.
     #[inline(never)]
     fn new_store() -> Box<StartVolumeStore<64, INTERVALS>> {
         Box::new(const { StartVolumeStore::new() })
@@ -183,7 +185,7 @@ mod tests {
         for volume in StartVolume::all() {
             assert_eq!(rmap::encode(taken.volume(volume)), rmap::encode(made.volume(volume)));
         }
-        // They need not be made any more.
+        // They are not generated again.
         taken.generate_once(&mut BitGrid::new(), |_| panic!("made again"));
 
         let without = |name: &str| bytes_of(name).filter(|_| !name.contains("cat.rmap"));

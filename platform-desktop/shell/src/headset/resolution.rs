@@ -1,52 +1,53 @@
-//! Dynamic resolution: how much of the eyes' images is drawn, from 0.85 to 1.0 of their sides, by the GPU times of
-//! whole frames. Or as the runtime recommends, where it does (`XR_META_recommended_layer_resolution`).
+//! Dynamic resolution: scales the sides of the eyes' images from 0.85 to 1.0 by the GPU times of whole
+//! frames, or as the runtime recommends (`XR_META_recommended_layer_resolution`).
 //!
-//! It takes times and the frame's period, and gives a scale and a rectangle; it knows no swapchain. A frame of a
-//! smaller picture takes a fixed part and one in proportion to its pixels. So its time in another scale is between
-//! what it is now and what it is now times the ratio of the pixels; a scale is raised only where even the latter is
-//! within `RAISED_SHARE` of the period, and lowered from `LOWERED_SHARE` on. As the first is less, a steady load
-//! never has it go up and down.
+//! The policy takes GPU times and the frame's period, and returns a scale and a rectangle; it knows no
+//! swapchain. A frame's time has a fixed part and a part in proportion to its pixels. So its time at another
+//! scale lies between its current time and that time multiplied by the ratio of the pixels. The scale is
+//! lowered from `LOWERED_SHARE` of the period on, and raised only if even the larger estimate is within
+//! `RAISED_SHARE`. As `RAISED_SHARE` is the smaller one, a steady load never makes the scale oscillate.
 
 use std::time::Duration;
 
-/// The least scale of a side: below 0.85 edges are seen to swim, says Meta.
+/// The least scale of a side, in percent: below 85, edges visibly swim, according to Meta.
 pub const LEAST_PERCENT: u32 = 85;
 
-/// Steps of the scale, in hundredths of a side.
+/// The step of the scale, in percent of a side.
 const STEP_PERCENT: u32 = 5;
 
-/// Frames that are judged together: an eighth of a second at 72 frames a second, so that three steps, the most there
-/// are, take less than half a second.
+/// Frames per decision: an eighth of a second at 72 frames a second, so that three steps, the most that are
+/// possible, take less than half a second.
 const WINDOW_FRAMES: usize = 9;
 
-/// Of a window's frames so many may be longer: one in which the sculpture's textures are built anew is no load.
+/// Frames of a window that may exceed the limit: a single long frame, such as one that rebuilds the
+/// sculpture's textures, is no load.
 const LONG_FRAMES: usize = 1;
 
-/// Frames whose times come after a change though they were drawn before it.
+/// Frames that were drawn before a change of scale, but whose times arrive after it.
 const FRAMES_IN_FLIGHT: usize = 2;
 
-/// The share of the period from which a smaller picture is drawn. The compositor takes its part of the GPU too.
+/// The share of the period above which the scale is lowered. The compositor needs its part of the GPU too.
 const LOWERED_SHARE: f64 = 0.88;
 
-/// The share of the period within which a larger picture is expected to be drawn, before it is.
+/// The share of the period below which the expected time must stay for the scale to be raised.
 const RAISED_SHARE: f64 = 0.78;
 
 /// Chooses the scale of the pictures, frame by frame.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ResolutionPolicy {
-    /// The least scale, in hundredths: 100 keeps it.
+    /// The least scale, in percent; 100 disables scaling.
     least: u32,
-    /// The scale, in hundredths of a side.
+    /// The scale, in percent of a side.
     percent: u32,
-    /// GPU times of the last frames in this scale, in nanoseconds.
+    /// GPU times of the last frames at this scale, in nanoseconds.
     times_ns: [u64; WINDOW_FRAMES],
     count: usize,
-    /// Frames that are still to be left out.
+    /// Frames in flight whose times are to be ignored.
     in_flight: usize,
 }
 
 impl ResolutionPolicy {
-    /// A policy that draws the whole of the images first, and `least_percent` of their sides at least.
+    /// Creates a policy that starts at full scale and never goes below `least_percent` of a side.
     #[must_use]
     pub fn new(least_percent: u32) -> Self {
         let least = least_percent.clamp(LEAST_PERCENT, 100);
@@ -59,14 +60,14 @@ impl ResolutionPolicy {
         }
     }
 
-    /// The scale of a side, in hundredths.
+    /// Returns the scale of a side, in percent.
     #[must_use]
     pub const fn percent(&self) -> u32 {
         self.percent
     }
 
-    /// Takes in what the GPU took for a whole frame, of which the times come in order, two frames late at most. A time of 0, as of a device
-    /// without timestamps, tells nothing. Returns whether another scale holds from now on.
+    /// Adds the GPU time of a whole frame. Times must arrive in order, at most two frames late. A time of 0,
+    /// from a device without timestamps, is ignored. Returns `true` if the scale has changed.
     pub fn observe_frame(&mut self, gpu_time_ns: u64, period: Duration) -> bool {
         if gpu_time_ns == 0 || period.is_zero() {
             return false;
@@ -99,13 +100,14 @@ impl ResolutionPolicy {
         has_changed
     }
 
-    /// Frames have stopped, or their images were made anew: what they took so far tells nothing any more.
+    /// Discards the times so far. Call it when frames have stopped or their images were recreated.
     pub fn pause(&mut self) {
         (self.count, self.in_flight) = (0, FRAMES_IN_FLIGHT);
     }
 
-    /// The pixels to draw of images of `full` pixels: what the runtime `recommends`, if it does, within the bounds of
-    /// this policy; else its own. Even numbers, as video encoders of streaming headsets like them.
+    /// Returns the pixels to draw of images of `full` pixels: the runtime's recommendation, within the bounds
+    /// of this policy, or else the policy's scale. The policy's own numbers are even, as video encoders of
+    /// streaming headsets prefer.
     #[must_use]
     pub fn drawn_extent(&self, full: [u32; 2], recommended: Option<[u32; 2]>) -> [u32; 2] {
         let part = |k: usize, percent: u32| ((full[k] * percent / 100 + 1) & !1).max(2);
@@ -124,8 +126,9 @@ mod tests {
 
     const PERIOD: Duration = Duration::from_nanos(13_888_889);
 
-    /// Runs frames that take `fixed` and `pixels` milliseconds, the latter in proportion to the pixels, each up to
-    /// `noise` longer or shorter. Returns the policy, and the frames after which its scale changed.
+    /// Runs frames that take `fixed` milliseconds and `pixels` milliseconds in proportion to their pixels,
+    /// each up to `noise` longer or shorter. Returns the policy, and the frames after which its scale
+    /// changed.
     fn run(
         mut policy: ResolutionPolicy,
         frames: usize,
@@ -137,7 +140,7 @@ mod tests {
         for frame in 0..frames {
             dice = dice.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             let off = 1.0 + noise * (f64::from(dice >> 8) / f64::from(1 << 23) - 1.0);
-            // The time is that of the frame before the last.
+            // The time belongs to the frame before the last.
             let scale = f64::from(in_flight[frame % FRAMES_IN_FLIGHT]) / 100.0;
             let ms = (fixed + pixels * scale * scale) * off;
             if policy.observe_frame((ms * 1e6) as u64, PERIOD) {
@@ -195,7 +198,7 @@ mod tests {
         }
         let two = |frame: u32| if frame % 9 < 2 { 30_000_000 } else { 9_000_000 };
         assert!((0..9).any(|frame| policy.observe_frame(two(frame), PERIOD)));
-        // Nor are those that were in flight then.
+        // Frames that were in flight at the change don't count.
         let before = policy.percent();
         for frame in 0..18 {
             policy.observe_frame(if frame < 2 { 30_000_000 } else { 11_000_000 }, PERIOD);

@@ -1,24 +1,24 @@
-//! Small files of a headset: a magic, a version, what they are about, and a checksum of all before it.
+//! Small files of a headset: a magic number, a version, a body, and a checksum of all bytes before it.
 
 use paros_core::codec::{BadBytes, ByteReader};
 use paros_core::internals::{ByteWriter, checksum};
 
 const VERSION: u16 = 1;
 
-/// Bytes around what a file is about.
+/// The bytes of a file that are not its body: magic number, version and checksum.
 pub const SEAL_BYTES: usize = 4 + 2 + 8;
 
-/// What a file begins with.
+/// A kind of file.
 #[derive(Clone, Copy, Debug)]
 pub struct SealedFormat {
-    /// Its first bytes.
+    /// The magic number.
     pub magic: [u8; 4],
-    /// What is told where others stand there.
+    /// The expectation that the error names if the magic number differs.
     pub expected: &'static str,
 }
 
 impl SealedFormat {
-    /// Encodes a file of `N` bytes; `write_body` writes all but the [`SEAL_BYTES`].
+    /// Encodes a file of `N` bytes; `write_body` writes the `N` - [`SEAL_BYTES`] bytes of the body.
     pub fn seal<const N: usize>(self, write_body: impl FnOnce(&mut ByteWriter<'_>)) -> [u8; N] {
         let mut bytes = [0; N];
         let (body, end) = bytes.split_at_mut(N - size_of::<u64>());
@@ -30,10 +30,10 @@ impl SealedFormat {
         bytes
     }
 
-    /// Decodes a file, its body by `read_body`.
+    /// Decodes a file; `read_body` decodes its body.
     ///
     /// # Errors
-    /// The first place at which the bytes are not as [`Self::seal`] makes them.
+    /// Returns the first place at which the bytes differ from what [`Self::seal`] writes.
     pub fn open<T>(
         self,
         bytes: &[u8],

@@ -1,13 +1,14 @@
-//! Visits: a session starts when there is none, is finished by the menu button, and is handed over to the next
-//! visitor after the headset was unused for long.
+//! Session policy of a headset that visitors share: starts a session if there is none, finishes it by the
+//! menu button, and hands the headset over to the next visitor after it was unused for long.
 //!
-//! A headset is used while it is worn or moved, by user presence, by its controls, and by the motion of head and
-//! hands. Whoever uses it after it was unused for the handover time is another visitor, whether it was off, asleep,
-//! or its program killed meanwhile; a sensor that is stuck changes nothing. Times are those since boot, sleep included:
-//! by a clock that stops while the device sleeps, a night would be a short break.
+//! The headset counts as used while it is worn or moved, judged by user presence, the controls, and the
+//! motion of head and hands. A person who uses it after it was unused for the handover time counts as another
+//! visitor, be it that the headset was off or asleep, or that its program was killed meanwhile; a stuck
+//! presence sensor changes nothing. Times are those since boot, including sleep: a clock that stops during
+//! sleep would make a night a short break.
 //!
-//! Where the core holds visits ([`paros_core::visit`]) they decide all that; then it only tells whether the headset is
-//! worn and used.
+//! In visit mode ([`paros_core::visit`]) the core makes all these decisions; this module then only reports
+//! whether the headset is worn and used.
 
 #[cfg(test)]
 mod tests;
@@ -23,63 +24,66 @@ use use_watch::UseWatch;
 
 use crate::last_use::{BootId, LastUse, UseClock};
 
-/// The default of how long the headset must be unused for whoever uses it next to be another visitor.
+/// The default time that the headset must be unused for its next user to count as another visitor.
 pub const DEFAULT_HANDOVER: Duration = Duration::from_secs(45);
 
-/// Ticks for which the menu button is held to finish: a second and a half.
+/// Ticks for which the menu button must be held to finish a session: a second and a half.
 const FINISH_HOLD_TICKS: u32 = TICK_RATE * 3 / 2;
 
-/// The least idleness of a headset that wasn't taken off after which another visitor is held to have it, however short
-/// the handover time: a visitor may stand still and look.
+/// The least idle time after which a headset that wasn't taken off counts as another visitor's, even if the
+/// handover time is shorter: a visitor may stand still and look.
 const LEAST_IDLENESS: Duration = Duration::from_secs(5);
 
-/// Idleness after which a headset that wasn't seen to be taken off was put down and taken up again.
+/// The idle time after which a headset that wasn't seen to be taken off counts as put down and taken up
+/// again.
 const PUT_DOWN: Duration = Duration::from_secs(10);
 
-/// Who uses the headset.
+/// A change of the person who uses the headset.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum VisitorChange {
-    /// Nobody, or the same visitor as before.
+    /// No change: nobody uses it, or the same visitor as before.
     None,
-    /// It was put on again soon, by the same visitor as far as can be told.
+    /// The headset was put on again soon, presumably by the same visitor.
     PutOnAgain,
-    /// It was unused for long: another visitor has it.
+    /// The headset was unused for long: another visitor has it.
     NextVisitor,
 }
 
-/// Whether the headset is worn, as the runtime has told it (`XR_EXT_user_presence`) and its use shows.
+/// The wearing state of the headset, according to the runtime (`XR_EXT_user_presence`) and to its use.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum WearState {
-    /// It was never told.
+    /// The runtime has not reported it.
     Unknown,
     Worn,
     OffSince(Duration),
-    /// Off, but used as long after it was told so as no headset is that the same visitor puts on again.
+    /// Reported as off, but still used after a time in which the same visitor would have put it on again: the
+    /// presence sensor is stuck.
     OffAndUsed,
 }
 
-/// Decides when sessions start and finish: from the headset's use and the menu button.
+/// Decides when sessions start and finish, from the headset's use and the menu button.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct VisitPolicy {
-    /// How sessions start; [`SessionMode::None`] where visits start and hand over.
+    /// The mode in which sessions start; [`SessionMode::None`] in visit mode, in which visits start and hand
+    /// over.
     start_mode: SessionMode,
-    /// How long the headset must be unused for whoever uses it next to be another visitor.
+    /// The time that the headset must be unused for its next user to count as another visitor.
     absence_before_handover: Duration,
     presence: WearState,
     watch: UseWatch,
-    /// The last tick's input showed a use.
+    /// `true` if the last tick's input showed a use.
     is_used: bool,
     uses: UseClock,
-    /// The session is to be finished and another started: another visitor has come.
+    /// `true` if another visitor has come: the session is to be finished, and another one started.
     handing_over: bool,
     /// Ticks for which the menu button has been down.
     menu_held_ticks: u32,
 }
 
 impl VisitPolicy {
-    /// A policy by which sessions start in a mode, and are handed over once the headset was unused for
-    /// `absence_before_handover`. With [`SessionMode::None`] it starts and hands over nothing, as visits do that: it
-    /// tells of wearing and use.
+    /// Creates a policy that starts sessions in a mode, and hands over once the headset was unused for
+    /// `absence_before_handover`. With [`SessionMode::None`], for visit mode, it only reports wearing and
+    /// use, and starts and hands over nothing.
     #[must_use]
     pub fn new(start_mode: SessionMode, absence_before_handover: Duration) -> Self {
         VisitPolicy {
@@ -94,9 +98,9 @@ impl VisitPolicy {
         }
     }
 
-    /// Takes in that a session was found on the disk, and when the headset was last used, if that can be told. After
-    /// too long, in another boot, or where it can't be told, the session is a former visitor's. `now` is the time since
-    /// boot, as in all functions here.
+    /// Notes that a saved session was found, and when the headset was last used. The session is a former
+    /// visitor's if that was too long ago, in another boot, or is unknown. `now` is the time since boot, as
+    /// in all functions here.
     pub fn resume_session(
         &mut self,
         last_use: Option<LastUse>,
@@ -115,13 +119,14 @@ impl VisitPolicy {
         VisitorChange::NextVisitor
     }
 
-    /// Takes in a change of user presence: the headset was put on or taken off.
+    /// Notes a change of user presence: the headset was put on or taken off.
     pub fn observe_presence(&mut self, is_worn: bool, now: Duration) -> VisitorChange {
         if !is_worn {
             if !matches!(self.presence, WearState::OffSince(_) | WearState::OffAndUsed) {
                 self.presence = WearState::OffSince(now);
             }
-            // Taking it off is no use of it, but where none was seen it was worn until now at the latest.
+            // Taking the headset off is not a use. If no use was seen before, it was worn until now at the
+            // latest.
             self.uses.last_use.get_or_insert(now);
             return VisitorChange::None;
         }
@@ -135,8 +140,9 @@ impl VisitPolicy {
         }
     }
 
-    /// Takes in a tick's input before it is run. While the headset is off its motion is that of whoever carries it;
-    /// but a headset that is used though it is told to be off for so long is worn all the same.
+    /// Observes a tick's input before it is run. Motion of a headset that is off doesn't count, as somebody
+    /// may carry it; but if it is used long after it was reported as off, the presence sensor is stuck, and
+    /// the headset counts as worn.
     pub fn observe_tick(
         &mut self,
         input: &TickInput,
@@ -156,12 +162,13 @@ impl VisitPolicy {
         if is_used { self.note_use(limit, now) } else { VisitorChange::None }
     }
 
-    /// Takes in that poses are told in another space from now on: that is no motion.
+    /// Notes that the reference space of poses has changed: the jump is no motion.
     pub fn forget_poses(&mut self) {
         self.watch.forget_poses();
     }
 
-    /// Whether the headset is worn, as a visit is told. A sensor that has it off though it is used tells nothing.
+    /// Returns whether the headset is worn, for a visit. The state is unknown while the presence sensor is
+    /// stuck.
     #[must_use]
     pub const fn presence(&self) -> Presence {
         match self.presence {
@@ -171,26 +178,26 @@ impl VisitPolicy {
         }
     }
 
-    /// Whether the last tick's input showed a use: while the headset is off its motion is none.
+    /// Returns `true` if the last tick's input showed a use. Motion of a headset that is off doesn't count.
     #[must_use]
     pub const fn is_used(&self) -> bool {
         self.is_used
     }
 
-    /// As [`UseClock::take_due_stamp`]. Returns `None` while a session is still to be handed over: the time would make
-    /// it the next visitor's.
+    /// Calls [`UseClock::take_due_stamp`]. Returns `None` while a session is still to be handed over: the
+    /// time would assign it to the next visitor.
     pub fn take_due_stamp(&mut self) -> Option<Duration> {
         if self.handing_over { None } else { self.uses.take_due_stamp() }
     }
 
-    /// As [`UseClock::take_last_stamp`], but for a session that is still to be handed over.
+    /// Calls [`UseClock::take_last_stamp`]. Returns `None` while a session is still to be handed over.
     pub fn take_last_stamp(&mut self) -> Option<Duration> {
         if self.handing_over { None } else { self.uses.take_last_stamp() }
     }
 
-    /// Adds to a tick's input: a start where there is no session; the finish where the menu button was
-    /// held long enough, or another visitor has come. A session in which nothing was sculpted yet leaves nothing to be
-    /// kept: the next visitor's starts in its place.
+    /// Adds a session's start or finish to a tick's input: a start if there is no session; a finish if the
+    /// menu button was held long enough, or another visitor has come. If nothing was sculpted yet, there is
+    /// nothing to keep: the next visitor's session replaces it at once.
     pub fn add_session_start_or_finish(
         &mut self,
         session: SessionState,
@@ -214,7 +221,8 @@ impl VisitPolicy {
         }
     }
 
-    /// Notes that the headset is used, and by whom, where another visitor has it from a time of `limit` on.
+    /// Notes a use of the headset. The user counts as another visitor if the headset was unused for `limit`
+    /// or longer.
     fn note_use(&mut self, limit: Duration, now: Duration) -> VisitorChange {
         let Some(away) = self.uses.note_use(now) else { return VisitorChange::None };
         if away >= limit && self.start_mode != SessionMode::None {
@@ -227,7 +235,8 @@ impl VisitPolicy {
         }
     }
 
-    /// For how long a headset that wasn't taken off is idle before whoever uses it is another visitor.
+    /// Returns the idle time after which the next user of a headset that wasn't taken off counts as another
+    /// visitor.
     fn idleness_before_handover(&self) -> Duration {
         self.absence_before_handover.max(LEAST_IDLENESS)
     }

@@ -15,7 +15,7 @@ pub struct MeshBounds {
 }
 
 impl MeshBounds {
-    /// Bounds that are larger by a factor: about the middle, and upwards from the same floor.
+    /// Returns bounds that are larger by a factor, with the same middle and the same floor.
     fn widened(self, up: UpAxis, factor: f32) -> Self {
         let upwards = if up == UpAxis::Y { 1 } else { 2 };
         let mut wide = self;
@@ -33,7 +33,7 @@ impl MeshBounds {
 }
 
 impl Mesh {
-    /// Axis-aligned bounding box of the vertices. `None` without any.
+    /// Returns the axis-aligned bounding box of the vertices; `None` if there are none.
     #[must_use]
     pub fn bounding_box(&self) -> Option<MeshBounds> {
         let (&first, rest) = self.positions.split_first()?;
@@ -47,8 +47,9 @@ impl Mesh {
         Some(MeshBounds { min: low, max: high })
     }
 
-    /// Bakes the mesh, fitted to the grid as [`MeshPlacement::stand_bounds_on_floor`] says, into tight maps and their
-    /// voxels. `None`, and nothing changed, when the mesh has no extent; one that was read has.
+    /// Bakes the mesh, fitted to the grid by [`MeshPlacement::stand_bounds_on_floor`], into tight maps and
+    /// their voxels. Returns `None` and changes nothing if the mesh has no extent; a mesh that was read
+    /// always has one.
     #[must_use]
     pub fn bake_into_maps<const N: usize, const K: usize, W: Windings<N>>(
         &self,
@@ -63,7 +64,8 @@ impl Mesh {
         self.bake_within(self.bounding_box()?, up, baker, maps, bit_grid)
     }
 
-    /// The same, smaller: at least `margin` voxels are left empty on every side but the ground's.
+    /// Bakes the mesh like [`Mesh::bake_into_maps`], but smaller, so that at least `margin` voxels stay empty
+    /// on every side but the ground's.
     #[must_use]
     pub fn bake_with_margin_into_maps<const N: usize, const K: usize, W: Windings<N>>(
         &self,
@@ -81,7 +83,7 @@ impl Mesh {
         self.bake_within(bounds, up, baker, maps, bit_grid)
     }
 
-    /// Bakes the mesh, placed as one of these bounds would be, which hold it.
+    /// Bakes the mesh, placed as if these bounds, which contain it, were its own.
     fn bake_within<const N: usize, const K: usize, W: Windings<N>>(
         &self,
         MeshBounds { min, max }: MeshBounds,

@@ -21,12 +21,13 @@ pub(super) struct MeshBuilder {
 }
 
 impl MeshBuilder {
-    /// Returns the vertex at a position, which may be any numbers: they are checked where a facet uses them.
+    /// Returns the vertex at a position, adding it if it is new. The coordinates may be any numbers: they are
+    /// checked when a facet uses them.
     pub(super) fn add_vertex(&mut self, position: [f64; 3]) -> VertexIndex {
         if self.positions.len() * 2 >= self.slots.len() {
             self.grow();
         }
-        // Adding zero makes one of the two zeros.
+        // Adding zero turns -0.0 into 0.0.
         let position = position.map(|c| c + 0.0);
         let bits = position.map(f64::to_bits);
         let mask = self.slots.len() - 1;
@@ -58,19 +59,20 @@ impl MeshBuilder {
         }
     }
 
-    /// Makes room for that many triangles at once.
+    /// Reserves memory for that many triangles at once.
     pub(super) fn reserve_triangles(&mut self, count: usize) {
         self.triangles.reserve_exact(count.min(MAX_TRIANGLES));
     }
 
-    /// Checks that there may be that many triangles more. To be called before memory is allocated for them.
+    /// Checks that `more` triangles stay within [`MAX_TRIANGLES`]. Call it before memory is allocated for
+    /// them.
     pub(super) fn check_room(&self, more: usize) -> Result<(), MeshFault> {
         let count = (self.triangles.len() + self.dropped).saturating_add(more);
         if count <= MAX_TRIANGLES { Ok(()) } else { Err(MeshFault::TooManyTriangles { count }) }
     }
 
-    /// Adds a triangle. The error names the coordinate that is no number or out of bounds; the caller adds the
-    /// place in the file.
+    /// Adds a triangle. The error names a coordinate that is NaN or out of bounds; the caller adds the place
+    /// in the file.
     #[inline]
     pub(super) fn add_triangle(&mut self, corners: [VertexIndex; 3]) -> Result<(), MeshFault> {
         self.check_room(1)?;
@@ -93,7 +95,7 @@ impl MeshBuilder {
         Ok(())
     }
 
-    /// Adds a polygon as a triangle fan. One of fewer than three corners is dropped and counted.
+    /// Adds a polygon as a triangle fan. A polygon of fewer than three corners is dropped and counted.
     pub(super) fn add_polygon(&mut self, corners: &[VertexIndex]) -> Result<(), MeshFault> {
         self.check_room(corners.len().saturating_sub(2))?;
         if corners.len() < 3 {
@@ -130,10 +132,11 @@ impl MeshBuilder {
         Ok(mesh)
     }
 
-    /// Drops facets without area that have a corner no facet with area has. The others without area close the
-    /// gaps where a corner lies on another facet's edge.
+    /// Drops facets without area that have a corner used by no facet with area. The other facets without area
+    /// close the gaps where a corner lies on another facet's edge.
     fn drop_stray_facets(&mut self) -> Result<(), MeshFault> {
-        // Flatter than any facet that can be seen; and exactly flat, for a mesh that is nearly flat as a whole.
+        // The first threshold is flatter than any visible facet; the second is exactly flat, for a mesh that
+        // is nearly flat as a whole.
         for least_height in [1e-6, 0.0] {
             let mut is_corner = vec![false; self.positions.len()];
             let mut has_area = false;
@@ -153,7 +156,8 @@ impl MeshBuilder {
         Err(MeshFault::NoArea)
     }
 
-    /// Returns `true` if a triangle is higher over its longest edge than this part of that edge.
+    /// Returns `true` if a triangle's height over its longest edge is more than `least_height` times that
+    /// edge.
     fn has_area(&self, triangle: &[VertexIndex; 3], least_height: f64) -> bool {
         let corners = triangle.map(|i| self.positions[i as usize]);
         let [a, b, c] = corners;
@@ -177,8 +181,8 @@ impl MeshBuilder {
         self.positions.retain(|_| names.next() != Some(FREE));
     }
 
-    /// Returns the middle of a mesh that lies so far from the zero of its coordinates that single precision would
-    /// lose its details, as in geodesy; the zero itself for other meshes.
+    /// Returns the middle of a mesh so far from the origin of its coordinates that single precision would
+    /// lose details, as in geodesy; the origin itself for other meshes.
     fn find_origin(&self) -> [f64; 3] {
         /// The distance from which single precision is coarser than 1/1000 voxel of 256, in extents.
         const FAR: f64 = 64.0;

@@ -1,11 +1,11 @@
-//! What a reader found in a file beside its mesh.
+//! The findings of a reader about a file's mesh.
 
 use super::Outlier;
 
-/// Faults of a file that were mended or passed over, and its closed shells.
+/// Faults of a file that were repaired or ignored, and statistics of its closed shells.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct MeshFindings {
-    /// Facets that were left out: without area, or with fewer than three different corners.
+    /// Facets that were dropped: without area, or with fewer than three different corners.
     pub dropped_facets: usize,
     /// Edges that an odd number of facets use: the rims of holes.
     pub open_edges: usize,
@@ -13,15 +13,15 @@ pub struct MeshFindings {
     pub winding_faults: usize,
     /// Connected surfaces without a rim.
     pub closed_shells: usize,
-    /// Facets that were turned over, as most of their surface is wound the other way.
+    /// Facets that were turned over, because most of their surface's area is wound the other way.
     pub turned_facets: usize,
-    /// Shells that were wound inwards and turned outwards, where others are not.
+    /// Shells that were wound inwards, unlike others, and were turned outwards.
     pub turned_shells: usize,
-    /// Closed shells wound inwards that lie inside an outward one: they stay, and are hollow.
+    /// Closed shells wound inwards that lie inside an outward one: they are kept as cavities.
     pub cavities: usize,
     /// `true` if all outermost shells were wound inwards: all shells were turned.
     pub is_inside_out: bool,
-    /// A small part so far away that it decides the size of the rest.
+    /// A small part so far away that it makes the rest small in the grid.
     pub outlier: Option<Outlier>,
 }
 

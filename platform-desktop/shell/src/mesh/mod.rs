@@ -1,4 +1,4 @@
-//! Mesh files: reads OBJ, STL, PLY and glTF into checked vertices and triangles, or an error.
+//! Mesh files: reads OBJ, STL, PLY and glTF into checked vertices and triangles.
 
 mod bake;
 mod builder;
@@ -24,18 +24,17 @@ use std::path::{Path, PathBuf};
 /// The largest coordinate, in mesh units, that a facet may have: the Earth in tenths of a millimetre.
 pub const COORDINATE_BOUND: f64 = 1e12;
 
-/// The most triangles that a file may become: 42 for each column of the three maps at 256. Baking so many
-/// takes 600 MiB.
+/// The most triangles of a mesh: 42 for each column of the three maps at 256. Baking that many takes 600 MiB.
 pub const MAX_TRIANGLES: usize = 1 << 23;
 
-/// The most bytes that a file may have, and a glTF's buffers together: 256 a triangle, which text takes.
+/// The most bytes of a file, and of a glTF's buffers together: 256 per triangle, as text needs.
 pub const MAX_FILE_BYTES: u64 = 256 * MAX_TRIANGLES as u64;
 
-/// The extensions that [`read`] knows, for messages.
+/// The extensions that [`read`] accepts, for messages.
 pub const EXTENSIONS: &str = ".obj, .stl, .ply, .gltf or .glb";
 
-/// Triangles, counter-clockwise seen from outside. What [`read`] gives has a triangle with area, no vertex without
-/// a triangle, vertices of different positions, closed shells turned outwards, and coordinates inside
+/// Triangles, counter-clockwise seen from outside. A mesh from [`read`] has at least one triangle with area,
+/// no unused and no duplicate vertices, closed shells turned outwards, and coordinates within
 /// [`COORDINATE_BOUND`].
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Mesh {
@@ -43,18 +42,18 @@ pub struct Mesh {
     pub positions: Vec<[f32; 3]>,
     /// Three indices into `positions` each; polygons are split into fans.
     pub triangles: Vec<[u32; 3]>,
-    /// The point of the file's coordinates, in mesh units, at which `positions` have their zero: the middle of a
-    /// mesh that lies far from the file's zero, else that zero.
+    /// The origin of `positions`, in the file's coordinates and mesh units: the middle of a mesh that lies
+    /// far from the file's origin, else the file's origin.
     pub origin: [f64; 3],
-    /// Faults of the file that were mended or passed over.
+    /// Faults of the file that were repaired or ignored.
     pub findings: MeshFindings,
 }
 
-/// The kinds of file that are read.
+/// The formats that can be read.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum MeshFormat {
-    /// Wavefront OBJ: vertices and faces. It gives no length: cut between two lines of its faces, it reads as a mesh
-    /// with a hole.
+    /// Wavefront OBJ: vertices and faces. The format has no length field: a file truncated between two faces
+    /// reads as a mesh with a hole.
     Obj,
     /// STL, text or binary.
     Stl,
@@ -64,35 +63,35 @@ pub enum MeshFormat {
     Gltf,
 }
 
-/// Why a file gives no mesh.
+/// The reason why a file can't be read as a mesh.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {fault}", path.display())]
 pub struct MeshError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// The fault.
     pub fault: MeshFault,
 }
 
-/// What is wrong with a mesh.
+/// A fault of a mesh file.
 #[derive(Debug, thiserror::Error)]
 pub enum MeshFault {
     /// The file can't be read.
     #[error("cannot read: {0}")]
     Unreadable(io::Error),
-    /// The name ends in none of [`EXTENSIONS`].
+    /// The extension is none of [`EXTENSIONS`].
     #[error("unknown kind of mesh; expected a name in {known}", known = EXTENSIONS)]
     UnknownKind,
-    /// The bytes are not what the kind asks for: where, what was found and what was expected.
+    /// The bytes are malformed: says where, what was found and what was expected.
     #[error("{0}")]
     Malformed(String),
     /// There are more than [`MAX_TRIANGLES`].
     #[error("becomes {count} triangles or more; expected at most {most}", most = MAX_TRIANGLES)]
     TooManyTriangles {
-        /// The number of triangles, with the part that was read last.
+        /// The number of triangles up to the part that was read last.
         count: usize,
     },
-    /// No triangle.
+    /// There is no triangle.
     #[error("holds no triangle; expected at least one")]
     Empty,
     /// No triangle has area.
@@ -100,10 +99,10 @@ pub enum MeshFault {
     NoArea,
 }
 
-/// Reads the mesh in a file. Its extension tells the format.
+/// Reads the mesh in a file. The extension determines the format.
 ///
 /// # Errors
-/// The file and its fault; see [`MeshFault`].
+/// Returns the file and its fault; see [`MeshFault`].
 pub fn read(path: &Path) -> Result<Mesh, MeshError> {
     let read = || {
         let kind = MeshFormat::from_extension(path).ok_or(MeshFault::UnknownKind)?;
@@ -119,7 +118,8 @@ pub fn read(path: &Path) -> Result<Mesh, MeshError> {
     read().map_err(|fault: MeshFault| MeshError { path: path.to_owned(), fault })
 }
 
-/// Reads a binary STL block by block: it may take more bytes than the mesh. `None` for another file.
+/// Reads a binary STL block by block, as the file may be larger than the mesh. Returns `None` for any other
+/// file.
 fn read_binary_stl(path: &Path) -> Result<Option<Mesh>, MeshFault> {
     let mut file = durable::open_regular_file(path).map_err(MeshFault::Unreadable)?;
     let length = file.metadata().map_err(MeshFault::Unreadable)?.len();
@@ -138,7 +138,7 @@ impl MeshFault {
     }
 }
 
-/// Returns the normal of a facet, as long as twice its area.
+/// Returns the normal of a facet, with twice the facet's area as its length.
 fn area_vector([a, b, c]: &[[f64; 3]; 3]) -> [f64; 3] {
     let (d, e) = ([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| c[k] - a[k]));
     [d[1] * e[2] - d[2] * e[1], d[2] * e[0] - d[0] * e[2], d[0] * e[1] - d[1] * e[0]]
@@ -155,7 +155,7 @@ impl From<String> for MeshFault {
 }
 
 impl MeshFormat {
-    /// The format that a file's extension names.
+    /// Returns the format that a file's extension names.
     #[must_use]
     pub fn from_extension(path: &Path) -> Option<Self> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
@@ -167,7 +167,7 @@ impl MeshFormat {
         }
     }
 
-    /// The axis that points up in most files of the format.
+    /// Returns the axis that points up in most files of the format.
     #[must_use]
     pub fn default_up_axis(self) -> UpAxis {
         if self == MeshFormat::Stl { UpAxis::Z } else { UpAxis::Y }
@@ -175,10 +175,10 @@ impl MeshFormat {
 }
 
 impl Mesh {
-    /// The mesh in the bytes of a file. `folder` is where a glTF's buffers lie.
+    /// Reads the mesh in the bytes of a file. `folder` is the folder of a glTF's buffers.
     ///
     /// # Errors
-    /// As [`read`].
+    /// Returns the fault; see [`MeshFault`].
     pub fn from_bytes(kind: MeshFormat, bytes: &[u8], folder: &Path) -> Result<Self, MeshFault> {
         match kind {
             MeshFormat::Obj => obj::parse(bytes),

@@ -1,4 +1,4 @@
-//! OBJ: the lines `v` and `f`. Everything else is passed over, as nothing else makes a surface.
+//! OBJ: the lines `v` and `f`. All other lines are ignored, as they make no surface.
 
 use super::builder::{MeshBuilder, VertexIndex};
 use super::text::{self, Lines, parse_index, parse_number, quote};
@@ -8,13 +8,13 @@ use std::borrow::Cow;
 pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, MeshFault> {
     let text = text::decode(bytes);
     let mut builder = MeshBuilder::default();
-    // Faces may name vertices that stand below them.
+    // Faces may name vertices that are defined below them.
     let vertices = read_vertices(&text, &mut builder)?;
     read_faces(&text, &vertices, &mut builder)?;
     builder.finish()
 }
 
-/// Reads all lines `v x y z`, with a weight or a colour behind, which is not looked at.
+/// Reads all lines `v x y z`. A weight or colour after them is ignored.
 fn read_vertices(text: &[u8], builder: &mut MeshBuilder) -> Result<Vec<VertexIndex>, MeshFault> {
     let mut vertices = Vec::new();
     let mut lines = LogicalLines::new(text);
@@ -38,7 +38,7 @@ fn read_vertices(text: &[u8], builder: &mut MeshBuilder) -> Result<Vec<VertexInd
     Ok(vertices)
 }
 
-/// Reads all lines `f`, also of old files, which write `fo`.
+/// Reads all lines `f`, and `fo` in old files.
 fn read_faces(
     text: &[u8],
     vertices: &[VertexIndex],
@@ -66,8 +66,8 @@ fn read_faces(
     Ok(())
 }
 
-/// Returns the vertex that a corner names: `v`, `v/vt`, `v//vn` or `v/vt/vn`, of which only `v` counts. It is
-/// counted from 1 on, or from the last vertex above back from -1.
+/// Returns the vertex that a corner names: `v`, `v/vt`, `v//vn` or `v/vt/vn`, of which only `v` is used.
+/// Positive indices count from 1; negative ones count back from the last vertex above the line, from -1.
 fn find_corner(word: &[u8], vertices: &[VertexIndex], above: usize) -> Result<VertexIndex, String> {
     let first = word.split(|byte| matches!(byte, b'/' | b'#')).next().unwrap_or_default();
     let Some(index) = parse_index(first) else {
@@ -88,8 +88,8 @@ fn find_corner(word: &[u8], vertices: &[VertexIndex], above: usize) -> Result<Ve
     })
 }
 
-/// The lines of a text. Vertices and faces that end in `\` are joined with the next line; a comment or a name
-/// may end in a folder's name.
+/// The lines of a text. Vertices and faces that end in `\` are joined with the next line; other lines aren't,
+/// as a comment or a name may end in a folder's name.
 struct LogicalLines<'a> {
     lines: Lines<'a>,
 }
@@ -99,7 +99,7 @@ impl<'a> LogicalLines<'a> {
         LogicalLines { lines: Lines::new(text) }
     }
 
-    /// Returns the next line, and its number from 1 on.
+    /// Returns the next line, and its number, from 1.
     fn next(&mut self) -> Option<(usize, Cow<'a, [u8]>)> {
         let line = self.lines.next()?;
         let number = self.lines.number;

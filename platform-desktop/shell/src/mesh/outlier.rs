@@ -12,7 +12,7 @@ pub struct Outlier {
     pub size: [f64; 3],
     /// The gap between the part and the rest along an axis, in mesh units.
     pub distance: f64,
-    /// How many times as large the rest would be in the grid without the part.
+    /// The factor by which the rest would be larger in the grid without the part.
     pub shrinks: f64,
 }
 
@@ -56,10 +56,10 @@ impl Side {
     }
 }
 
-/// Finds the part that shrinks the rest most, at least to a half. It lies beyond a gap along an axis, has fewer
-/// facets than the rest, and is smaller than the gap.
+/// Finds the part that shrinks the rest most, at least to a half. The part lies beyond a gap along an axis,
+/// has fewer facets than the rest, and is smaller than the gap.
 pub(super) fn find(shells: &[Shell]) -> Option<Outlier> {
-    /// The least shrinking that is reported.
+    /// The least factor that is reported.
     const REPORTED: f64 = 2.0;
     let sides: Vec<Side> =
         shells.iter().map(|s| Side { low: s.low, high: s.high, facets: s.facets }).collect();
@@ -68,7 +68,7 @@ pub(super) fn find(shells: &[Shell]) -> Option<Outlier> {
     for axis in 0..3 {
         let mut order: Vec<usize> = (0..sides.len()).collect();
         order.sort_by(|&a, &b| sides[a].low[axis].total_cmp(&sides[b].low[axis]));
-        // The joined shells from each one on.
+        // For each shell, the bounds of that shell and all after it.
         let mut above = vec![Side::EMPTY; order.len() + 1];
         for i in (0..order.len()).rev() {
             above[i] = above[i + 1].joined(&sides[order[i]]);

@@ -1,15 +1,15 @@
-//! STL: the corners of its facets. Normals are not looked at. Binary and text are told apart by length first, as
-//! binary files may start with `solid` too.
+//! STL: the corners of its facets. Normals are ignored. Binary and text files are distinguished by length
+//! first, as binary files may start with `solid` too.
 
 use super::builder::MeshBuilder;
 use super::text::{self, parse_number, quote};
 use super::{MAX_TRIANGLES, Mesh, MeshFault, malformed};
 use std::io::{self, Read};
 
-/// The bytes of a binary file before its first facet: a free text and the number of facets.
+/// The length of a binary file's header: a free text and the number of facets.
 const HEADER: usize = 84;
 const FACET: usize = 50;
-/// The bytes in which a text shows its first facet.
+/// The first bytes, within which a text must have its first facet.
 const HEAD: usize = 4096;
 
 pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, MeshFault> {
@@ -44,18 +44,18 @@ fn read_count(header: &[u8; HEADER]) -> u32 {
     u32::from_le_bytes([header[80], header[81], header[82], header[83]])
 }
 
-/// The length of a binary file of that many facets.
+/// Returns the length of a binary file of that many facets.
 fn length_of(facets: u32) -> u64 {
     HEADER as u64 + u64::from(facets) * FACET as u64
 }
 
-/// Returns the number of facets if the file has just the length for them, as no text has.
+/// Returns the number of facets if the file has exactly the length for it, which no text has.
 pub(super) fn find_binary_count(header: &[u8; HEADER], length: u64) -> Option<u32> {
     let count = read_count(header);
     (length_of(count) == length).then_some(count)
 }
 
-/// Returns `true` for the start of a text: one of its keywords, and a second in the first kilobytes.
+/// Returns `true` for the start of a text: one of its keywords, and another one in the first kilobytes.
 fn is_text(head: &[u8]) -> bool {
     let is = |word: &[u8], keyword: &str| word.eq_ignore_ascii_case(keyword.as_bytes());
     let first = text::words(head).next().unwrap_or_default();
@@ -69,7 +69,7 @@ fn is_text(head: &[u8]) -> bool {
 /// Reads the facets of a binary file, a block at a time.
 ///
 /// # Errors
-/// As [`parse`], and where the source ends early.
+/// Returns the errors of [`parse`], and an error if the source ends early.
 pub(super) fn parse_binary(mut source: impl Read, count: u32) -> Result<Mesh, MeshFault> {
     let count = count as usize;
     if count > MAX_TRIANGLES {
@@ -100,7 +100,7 @@ pub(super) fn parse_binary(mut source: impl Read, count: u32) -> Result<Mesh, Me
     builder.finish()
 }
 
-/// The words of a text, and the lines that they stand in.
+/// The words of a text, and their line numbers.
 struct Words<'a> {
     rest: &'a [u8],
     line: usize,
@@ -120,7 +120,7 @@ impl<'a> Words<'a> {
         let (skipped, rest) = self.rest.split_at(length);
         let mut last = 0;
         for &byte in skipped {
-            // CR LF is one end of a line.
+            // CR LF is a single line end.
             self.line += usize::from(byte == b'\r' || byte == b'\n' && last != b'\r');
             last = byte;
         }
@@ -133,7 +133,7 @@ impl<'a> Words<'a> {
     }
 }
 
-/// The words between which a facet's corners stand.
+/// The keywords that structure a facet.
 #[derive(Clone, Copy, PartialEq)]
 enum Keyword {
     Solid,
@@ -141,7 +141,7 @@ enum Keyword {
     Vertex,
     EndLoop,
     EndFacet,
-    /// What says nothing about a corner: `outer`, `loop`, `normal` and its numbers, words between facets.
+    /// Any other word: `outer`, `loop`, `normal` and its numbers, words between facets.
     Other,
 }
 
@@ -161,7 +161,7 @@ impl Keyword {
 fn parse_text(text: &[u8]) -> Result<Mesh, MeshFault> {
     let mut builder = MeshBuilder::default();
     let mut words = Words { rest: text, line: 1 };
-    // The line in which the facet under way starts.
+    // The line in which the current facet starts.
     let mut facet: Option<usize> = None;
     let mut corners = Vec::new();
     while let Some(word) = words.next() {
@@ -212,7 +212,7 @@ fn read_vertex(words: &mut Words<'_>) -> Result<[f64; 3], MeshFault> {
     Ok(position)
 }
 
-/// Reads the header of a source, or as much of it as there is.
+/// Reads the header of a source. Returns `None` if the source is shorter.
 pub(super) fn read_header(source: &mut impl Read) -> io::Result<Option<[u8; HEADER]>> {
     let mut header = [0; HEADER];
     match source.read_exact(&mut header) {

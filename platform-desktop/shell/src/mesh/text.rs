@@ -1,4 +1,4 @@
-//! Text as mesh files hold it: encodings, line ends, blanks and numbers of the programs that write them.
+//! Text of mesh files: encodings, line ends, blanks and number formats of the programs that write them.
 
 use memchr::memchr2;
 use std::borrow::Cow;
@@ -57,7 +57,7 @@ impl<'a> Lines<'a> {
         Lines { rest: text, number: 0 }
     }
 
-    /// The text after the lines that were returned.
+    /// Returns the text after the lines that were returned.
     pub(super) fn rest(&self) -> &'a [u8] {
         self.rest
     }
@@ -81,8 +81,8 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// Parses a number as programs write it: also with a decimal comma or a Fortran exponent, and the spellings of
-/// infinities and NaN by several C libraries (`-nan(ind)`, `1.#QNAN`). `None` for another word.
+/// Parses a number as programs write it, including decimal commas, Fortran exponents, and the spellings of
+/// infinities and NaN by several C libraries (`-nan(ind)`, `1.#QNAN`). Returns `None` for any other word.
 pub(super) fn parse_number(word: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(word).ok()?;
     if let Ok(value) = text.parse() {
@@ -101,8 +101,8 @@ pub(super) fn parse_number(word: &[u8]) -> Option<f64> {
     text.replace('d', "e").parse().ok()
 }
 
-/// Parses an index, which some programs write as a float (`3.0`). `None` for another word, or a number that no
-/// index can have.
+/// Parses an index, which some programs write as a float (`3.0`). Returns `None` for any other word, or a
+/// number that can't be an index.
 pub(super) fn parse_index(word: &[u8]) -> Option<i64> {
     if let Some(index) = std::str::from_utf8(word).ok().and_then(|text| text.parse().ok()) {
         return Some(index);
@@ -121,7 +121,7 @@ pub(super) fn size_from_number(value: f64) -> Option<usize> {
     index_from_number(value).and_then(|index| usize::try_from(index).ok())
 }
 
-/// Returns a text for a message, in back-quotes and at most 40 characters long.
+/// Quotes a text for a message, in back-quotes and cut to at most 40 characters.
 pub(super) fn quote(text: &[u8]) -> String {
     let text = String::from_utf8_lossy(trim(text));
     let mut shown: String =

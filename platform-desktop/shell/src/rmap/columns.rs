@@ -1,4 +1,4 @@
-//! The columns of a file, F intervals each: checked, and taken into maps of K intervals a column.
+//! The columns of a file, of F intervals each, and their conversion into maps of K intervals per column.
 
 use std::array;
 
@@ -10,7 +10,7 @@ use super::{HEADER_BYTES, RmapFault, RmapFaultAt};
 
 /// The columns of a file, F intervals each.
 pub(super) struct FileColumns<const N: usize, const F: usize> {
-    /// By axis, line and place.
+    /// The columns in the order of axis, line and place.
     columns: Vec<Column<F>>,
 }
 
@@ -18,15 +18,16 @@ impl<const N: usize, const F: usize> FileColumns<N, F>
 where
     Grid<N>: Size,
 {
-    /// Decodes and checks the bytes of the columns, and takes them into maps of K intervals. Returns the
-    /// number of empty voxels that this fills: none where K is at least F. A fault leaves `maps` unchanged.
+    /// Decodes and checks the bytes of the columns, and writes them into maps of K intervals. Returns the
+    /// number of empty voxels that this fills; it is 0 if K is at least F. On a fault `maps` is unchanged.
     pub(super) fn decode_into<const K: usize>(
         bytes: &[u8],
         maps: &mut RangeMaps<N, K>,
     ) -> Result<u64, RmapFaultAt> {
         let file = Self::decode(bytes)?;
         file.check_tightness()?;
-        // Maps of one interval a column are saturated, and those of as many are taken as they are.
+        // Maps of one interval per column are always saturated; with as many intervals as the file, columns
+        // are copied unchanged.
         let voxels = (F > 1 || F != K).then(|| file.voxels());
         if let Some(voxels) = &voxels {
             file.check_saturation(voxels)?;
@@ -46,7 +47,7 @@ where
         Ok(0)
     }
 
-    /// Decodes columns that are valid each by itself.
+    /// Decodes the columns, and checks each by itself.
     fn decode(bytes: &[u8]) -> Result<Self, RmapFaultAt> {
         let (columns, _) = bytes.as_chunks::<2>().0.as_chunks::<F>();
         let columns = column_addresses::<N>()
@@ -77,7 +78,7 @@ where
         Ok(column)
     }
 
-    /// The offset of a column's interval from the start of the file.
+    /// Returns the offset of a column's interval from the start of the file.
     fn file_offset(axis: Axis, (line, place): (usize, usize), interval: usize) -> usize {
         HEADER_BYTES + 2 * (F * ((axis as usize * N + line) * N + place) + interval)
     }
@@ -86,7 +87,7 @@ where
         &self.columns[(axis as usize * N + line) * N + place]
     }
 
-    /// A column in K intervals: its hull where there are fewer.
+    /// Returns a column in K intervals, or its hull if K is less than F.
     fn column_or_hull<const K: usize>(&self, axis: Axis, address: (usize, usize)) -> Column<K> {
         let column = self.column(axis, address);
         if F > K {
@@ -95,7 +96,7 @@ where
         Column::new(array::from_fn(|i| if i < F { column.range(i) } else { Range::EMPTY }))
     }
 
-    /// A range is tight exactly when both its ends are occupied, for no voxel outside it can be.
+    /// Checks that every range is tight: both its ends are occupied. No voxel outside it can be.
     fn check_tightness(&self) -> Result<(), RmapFaultAt> {
         for (axis, address) in column_addresses::<N>() {
             for (interval, range) in self.column(axis, address).intervals().enumerate() {
@@ -112,7 +113,7 @@ where
         Ok(())
     }
 
-    /// The first axis along which the column through a voxel does not hold it.
+    /// Returns the first axis along which the column through a voxel does not hold the voxel.
     fn first_axis_not_holding(&self, voxel: [usize; 3]) -> Option<Axis> {
         let holds = |axis: Axis| {
             self.column(axis, axis.column_address(voxel)).contains(voxel[axis as usize])
@@ -138,8 +139,8 @@ where
         found
     }
 
-    /// The voxels that all three columns hold. A scan conversion by parity: each range toggles its column's
-    /// bit at its first voxel and behind its last.
+    /// Returns the voxels that all three columns hold. Scan conversion by parity: each range toggles its
+    /// column's bit at its first voxel and after its last.
     fn voxels(&self) -> FileVoxels<N> {
         let x_columns = self.columns[..N * N].iter();
         let mut voxels = FileVoxels { rows: x_columns.map(Column::to_row).collect() };
@@ -163,7 +164,7 @@ where
     }
 }
 
-/// All columns of a file, in its order.
+/// Returns the addresses of all columns, in the order of the file.
 fn column_addresses<const N: usize>() -> impl Iterator<Item = (Axis, (usize, usize))> {
     Axis::ALL.into_iter().flat_map(|axis| (0..N * N).map(move |i| (axis, (i / N, i % N))))
 }
@@ -188,7 +189,7 @@ impl<const N: usize> FileVoxels<N>
 where
     Grid<N>: Size,
 {
-    /// The row across a line of columns along y or z, at voxel `i` of each.
+    /// Returns the index of the row across a line of columns along y or z, at voxel `i` of each.
     const fn row_index(axis: Axis, line: usize, i: usize) -> usize {
         if matches!(axis, Axis::Y) { i * N + line } else { line * N + i }
     }
@@ -197,7 +198,7 @@ where
         self.rows.iter().map(|row| u64::from(row.count_ones())).sum()
     }
 
-    /// Visits the columns that have empty voxels inside their hull, with their occupied ones, in the order
+    /// Visits the columns that have empty voxels inside their hull, with their occupied voxels, in the order
     /// of the file.
     fn visit_columns_with_holes(
         &self,

@@ -11,10 +11,10 @@ use crate::sizes::GRID_SIDE_NAMES;
 
 use super::{SIZES, VERSION_OF_MORE, VERSION_OF_ONE};
 
-/// Why a file was not read.
+/// The reason why a file was not read.
 #[derive(Debug, thiserror::Error)]
 pub enum RmapError {
-    /// The system could not read it.
+    /// The system could not read the file.
     #[error("{}: cannot read: {source}", path.display())]
     Unreadable {
         /// The file.
@@ -22,76 +22,76 @@ pub enum RmapError {
         /// The system's reason.
         source: io::Error,
     },
-    /// Its bytes are wrong.
+    /// The file's bytes are wrong.
     #[error("{}: at byte {offset}: {fault}", path.display())]
     Bad {
         /// The file.
         path: PathBuf,
-        /// Where in the file.
+        /// The offset in the file.
         offset: usize,
-        /// What is wrong there.
+        /// The fault.
         fault: RmapFault,
     },
 }
 
-/// What is wrong with the bytes of a file, and where.
+/// A fault of a file's bytes, and its offset.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct RmapFaultAt {
     /// The offset of the byte from the file's start.
     pub offset: usize,
-    /// What is wrong there.
+    /// The fault.
     pub fault: RmapFault,
 }
 
-/// What can be wrong with the bytes of a file.
+/// A fault of a file's bytes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum RmapFault {
-    /// It does not start as an `.rmap`.
+    /// The magic number is not that of an `.rmap`.
     Magic([u8; 4]),
     /// A version that this program does not read.
     Version(u16),
-    /// An N that no volume has.
+    /// A size that no volume has.
     Size(u16),
-    /// A number of intervals a column that no file of its version has.
+    /// A number of intervals per column that its version doesn't allow.
     Layers {
         /// The version.
         version: u16,
         /// The number.
         found: u8,
     },
-    /// A flag or filler that is not defined.
+    /// A flag or filler that is not zero.
     Flags(u8),
-    /// A right size, but not the one asked for.
+    /// A valid size, but not the expected one.
     OtherSize {
-        /// N of the file.
+        /// The file's N.
         found: usize,
-        /// N asked for.
+        /// The expected N.
         expected: usize,
     },
-    /// A size that no sculpture of the shells has.
+    /// A size that the shells' sculptures can't have.
     UnusableSize(usize),
-    /// More intervals a column than were asked for.
+    /// More intervals per column than expected.
     OtherIntervals {
-        /// Of the file.
+        /// The intervals of the file.
         found: usize,
-        /// Of the maps that were to be filled.
+        /// The intervals of the maps to be filled.
         expected: usize,
     },
     /// The file ends before its columns and checksum do.
     Truncated {
-        /// Bytes that there should be.
+        /// The expected length in bytes.
         expected: usize,
     },
     /// Bytes follow the checksum.
     Trailing,
     /// The checksum is not that of the bytes before it.
     Checksum {
-        /// As stored.
+        /// The stored checksum.
         found: u32,
-        /// As computed.
+        /// The computed checksum.
         expected: u32,
     },
-    /// Two bytes that are no range of this grid.
+    /// Two bytes that are no range of a column of this grid.
     Range {
         /// The column's axis.
         axis: Axis,
@@ -111,7 +111,7 @@ pub enum RmapFault {
         /// The range.
         found: Range,
     },
-    /// An end of a range that another map leaves empty.
+    /// A range that is not tight: another map leaves its end empty.
     Loose {
         /// The range's axis.
         axis: Axis,
@@ -210,7 +210,7 @@ fn column_name(axis: Axis, (line, place): (usize, usize)) -> String {
     format!("column along {axis:?}, line {line}, place {place}")
 }
 
-/// What may follow a range of a column.
+/// Returns a text that says what may follow a range of a column.
 fn expected_after(below: Range) -> String {
     match below.is_empty() {
         true => "no range behind an empty one".into(),

@@ -1,29 +1,30 @@
-//! Settings of which each fits and that contradict each other, whichever layers set them.
+//! Contradictions between settings that are each valid, whichever layers set them.
 
 use super::table::{SETTINGS, Setting};
 use super::value::SettingValue;
 use super::{FilePlace, SettingOrigin, Settings, SettingsFault, store_default};
 
-/// Why a setting can't hold beside another.
+/// The reason why a setting conflicts with another.
 #[derive(Clone, Debug)]
 pub struct Contradiction {
-    /// The source of the setting that is told of.
+    /// The source of the reported setting.
     pub source: String,
-    /// What is wrong.
+    /// The fault.
     pub fault: SettingsFault,
-    /// What holds all the same.
+    /// The value that is used instead.
     pub holds: String,
 }
 
 impl Contradiction {
-    /// What is wrong with its place, and what holds all the same.
+    /// Returns a line with the place, the fault and the value that is used instead.
     #[must_use]
     pub fn describe(&self) -> String {
         format!("{}; {}", self.fault.describe(&self.source), self.holds)
     }
 }
 
-/// Finds contradictions, and has the settings and their origins be what holds all the same.
+/// Finds contradictions, and replaces the affected settings and their origins by the values that are used
+/// instead.
 pub(super) fn settle(settings: &mut Settings, origins: &mut [SettingOrigin]) -> Vec<Contradiction> {
     if settings.visits.is_none() {
         return Vec::new();
@@ -38,7 +39,7 @@ pub(super) fn settle(settings: &mut Settings, origins: &mut [SettingOrigin]) -> 
     replaced.into_iter().chain([badge, start]).flatten().collect()
 }
 
-/// A time of sessions that are no visits: it has no effect where there are visits.
+/// Finds a timeout for sessions outside visit mode: it has no effect if `visits` is on.
 fn find_replaced(origins: &[SettingOrigin], name: &str, by: &str) -> Option<Contradiction> {
     let (_, visits) = find(origins, "visits")?;
     let (setting, origin) = find(origins, name)?;
@@ -46,7 +47,7 @@ fn find_replaced(origins: &[SettingOrigin], name: &str, by: &str) -> Option<Cont
     tell(setting, origin, &expected, "it has no effect".into())
 }
 
-/// A badge can't be shown for longer at least than at most: then for neither time but by default.
+/// Checks that a badge's least time is at most its greatest time; otherwise both become the defaults.
 fn settle_badge(settings: &mut Settings, origins: &mut [SettingOrigin]) -> Option<Contradiction> {
     use paros_core::visit::PlanSetting::{BadgeLeast, BadgeMost};
     let plan = &settings.visits.as_ref()?.plan;
@@ -65,7 +66,8 @@ fn settle_badge(settings: &mut Settings, origins: &mut [SettingOrigin]) -> Optio
     told
 }
 
-/// Where nothing is chosen, a visit starts by `mode`, which must be on offer, or by the first start.
+/// Sets the start of a visit in which nothing is chosen: `mode` if `starts` contains it, or else the first of
+/// `starts`.
 fn settle_start(settings: &mut Settings, origins: &mut [SettingOrigin]) -> Option<Contradiction> {
     let visits = settings.visits.as_mut()?;
     let is_offered = visits.starts.iter().any(|start| start.mode == settings.mode);
@@ -85,7 +87,7 @@ fn settle_start(settings: &mut Settings, origins: &mut [SettingOrigin]) -> Optio
     told
 }
 
-/// What is told of a setting that somebody set.
+/// Returns the contradiction of a setting; `None` if its value is the default.
 fn tell(
     setting: &'static Setting,
     origin: &SettingOrigin,

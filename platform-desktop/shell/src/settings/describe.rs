@@ -1,5 +1,5 @@
-//! What is made of the table for readers: a template of the file, the table in Markdown, and Android's list of
-//! restrictions, from which consoles that manage headsets make their forms.
+//! Documents generated from the table of settings: a template of the file, a Markdown table, and Android's
+//! app restrictions, from which device management consoles build their forms.
 
 use std::fmt::Write;
 
@@ -10,7 +10,7 @@ use crate::modes::named_modes;
 /// The width of the template's comments, in characters.
 const COMMENT_WIDTH: usize = 98;
 
-/// A file of settings that sets none: each stands there with what it does, its bounds and its default.
+/// Returns a settings file in which each setting is commented out, with its description, bounds and default.
 #[must_use]
 pub fn write_template() -> String {
     let mut text = String::from(
@@ -23,13 +23,13 @@ pub fn write_template() -> String {
         let expected = setting.kind.describe(&[]);
         push_comment(&mut text, &format!("Expected: {expected}. Default: {}.", setting.default));
         push_comment(&mut text, &format!("Why: {}.", setting.reason));
-        // A String takes everything.
+        // Writing to a `String` can't fail.
         let _ = writeln!(text, "#{} = {}", setting.name, setting.example());
     }
     text
 }
 
-/// The table in Markdown.
+/// Returns the table in Markdown.
 #[must_use]
 pub fn write_documentation() -> String {
     let mut text = String::from(
@@ -53,23 +53,23 @@ pub fn write_documentation() -> String {
     text
 }
 
-/// The key by which a managed configuration has a fleet's file. It is no setting: its text is a secret.
+/// The key of the fleet file in a managed configuration. It is not a setting, as its text is a secret.
 pub const FLEET_FILE_KEY: &str = "fleet_file";
 
-/// What a console's form says of it.
+/// The description of the fleet file in a console's form.
 const FLEET_FILE_SUMMARY: &str = "The booth at which the headset enrols by itself. Expected: the file that paros-booth \
     fleet-file prints, or the same in base64 where the form keeps no lines. Whoever has it can enrol a headset.";
 
-/// The resources of a package from which consoles learn the settings of a headset.
+/// The resources of a package from which management consoles read the headset's settings.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct RestrictionFiles {
     /// `res/xml/app_restrictions.xml`.
     pub restrictions: String,
-    /// `res/values/settings.xml`: the texts and lists that it refers to.
+    /// `res/values/settings.xml`: the texts and lists to which `restrictions` refers.
     pub values: String,
 }
 
-/// The restrictions of a package with these figures of the operator's own.
+/// Returns the restrictions of a package with these operator's own figures.
 #[must_use]
 pub fn write_restrictions(own_figures: &[String]) -> RestrictionFiles {
     const HEAD: &str = "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n";
@@ -83,7 +83,7 @@ pub fn write_restrictions(own_figures: &[String]) -> RestrictionFiles {
         let title = name.replace('_', " ");
         let mut description = format!("{} Expected: {expected}.", setting.summary);
         if setting.kind.is_list() {
-            // Lists of restrictions have no order, and no limits.
+            // Android's multi-select restrictions have no order and no limits.
             description += " Written in one line, with commas between.";
         }
         let title = escape_resource(&(title[..1].to_uppercase() + &title[1..]));
@@ -125,7 +125,7 @@ pub fn write_restrictions(own_figures: &[String]) -> RestrictionFiles {
     RestrictionFiles { restrictions, values }
 }
 
-/// Adds a fleet's file to the restrictions and to the texts that they refer to.
+/// Adds the fleet file to the restrictions and to their texts.
 fn push_fleet_file(restrictions: &mut String, values: &mut String) {
     let name = FLEET_FILE_KEY;
     let _ = writeln!(values, "  <string name=\"{name}_title\">Fleet file</string>");
@@ -142,7 +142,7 @@ fn push_fleet_file(restrictions: &mut String, values: &mut String) {
 }
 
 impl Setting {
-    /// A value for the template: the default, or one that fits.
+    /// Returns an example for the template: the default, or else a valid value.
     fn example(&self) -> String {
         match (self.default, self.kind) {
             (SettingDefault::Unset(_), SettingKind::Numbers(numbers)) => numbers[0].to_string(),
@@ -152,7 +152,7 @@ impl Setting {
         }
     }
 
-    /// What Android calls its kind (`android.content.RestrictionEntry`).
+    /// Returns Android's name of the setting's type (`android.content.RestrictionEntry`).
     fn restriction_type(&self) -> &'static str {
         match self.kind {
             SettingKind::Switch => "bool",
@@ -165,7 +165,7 @@ impl Setting {
         }
     }
 
-    /// What is to be chosen from.
+    /// Returns the entries of a choice; `None` for other kinds.
     fn entries(&self, own_figures: &[String]) -> Option<Vec<String>> {
         match self.kind {
             SettingKind::Numbers(numbers) => Some(numbers.iter().map(u32::to_string).collect()),
@@ -180,7 +180,7 @@ impl Setting {
 }
 
 impl SettingScope {
-    /// Its name for readers.
+    /// Returns the scope's name for readers.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -191,7 +191,7 @@ impl SettingScope {
         }
     }
 
-    /// Whether a headset does anything by it.
+    /// Returns `true` if a headset uses settings of this scope.
     #[must_use]
     pub const fn is_for_headset(self) -> bool {
         matches!(self, SettingScope::Headset | SettingScope::Both)
@@ -211,7 +211,8 @@ fn push_comment(text: &mut String, comment: &str) {
     let _ = writeln!(text, "{line}");
 }
 
-/// A text as an Android string resource has it: XML's signs as entities, quotes and backslashes after a backslash.
+/// Escapes a text for an Android string resource: XML's special characters as entities, quotes and
+/// backslashes with a backslash.
 fn escape_resource(text: &str) -> String {
     let mut escaped = String::new();
     for c in text.chars() {
@@ -274,7 +275,7 @@ mod tests {
             assert_eq!(files.restrictions.matches(&key).count(), usize::from(is_headsets), "{key}");
         }
         assert!(files.values.contains("<item>lion</item>"));
-        // And the one that is no setting, as its text is told to nobody.
+        // The fleet file is there too, though it is no setting, as its text is a secret.
         let key = format!("android:key=\"{FLEET_FILE_KEY}\" android:restrictionType=\"string\"");
         assert_eq!(files.restrictions.matches(&key).count(), 1, "{}", files.restrictions);
         assert!(SETTINGS.iter().all(|setting| setting.name != FLEET_FILE_KEY));

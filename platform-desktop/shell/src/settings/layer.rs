@@ -1,4 +1,4 @@
-//! A layer of settings: what one source sets, and what is wrong with it.
+//! A layer of settings: the settings of one source, and its faults.
 
 use std::fmt;
 use std::io::{self, Read};
@@ -12,7 +12,7 @@ use super::table::{SETTINGS, Setting, find_setting, nearest_name};
 use super::value::{RawValue, SettingValue};
 use crate::durable;
 
-/// The most bytes of a file of settings, some seven times the template: a longer one is something else by mistake.
+/// The most bytes of a settings file, some seven times the template. A longer file is no settings file.
 pub const MAX_BYTES: u64 = 64 << 10;
 
 /// A place in a file.
@@ -24,38 +24,38 @@ pub struct FilePlace {
     pub column: usize,
 }
 
-/// A setting that a layer sets.
+/// A setting and the value that a layer gives it.
 #[derive(Clone, Debug)]
 pub struct LayerEntry {
     /// The setting.
     pub setting: &'static Setting,
-    /// Its value.
+    /// The value.
     pub value: SettingValue,
-    /// Where the value stands, in a file.
+    /// The value's place; `None` if the source is not a file.
     pub place: Option<FilePlace>,
 }
 
-/// Something wrong in a layer.
+/// A fault of a layer.
 #[derive(Clone, Debug)]
 pub struct SettingsFault {
-    /// The setting that it costs; none for a key that is none, or for the layer as a whole.
+    /// The setting that is ignored because of it; `None` for an unknown key, or for the layer as a whole.
     pub setting: Option<&'static Setting>,
-    /// Where it stands, in a file.
+    /// The fault's place; `None` if the source is not a file.
     pub place: Option<FilePlace>,
     /// What was found and what was expected.
     pub why: String,
-    /// Whether the whole layer counts for nothing.
+    /// `true` if the whole layer is ignored.
     pub costs_layer: bool,
 }
 
-/// What one source sets, in the order in which it does.
+/// The settings of one source, in its order.
 #[derive(Clone, Debug)]
 pub struct SettingsLayer {
-    /// The source, as messages name it: a file's path, say.
+    /// The name of the source in messages, such as a file's path.
     pub source: String,
-    /// What it sets, each setting at most once.
+    /// The entries; each setting occurs at most once.
     pub entries: Vec<LayerEntry>,
-    /// What is wrong with it.
+    /// The faults.
     pub faults: Vec<SettingsFault>,
 }
 
@@ -64,13 +64,13 @@ impl SettingsLayer {
     #[must_use]
     pub fn parse_toml(source: &str, text: &str, own_figures: &[String]) -> Self {
         let mut layer = SettingsLayer::empty(source);
-        // An editor's mark of the encoding is no part of the text.
+        // Skips a byte-order mark.
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let table = match DeTable::parse(text) {
             Ok(table) => table.into_inner(),
             Err(error) => {
                 let place = error.span().map(|span| find_place(text, span.start));
-                // Some of its messages have several lines.
+                // Some messages of the parser have several lines.
                 let why = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
                 layer.refuse_all(place, format!("no TOML: {}", why.escape_debug()));
                 return layer;
@@ -90,7 +90,8 @@ impl SettingsLayer {
         layer
     }
 
-    /// Reads a file of settings. Of one that isn't there, none; what else keeps it from being read is a fault.
+    /// Reads a settings file. Returns `None` if the file doesn't exist. Any other read error becomes a fault
+    /// of the layer.
     #[must_use]
     pub fn read_file(path: &Path, own_figures: &[String]) -> Option<Self> {
         let source = path.display().to_string();
@@ -105,7 +106,7 @@ impl SettingsLayer {
         }
     }
 
-    /// Takes a file's bytes that were read already, as those of a package.
+    /// Parses the bytes of a settings file that was read already, such as a package's asset.
     #[must_use]
     pub fn parse_bytes(source: &str, bytes: &[u8], own_figures: &[String]) -> Self {
         match check_text(bytes) {
@@ -118,7 +119,7 @@ impl SettingsLayer {
         }
     }
 
-    /// Takes texts by the names of their settings, as a managed configuration or a command line has them.
+    /// Parses pairs of a setting's name and its text, as in a managed configuration or on a command line.
     #[must_use]
     pub fn from_texts<'a>(
         source: &str,
@@ -137,14 +138,14 @@ impl SettingsLayer {
         layer
     }
 
-    /// What contradicts in this layer alone, where nothing else sets anything.
+    /// Returns the contradictions in this layer alone, with all other settings at their defaults.
     #[must_use]
     pub fn find_contradictions(&self) -> Vec<SettingsFault> {
         let loaded = LoadedSettings::merge(std::slice::from_ref(self));
         loaded.contradictions.into_iter().map(|contradiction| contradiction.fault).collect()
     }
 
-    /// The setting of an index of [`SETTINGS`], if the layer sets it.
+    /// Returns the entry for the setting at an index of [`SETTINGS`], if the layer sets it.
     pub(super) fn find(&self, index: usize) -> Option<&LayerEntry> {
         self.entries.iter().find(|entry| core::ptr::eq(entry.setting, &raw const SETTINGS[index]))
     }
@@ -166,7 +167,7 @@ impl SettingsLayer {
     ) {
         match setting.kind.check(raw, own_figures) {
             Ok(value) => {
-                // A command line may have one twice.
+                // On a command line a setting may occur twice; the last one counts.
                 self.entries.retain(|entry| !core::ptr::eq(entry.setting, setting));
                 self.entries.push(LayerEntry { setting, value, place });
             }
@@ -204,7 +205,7 @@ fn read_text(path: &Path) -> io::Result<String> {
     check_text(&bytes).map(str::to_owned)
 }
 
-/// Whether bytes may be a file of settings: text, and not too much.
+/// Checks that bytes are UTF-8 text of at most [`MAX_BYTES`].
 fn check_text(bytes: &[u8]) -> io::Result<&str> {
     if bytes.len() as u64 > MAX_BYTES {
         let why = format!("it is longer than {MAX_BYTES} bytes, expected settings as TOML");
@@ -217,7 +218,7 @@ fn check_text(bytes: &[u8]) -> io::Result<&str> {
     })
 }
 
-/// The place of a byte in a text.
+/// Returns the place of a byte offset in a text.
 fn find_place(text: &str, offset: usize) -> FilePlace {
     let before = text.get(..offset.min(text.len())).unwrap_or(text);
     let line = 1 + before.matches('\n').count();
@@ -225,7 +226,7 @@ fn find_place(text: &str, offset: usize) -> FilePlace {
     FilePlace { line, column: 1 + before[start..].chars().count() }
 }
 
-/// The value that TOML has there.
+/// Converts a TOML value.
 fn to_raw(value: &Spanned<DeValue<'_>>) -> RawValue {
     match value.get_ref() {
         DeValue::Boolean(on) => RawValue::Switch(*on),
@@ -241,7 +242,7 @@ fn to_raw(value: &Spanned<DeValue<'_>>) -> RawValue {
     }
 }
 
-/// The value that TOML has there within a list. No setting is a list of lists.
+/// Converts a TOML value within a list. No setting is a list of lists.
 fn to_raw_within_list(value: &Spanned<DeValue<'_>>) -> RawValue {
     if value.get_ref().is_array() { RawValue::Other("a list") } else { to_raw(value) }
 }

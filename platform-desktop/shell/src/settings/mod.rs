@@ -1,11 +1,12 @@
-//! The settings of both shells: one file of TOML, `paros.toml`, and what else may set the same.
+//! The settings of both shells, from the TOML file `paros.toml` and other sources.
 //!
-//! A setting has the value of the last layer that sets it: what the headset's package brings, the file, the managed
-//! configuration of the headset (Android's `RestrictionsManager`), the command line; where none does, its default.
+//! Settings are merged from layers; the last layer that sets a setting wins. The layers are, in order: the
+//! headset's package, the file, the headset's managed configuration (Android's `RestrictionsManager`), and
+//! the command line. A setting that no layer sets has its default.
 //!
-//! What is wrong costs as little as can be said plainly: a file that is no TOML counts for nothing; in one that is,
-//! a setting that doesn't fit counts for nothing, and so does a key that is none. Each is told with its place and with
-//! what was expected. On a headset the file lies in the folder of the sessions and is read at each start:
+//! Faults are contained: a file that is not valid TOML is ignored as a whole; in a valid one, only invalid
+//! values and unknown keys are ignored. Each fault is reported with its place and with what was expected. On
+//! a headset the file lies beside the folder of the sessions and is read at each start:
 //!
 //! ```text
 //! adb push paros.toml /sdcard/Android/data/org.paros.studio/files/paros.toml
@@ -45,70 +46,72 @@ pub const FILE_NAME: &str = "paros.toml";
 /// The settings of a shell.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Settings {
-    /// Voxels along an edge, one of [`crate::sizes::GRID_SIDES`]; the shell's own choice if not set.
+    /// The voxels along an edge, one of [`crate::sizes::GRID_SIDES`]; `None` leaves the choice to the shell.
     pub size: Option<usize>,
-    /// How a headset's sessions start; in visits, where nothing is chosen.
+    /// The mode in which a headset's sessions start; in visit mode, the mode if the visitor chooses nothing.
     pub mode: SessionMode,
-    /// How long a headset must be off, asleep or without motion for whoever uses it next to be another visitor.
+    /// The time that a headset must be off, asleep or motionless for its next user to count as another
+    /// visitor.
     pub handover_after: Duration,
-    /// The string on which hands draw their bits, in millimetres; 0 for hands that aren't steadied.
+    /// The length, in millimetres, of the virtual string by which hands pull their bits, which steadies them;
+    /// 0 for none.
     pub steady_mm: u8,
-    /// Whether a headset's room is a step lower or higher for visitors who sit or are tall.
+    /// `true` if a headset's room is moved by a height step for visitors who sit or are tall.
     pub snap_heights: bool,
-    /// The display refresh rate that a headset is asked for, in hertz.
+    /// The display refresh rate to request from a headset, in hertz.
     pub refresh_rate_hz: u32,
     /// The least foveation level; see [`Foveation::choose`](crate::headset::foveation::Foveation::choose).
     pub foveation: Option<FoveationLevel>,
-    /// The least part of a picture's sides that is drawn, in hundredths.
+    /// The least scale of a picture's sides for dynamic resolution, in percent.
     pub least_resolution_percent: u32,
-    /// Samples of a pixel, 2 or 4.
+    /// The samples per pixel, 2 or 4.
     pub samples: u32,
-    /// Whether depth is submitted to the compositor too.
+    /// `true` if depth is submitted to the compositor too.
     pub submit_depth: bool,
-    /// How loud the studio is, in hundredths; 0 for no sound.
+    /// The volume of the sound, in percent; 0 for no sound.
     pub sound_percent: u32,
-    /// Where the last session's trace goes.
+    /// The file for the last session's trace.
     pub record: Option<PathBuf>,
-    /// Whether visitors use the window one after the other.
+    /// `true` if the window is a kiosk that visitors use one after the other.
     pub kiosk: bool,
-    /// How long a kiosk's window must be left alone for its visitor to have gone.
+    /// The time without input after which a kiosk's visitor counts as gone.
     pub kiosk_handover_after: Duration,
-    /// The settings of visits; none where sessions are no visits.
+    /// The settings of visits; `None` outside visit mode.
     pub visits: Option<VisitSettings>,
-    /// The settings of the way to a booth, where the device is enrolled at one.
+    /// The settings for sending sculptures to a booth, if the device is enrolled at one.
     pub booth: BoothSettings,
 }
 
-/// Where the value of a setting comes from.
+/// A setting's value and its origin.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct SettingOrigin {
-    /// The value, as TOML has it; of one that isn't set, what holds then.
+    /// The value as TOML; for an unset value, a text that says what is used instead.
     pub value: String,
-    /// Whether there is a value of its kind.
+    /// `true` if there is a value of the setting's kind.
     pub is_set: bool,
-    /// The source of the layer that sets it; none if it is the default.
+    /// The source of the layer that sets it; `None` for the default.
     pub source: Option<String>,
-    /// Where it stands there, in a file.
+    /// The value's place in the source; `None` if the source is not a file.
     pub place: Option<FilePlace>,
 }
 
-/// The settings of all layers, and what is to be said of them.
+/// The settings merged from all layers, with their origins and messages.
 #[derive(Clone, Debug)]
 pub struct LoadedSettings {
     /// The settings.
     pub settings: Settings,
-    /// Where the value of each comes from, in the order of [`SETTINGS`].
+    /// The value and origin of each setting, in the order of [`SETTINGS`].
     pub origins: Vec<SettingOrigin>,
-    /// What each layer sets, a line for each.
+    /// Log lines: the settings of each layer, one line per layer.
     pub told: Vec<String>,
-    /// What is wrong, a line for each fault and each contradiction.
+    /// Log lines: one for each fault and each contradiction.
     pub faults: Vec<String>,
-    /// Which settings contradict each other.
+    /// The contradictions between settings.
     pub contradictions: Vec<Contradiction>,
 }
 
 impl LoadedSettings {
-    /// Merges layers, of which a later one wins.
+    /// Merges layers. A later layer wins.
     #[must_use]
     pub fn merge(layers: &[SettingsLayer]) -> Self {
         let mut settings = table::unset_settings();
@@ -135,14 +138,14 @@ impl LoadedSettings {
         LoadedSettings { settings, origins, told, faults, contradictions }
     }
 
-    /// Whether a layer sets a setting of this name, so that its default doesn't hold.
+    /// Returns `true` if a layer sets the setting with this name; otherwise it has its default.
     #[must_use]
     pub fn is_set(&self, name: &str) -> bool {
         let mut all = SETTINGS.iter().zip(&self.origins);
         all.any(|(setting, origin)| setting.name == name && origin.source.is_some())
     }
 
-    /// All lines for the log.
+    /// Returns all lines for the log.
     pub fn log_lines(&self) -> impl Iterator<Item = &str> {
         self.told.iter().chain(&self.faults).map(String::as_str)
     }
@@ -156,7 +159,7 @@ impl Default for Settings {
 }
 
 impl SettingsFault {
-    /// The fault with its source and its place there, as compilers write them.
+    /// Returns the fault with its source and place, in a compiler's format.
     #[must_use]
     pub fn describe(&self, source: &str) -> String {
         match self.place {
@@ -177,7 +180,7 @@ impl fmt::Display for SettingOrigin {
 }
 
 fn store_default(setting: &Setting, settings: &mut Settings) -> SettingOrigin {
-    // A default that doesn't fit is a fault of the table, which its tests find.
+    // An invalid default is a fault of the table, which the table's tests find.
     let value = setting.default.to_raw().and_then(|raw| setting.kind.check(&raw, &[]).ok());
     let is_set = value.is_some();
     if let Some(value) = value {
@@ -186,7 +189,7 @@ fn store_default(setting: &Setting, settings: &mut Settings) -> SettingOrigin {
     SettingOrigin { value: setting.default.to_string(), is_set, source: None, place: None }
 }
 
-/// A line for each fault of a layer: what is wrong, and what holds all the same.
+/// Returns a line for each fault of a layer: the fault, and the value that is used instead.
 fn describe_faults(layer: &SettingsLayer, origins: &[SettingOrigin]) -> Vec<String> {
     let describe = |fault: &SettingsFault| {
         let holds = fault.setting.and_then(|setting| {
@@ -203,7 +206,7 @@ fn describe_faults(layer: &SettingsLayer, origins: &[SettingOrigin]) -> Vec<Stri
     layer.faults.iter().map(describe).collect()
 }
 
-/// A line of what a layer sets; none for one that only has faults.
+/// Returns a line with the settings of a layer; `None` for a layer that has only faults.
 fn describe_layer(layer: &SettingsLayer) -> Option<String> {
     let set = layer.entries.iter().map(|entry| format!("{} = {}", entry.setting.name, entry.value));
     let set: Vec<_> = set.collect();

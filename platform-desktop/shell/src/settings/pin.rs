@@ -1,8 +1,8 @@
-//! The staff's PIN, which nothing prints.
+//! The staff's PIN, which is never printed.
 
 use std::fmt;
 
-/// Digits of a PIN.
+/// The number of digits of a PIN.
 pub const PIN_DIGITS: usize = 4;
 
 /// Four digits that open the staff's panel: a lock against visitors who try things, not against thieves.
@@ -10,7 +10,7 @@ pub const PIN_DIGITS: usize = 4;
 pub struct StaffPin([u8; PIN_DIGITS]);
 
 impl StaffPin {
-    /// The PIN of a text: four digits, nothing else.
+    /// Parses a PIN: exactly four digits.
     #[must_use]
     pub fn from_text(text: &str) -> Option<Self> {
         let digits: [u8; PIN_DIGITS] = text.as_bytes().try_into().ok()?;
@@ -18,14 +18,14 @@ impl StaffPin {
         is_pin.then(|| StaffPin(digits.map(|digit| digit - b'0')))
     }
 
-    /// Whether these digits, each 0 to 9, are the PIN.
+    /// Returns `true` if these digits, each 0 to 9, are the PIN.
     #[must_use]
     pub fn matches(&self, digits: &[u8]) -> bool {
         self.0 == digits
     }
 }
 
-/// Not its digits.
+/// Hides the digits.
 impl fmt::Debug for StaffPin {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("StaffPin(set)")

@@ -1,4 +1,4 @@
-//! The file of a trace, which is tried before there is anything to record.
+//! The path of the trace file, checked for writing before recording begins.
 
 use std::path::{Path, PathBuf};
 
@@ -6,8 +6,8 @@ use super::{FILE_NAME, LoadedSettings, Settings};
 use crate::durable::WriteTarget;
 
 impl Settings {
-    /// What of the settings contradicts the figures of a package: a trace holds no figures, so none with figures of
-    /// the operator's own could be played.
+    /// Returns an error text if a trace is set and the package has figures of the operator's own: a trace
+    /// holds no figures, so it could not be replayed.
     #[must_use]
     pub fn find_contradiction(&self, own_figures: &[String]) -> Option<String> {
         let record = self.record.as_ref().filter(|_| !own_figures.is_empty())?;
@@ -19,9 +19,9 @@ impl Settings {
 }
 
 impl LoadedSettings {
-    /// Puts the trace's file into a folder, unless its path is absolute, and tries whether it can be written: now, not
-    /// after the sculpting. Nothing is recorded where it can't; the file of settings isn't overwritten, and
-    /// what [`Settings::find_contradiction`] tells is no trace.
+    /// Resolves the trace's path against a folder, and checks at once, not after the session, that the file
+    /// can be written. Recording is disabled, with a fault, if the file can't be written, is the settings
+    /// file, or if [`Settings::find_contradiction`] returns an error.
     pub fn resolve_record(&mut self, folder: &Path, own_figures: &[String]) {
         let contradiction = self.settings.find_contradiction(own_figures);
         let Some(record) = self.settings.record.take() else { return };

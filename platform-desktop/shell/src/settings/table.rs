@@ -1,5 +1,7 @@
-//! The table of all settings: name, kind, default, whom it is for, and why it is as it is. Whatever else tells of
-//! settings is made from it: the check, the template, `SETTINGS.md`, and Android's list of restrictions.
+//! The table of all settings: name, kind, default, scope, and reason.
+//!
+//! Everything else about settings is generated from it: the validation, the template, `SETTINGS.md`, and
+//! Android's list of restrictions.
 
 mod booth;
 mod visits;
@@ -19,42 +21,42 @@ use crate::sizes::GRID_SIDES;
 use booth::BOOTH_ROWS;
 use visits::VISIT_ROWS;
 
-/// The program that a setting is for. The others check it, and do nothing by it.
+/// The program that uses a setting. The other programs check the setting and ignore it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SettingScope {
-    /// The headset's.
+    /// The headset.
     Headset,
-    /// The window's.
+    /// The window.
     Window,
-    /// Both.
+    /// Both the headset and the window.
     Both,
-    /// The booth's, at which visitors ask for their sculptures.
+    /// The booth, at which visitors ask for their sculptures.
     Booth,
 }
 
 /// A setting.
 #[derive(Clone, Copy, Debug)]
 pub struct Setting {
-    /// Its key in the file and in managed configuration.
+    /// The key in the file and in managed configuration.
     pub name: &'static str,
-    /// What its value is.
+    /// The kind of its value.
     pub kind: SettingKind,
-    /// What holds where nobody sets it.
+    /// The default.
     pub default: SettingDefault,
-    /// The program that it is for.
+    /// The program that uses it.
     pub scope: SettingScope,
-    /// What it does, in a sentence for those who run an exhibition.
+    /// The description, a sentence for people who run an exhibition.
     pub summary: &'static str,
-    /// Why its default and its bounds are these.
+    /// The reason for its default and its bounds.
     pub reason: &'static str,
-    /// Puts a value of its kind in its place.
+    /// Stores a value of its kind in the settings.
     pub(super) store: fn(&mut Settings, SettingValue),
 }
 
-/// The words of [`FoveationLevel`], after one for none of them.
+/// The words of [`FoveationLevel`], after `auto` for no level.
 const FOVEATION_WORDS: [&str; 5] = ["auto", "off", "low", "medium", "high"];
 
-/// All settings: those of the studio, of visits, and of the way to a booth.
+/// All settings: those of the studio, of visits, and of the connection to a booth.
 pub static SETTINGS: [Setting; VISITS_FROM + VISIT_ROWS.len() + BOOTH_ROWS.len()] = {
     let mut all = [STUDIO_ROWS[0]; VISITS_FROM + VISIT_ROWS.len() + BOOTH_ROWS.len()];
     let mut i = 1;
@@ -69,7 +71,7 @@ pub static SETTINGS: [Setting; VISITS_FROM + VISIT_ROWS.len() + BOOTH_ROWS.len()
     all
 };
 
-/// Where the rows of visits begin, and those of the booth.
+/// The indices of the first row of visits, and of the booth.
 const VISITS_FROM: usize = STUDIO_ROWS.len();
 const BOOTH_FROM: usize = VISITS_FROM + VISIT_ROWS.len();
 
@@ -222,20 +224,20 @@ const STUDIO_ROWS: [Setting; 14] = [
     },
 ];
 
-/// The grid's sides, as settings have numbers.
+/// The grid's sides as numbers of settings.
 const GRID_SIDES_U32: [u32; GRID_SIDES.len()] = [GRID_SIDES[0] as u32, GRID_SIDES[1] as u32];
 
-/// The setting of this name.
+/// Returns the setting with a name.
 #[must_use]
 pub fn find_setting(name: &str) -> Option<&'static Setting> {
     SETTINGS.iter().find(|setting| setting.name == name)
 }
 
-/// The name of a setting that is nearest to another word, where one is near enough to be meant.
+/// Returns the name of the setting most similar to a word, if it is similar enough, for suggestions.
 #[must_use]
 pub fn nearest_name(word: &str) -> Option<&'static str> {
     let distances = SETTINGS.iter().map(|setting| {
-        // A part of a name is meant for it too: `rate`, `handover`.
+        // A part of a name matches too: `rate`, `handover`.
         let is_part = word.len() > 2 && setting.name.split('_').any(|part| part == word);
         let distance = if is_part { 1 } else { strsim::osa_distance(word, setting.name) };
         (distance, setting.name)
@@ -248,7 +250,7 @@ fn seconds(value: &SettingValue) -> Duration {
     Duration::from_secs(value.number().unwrap_or(0).into())
 }
 
-/// The settings before any is stored.
+/// Returns the settings before any value is stored.
 pub(super) const fn unset_settings() -> Settings {
     Settings {
         size: None,
@@ -284,7 +286,7 @@ mod tests {
         assert_eq!(names.len(), SETTINGS.len());
         for setting in &SETTINGS {
             let name = setting.name;
-            // A key of TOML without quotes, and of Android's list.
+            // The name is valid as an unquoted TOML key and as an Android key.
             assert!(name.bytes().all(|c| c.is_ascii_lowercase() || c == b'_'), "{name}");
             assert!(setting.summary.ends_with('.') && !setting.reason.is_empty(), "{name}");
             if let SettingKind::Whole { least, most } = setting.kind {

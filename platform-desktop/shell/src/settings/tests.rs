@@ -49,7 +49,7 @@ fn every_setting_has_a_place_of_its_own() {
         refresh_rate_hz = 90\nfoveation = \"medium\"\nleast_resolution_percent = 90\nsamples = 2\nsubmit_depth = true\nsound_percent = 0\nrecord = \"a\"\n\
         kiosk = true\nkiosk_seconds = 60\nbooth_enrolment = \"e\"\nbooth_traces = true\n\
         booth_grace_days = 0\nbooth_space_mb = 64\n";
-    // Those of visits have a test of their own.
+    // The settings of visits have their own test.
     let visits = |setting: &&Setting| setting.name == "visits" || setting.name == "email_from_age";
     let [first, last] =
         [SETTINGS.iter().position(|s| visits(&s)), SETTINGS.iter().rposition(|s| visits(&s))];
@@ -79,7 +79,7 @@ fn every_setting_has_a_place_of_its_own() {
         },
     };
     assert_eq!(LoadedSettings::merge(&[file(text)]).settings, expected);
-    // Each line alone changes something.
+    // Each line changes a setting from its default.
     for line in text.lines() {
         assert_ne!(LoadedSettings::merge(&[file(line)]).settings, Settings::default(), "{line}");
     }
@@ -121,7 +121,7 @@ fn faults_say_what_holds_all_the_same() {
     ));
     assert!(faults("kiosk").ends_with("; it counts for nothing"));
     assert!(faults("kiosc = true").ends_with("is kiosk meant?"));
-    // A file of faults alone is not said to set nothing.
+    // A file with only faults is not logged as setting nothing.
     assert_eq!(LoadedSettings::merge(&[file("size = 1")]).told, [""; 0]);
     assert_eq!(LoadedSettings::merge(&[file("# nothing")]).told, ["f: no settings"]);
 }

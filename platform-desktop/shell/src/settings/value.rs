@@ -1,4 +1,4 @@
-//! Kinds of settings, their values, and the check of one against the other.
+//! The kinds of settings, their values, and the check that a value has its setting's kind.
 
 mod list;
 mod write;
@@ -10,10 +10,10 @@ use paros_core::session::SessionMode;
 use super::pin::StaffPin;
 use crate::modes::parse_mode_among;
 
-/// The most bytes of a path: as many as Linux and Android take.
+/// The most bytes of a path, as on Linux and Android.
 const MAX_PATH_BYTES: usize = 4096;
 
-/// What a setting's value is.
+/// The kind of a setting's value.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SettingKind {
     /// `true` or `false`.
@@ -27,7 +27,7 @@ pub enum SettingKind {
     },
     /// 0, or a whole number between two bounds, both included.
     ZeroOr {
-        /// The least beside 0.
+        /// The least value other than 0.
         least: u32,
         /// The greatest.
         most: u32,
@@ -36,22 +36,22 @@ pub enum SettingKind {
     Numbers(&'static [u32]),
     /// One of some words.
     Words(&'static [&'static str]),
-    /// The name of a way to start a session, of [`crate::modes`] or of a figure of the operator's own.
+    /// The name of a session mode, from [`crate::modes`] or of one of the operator's own figures.
     Mode,
     /// A file's path.
     Path,
-    /// Some of some words in an order, at least one, each once.
+    /// An ordered list of some of these words, at least one, without repetition.
     WordList(&'static [&'static str]),
-    /// Some names of [`SettingKind::Mode`] in an order, at least one, each once.
+    /// An ordered list of names of [`SettingKind::Mode`], at least one, without repetition.
     ModeList {
-        /// The most of them.
+        /// The most names.
         most: usize,
     },
-    /// Four digits that are told to nobody.
+    /// A PIN of four digits, which is never printed.
     Pin,
 }
 
-/// What holds where nobody sets a setting.
+/// The default of a setting.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SettingDefault {
     /// A switch's position.
@@ -62,24 +62,24 @@ pub enum SettingDefault {
     Word(&'static str),
     /// Words, or names of modes.
     Words(&'static [&'static str]),
-    /// No value of its kind, but what this says.
+    /// No value; the text describes what happens instead.
     Unset(&'static str),
 }
 
-/// A value as it was found, before it is known to fit.
+/// A value as it was found, before it is checked.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum RawValue {
     /// A boolean.
     Switch(bool),
     /// A whole number.
     Whole(i64),
-    /// A text of a file, in quotes there.
+    /// A quoted text of a file.
     Text(String),
-    /// A text of a command line or of a managed configuration, in which a number or a switch is a text too.
+    /// A text of a command line or a managed configuration, which may stand for a number or a switch too.
     Untyped(String),
-    /// A list of a file. What is within it is none.
+    /// A list of a file. Its elements are not lists.
     List(Vec<RawValue>),
-    /// Something else, in the words of TOML: no setting is of such a type.
+    /// A value of another TOML type, by the type's name. No setting has such a type.
     Other(&'static str),
 }
 
@@ -108,7 +108,7 @@ impl SettingKind {
     /// Checks a value. `own_figures` are the names of the operator's own hidden figures.
     ///
     /// # Errors
-    /// What was found and what was expected.
+    /// Returns a text that says what was found and what was expected.
     pub fn check(self, raw: &RawValue, own_figures: &[String]) -> Result<SettingValue, String> {
         let not_expected =
             |found: &str| format!("{found}, expected {}", self.describe(own_figures));
@@ -159,19 +159,19 @@ impl SettingKind {
             }
             SettingKind::Pin => {
                 let pin = raw.as_text().and_then(StaffPin::from_text);
-                // Whoever reads a log shall not learn what a wrong one is near to.
+                // The log must not show a wrong PIN, which may be close to the right one.
                 pin.map(SettingValue::Pin).ok_or_else(|| not_expected("a value that isn't shown"))
             }
         }
     }
 
-    /// Whether its values are lists.
+    /// Returns `true` if its values are lists.
     #[must_use]
     pub const fn is_list(self) -> bool {
         matches!(self, SettingKind::WordList(_) | SettingKind::ModeList { .. })
     }
 
-    /// What a value must be.
+    /// Returns a description of the valid values.
     #[must_use]
     pub fn describe(self, own_figures: &[String]) -> String {
         match self {
@@ -235,19 +235,19 @@ impl RawValue {
 }
 
 impl SettingValue {
-    /// The number, if it is one.
+    /// Returns the number; `None` for other kinds.
     pub(super) fn number(&self) -> Option<u32> {
         if let SettingValue::Number(number) = self { Some(*number) } else { None }
     }
 
-    /// The word, if it is one.
+    /// Returns the word; `None` for other kinds.
     pub(super) fn word(&self) -> Option<&'static str> {
         if let SettingValue::Word(word) = self { Some(word) } else { None }
     }
 }
 
 impl SettingDefault {
-    /// The default as a value that was found; none for [`SettingDefault::Unset`].
+    /// Returns the default as a raw value; `None` for [`SettingDefault::Unset`].
     #[must_use]
     pub fn to_raw(self) -> Option<RawValue> {
         match self {
@@ -266,7 +266,7 @@ fn find_word(words: &[&'static str], text: &str) -> Option<&'static str> {
     words.iter().find(|word| **word == text).copied()
 }
 
-/// Words as messages list them.
+/// Returns a quoted, comma-separated list of words for messages.
 fn quote_words(words: &[&str]) -> String {
     let words: Vec<_> = words.iter().map(|word| format!("\"{word}\"")).collect();
     words.join(", ")

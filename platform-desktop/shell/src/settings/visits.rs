@@ -1,4 +1,4 @@
-//! The settings of visits, and how shells tell a world of them.
+//! The settings of visits, and the commands that send them to a world.
 
 use paros_core::badge::Language;
 use paros_core::session::SessionMode;
@@ -6,36 +6,36 @@ use paros_core::visit::{PlanSetting, VisitCommand, VisitPlan};
 
 use super::pin::StaffPin;
 
-/// The most ways to start that are on offer: as many cards as a panel has in two rows.
+/// The most session starts on offer: the cards that fit on a panel in two rows.
 pub const MAX_STARTS: usize = 8;
 
-/// A way to start that is on offer.
+/// A session start on offer.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct VisitStart {
-    /// Its name, as `mode` takes it.
+    /// The name, as in the setting `mode`.
     pub name: String,
     /// The mode.
     pub mode: SessionMode,
 }
 
-/// What an exhibition sets of its visits.
+/// The settings of an exhibition's visits.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct VisitSettings {
-    /// Times, whether there are badges, and how a session starts where nothing is chosen: one of the starts.
+    /// The times, whether there are badges, and the start if nothing is chosen, which is one of `starts`.
     pub plan: VisitPlan,
-    /// The languages to choose from, at least one, each once; a visit's language is a number in this list, 0 where none
-    /// is chosen.
+    /// The languages to choose from, at least one, without repetition. A visit's language is an index into
+    /// this list, 0 if none is chosen.
     pub languages: Vec<Language>,
-    /// The ways to start that are on offer, 1 to [`MAX_STARTS`], each once.
+    /// The session starts on offer, 1 to [`MAX_STARTS`], without repetition.
     pub starts: Vec<VisitStart>,
-    /// What opens the staff's panel; without it nothing does.
+    /// The PIN that opens the staff's panel; without a PIN the panel can't be opened.
     pub staff_pin: Option<StaffPin>,
-    /// The age from which the booth lets a visitor leave an e-mail address, in years; 0 where nobody may.
+    /// The age in years from which a visitor may leave an e-mail address at the booth; 0 if nobody may.
     pub email_from_age: u32,
 }
 
 impl VisitSettings {
-    /// Visits before any setting is stored.
+    /// Returns the settings before any value is stored.
     pub(super) const fn unset() -> Self {
         VisitSettings {
             plan: VisitPlan::new(),
@@ -47,8 +47,9 @@ impl VisitSettings {
     }
 }
 
-/// The commands by which a world's plan becomes another, in the order of [`PlanSetting::ALL`] and the start last. One is
-/// to be sent a tick; [`VisitCommand::Open`] makes the plan the default one.
+/// Returns the commands that change a world's plan from one to another: the start first, then the others in
+/// the order of [`PlanSetting::ALL`]. Send one command per tick. [`VisitCommand::Open`] resets the plan to
+/// the default.
 pub fn plan_changes(from: &VisitPlan, to: &VisitPlan) -> impl Iterator<Item = VisitCommand> {
     let (from, to) = (*from, *to);
     let values = PlanSetting::ALL.into_iter().filter_map(move |setting| {
@@ -56,7 +57,7 @@ pub fn plan_changes(from: &VisitPlan, to: &VisitPlan) -> impl Iterator<Item = Vi
         (value != from.value(setting)).then_some(VisitCommand::Set { setting, value })
     });
     let start = (to.start() != from.start()).then_some(VisitCommand::SetStart(to.start()));
-    // First, as a visitor may be welcome before the last of them is told.
+    // The start comes first, as a visitor may begin before the last command is sent.
     start.into_iter().chain(values)
 }
 

@@ -1,5 +1,4 @@
-//! Autosave: decides after each tick whether the session is saved, and submits the save to the file
-//! writer. It knows neither how a session starts nor what else is written.
+//! Autosave: decides after each tick whether to save the session, and submits the save to the file writer.
 
 use std::mem;
 
@@ -13,49 +12,49 @@ use crate::durable;
 use crate::file_writer::{Destination, FileKind, FileWriter, WriteJob};
 use crate::studio_paths::StudioPaths;
 
-/// Least ticks between two saves: three seconds.
+/// The least ticks between two saves: three seconds.
 const SAVE_TICKS: u64 = 3 * TICK_RATE as u64;
 
-/// Least ticks between two saves where a stroke has just ended: one second.
+/// The least ticks between two saves if a stroke has just ended: one second.
 const STROKE_TICKS: u64 = TICK_RATE as u64;
 
 /// The session's state relative to its last save.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum SaveState {
-    /// Unchanged since.
+    /// Unchanged since the last save.
     Saved,
-    /// Changed since.
+    /// Changed since the last save.
     Changed,
-    /// To be saved as soon as the last save is written.
+    /// To be saved as soon as the last save has been written.
     Due,
 }
 
-/// Whether the visitor is to be told of a failed save: only of the first of a row.
+/// The decision whether to notify the visitor of a failed save: only the first failure in a row is reported.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum FailureNotice {
     Due,
     NotDue,
 }
 
-/// Saves the session from time to time, with one buffer that goes to the file writer and comes back.
+/// Saves the session from time to time, with one buffer that is lent to the file writer.
 pub(super) struct Autosave {
     state: SaveState,
     /// The save job, its buffer large enough for any session. `None` while it is being written.
     buffer: Option<WriteJob>,
     /// The tick of the last save.
     saved_at_tick: u64,
-    /// Whether a stroke was under way after the last tick.
+    /// `true` if a stroke was in progress after the last tick.
     stroke_open: bool,
-    /// Why the last save was not written.
+    /// The reason why the last save was not written.
     save_error: Option<String>,
-    /// Whether the save that is being written is of the session in the world, and not of one that was left since.
+    /// `true` if the save that is being written is of the session in the world, not of a previous session.
     writes_this_session: bool,
-    /// Whether the save on the disk, if there is one, is of the session in the world.
+    /// `true` if the save on the disk, if there is one, is of the session in the world.
     is_this_on_disk: bool,
 }
 
 impl Autosave {
-    /// A state with nothing to save. Allocates the buffer.
+    /// Creates a state with nothing to save. Allocates the buffer.
     pub(super) fn new<const N: usize>(paths: &StudioPaths) -> Self {
         let buffer = WriteJob {
             kind: FileKind::Session,
@@ -73,27 +72,27 @@ impl Autosave {
         }
     }
 
-    /// Whether the save on the disk, if there is one, is of the session in the world.
+    /// Returns `true` if the save on the disk, if there is one, is of the session in the world.
     pub(super) const fn is_this_session_on_disk(&self) -> bool {
         self.is_this_on_disk
     }
 
-    /// The error of the last save, while saving fails.
+    /// Returns the error of the last save, while saving fails.
     pub(super) fn save_error(&self) -> Option<&str> {
         self.save_error.as_deref()
     }
 
-    /// Whether a save is to begin as soon as the last one is written.
+    /// Returns `true` if the session is to be saved as soon as the last save has been written.
     pub(super) fn is_due(&self) -> bool {
         self.state == SaveState::Due
     }
 
-    /// Whether the session may differ from what was saved last.
+    /// Returns `true` if the session may differ from the last save.
     pub(super) fn is_changed(&self) -> bool {
         self.state != SaveState::Saved
     }
 
-    /// Whether a save is being written.
+    /// Returns `true` while a save is being written.
     #[cfg(test)]
     pub(super) const fn is_writing(&self) -> bool {
         self.buffer.is_none()
@@ -105,9 +104,8 @@ impl Autosave {
         (self.writes_this_session, self.is_this_on_disk) = (false, false);
     }
 
-    /// Updates the state after a tick. A save becomes due when something has changed and either the
-    /// session is finished or the last save is old enough: one second where a stroke has just ended,
-    /// else three.
+    /// Updates the state after a tick. A save becomes due when something has changed, and either the session
+    /// is finished or the last save is old enough: one second if a stroke has just ended, else three.
     pub(super) fn mark_due_after_tick<const N: usize>(&mut self, world: &World<N, INTERVALS>)
     where
         Grid<N>: Size,
@@ -126,8 +124,8 @@ impl Autosave {
         }
     }
 
-    /// Encodes and submits the session. While the last save is still being written there is no buffer,
-    /// and the save stays due.
+    /// Encodes and submits the session. While the last save is still being written, the buffer is missing and
+    /// the save stays due.
     pub(super) fn submit_save_or_stay_due<const N: usize>(
         &mut self,
         session: &LiveSession<'_, N>,
@@ -148,7 +146,7 @@ impl Autosave {
         self.writes_this_session = true;
     }
 
-    /// Takes back the buffer of a save, with its error if it failed; the save is then tried again.
+    /// Takes back the buffer of a save, with its error if it failed. A failed save is retried.
     pub(super) fn reclaim_buffer(
         &mut self,
         job: WriteJob,

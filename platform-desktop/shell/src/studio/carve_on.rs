@@ -1,4 +1,5 @@
-//! Carving on after the end: a finished sculpture becomes what it was before, with its figure and its strokes to undo.
+//! Continuation of a finished sculpture: it returns to its state before the finish, with its figure and its
+//! undo history.
 
 use paros_core::TickInput;
 use paros_core::limits::INTERVALS;
@@ -9,12 +10,13 @@ use super::session::LiveSession;
 use super::{SessionToStart, Studio};
 use crate::statics::Resident;
 
-/// How a finished sculpture is carved on.
+/// The way in which a finished sculpture is continued.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum CarvingOn {
-    /// The session goes on as it was before its end.
+    /// The session continues from its state before the finish.
     GoesOn,
-    /// It was finished in an earlier run: a session starts from its stone.
+    /// The sculpture was finished in an earlier run, without such a state: a new session starts from its
+    /// stone.
     Starts(SessionToStart),
 }
 
@@ -22,7 +24,7 @@ impl<const N: usize> Studio<'_, N>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    /// Goes on with a finished sculpture. What was made of it, its print and picture, stays.
+    /// Continues a finished sculpture. Its print and picture are kept.
     pub fn carve_on(&mut self) -> CarvingOn {
         let before = self.before_finish.take();
         if before.is_some_and(|save| self.session.load_or_keep(&save).is_ok()) {
@@ -35,7 +37,7 @@ where
         CarvingOn::Starts(SessionToStart { mode: SessionMode::Own })
     }
 
-    /// Keeps the save of a sculpture that a tick's input finishes.
+    /// Keeps the save of a sculpture if a tick's input is about to finish it.
     pub(super) fn keep_before_finish(&mut self, input: &TickInput) {
         if input.commands & commands::FINISH != 0
             && self.world().session_state() == SessionState::Sculpting

@@ -1,4 +1,5 @@
-//! A visit's sculpture whose files the program's end cut off: they are made again at the next start.
+//! Recovery of an interrupted export: if the program ended before the files of a visit's sculpture were
+//! written, they are made again at the next start.
 
 use std::path::{Path, PathBuf};
 
@@ -12,15 +13,16 @@ use super::files::SCULPTURE_STEM;
 use crate::statics::Resident;
 use crate::{durable, rmap};
 
-/// How many of a folder's newest sculptures are looked through for the one in the world: a visit's is the last.
+/// The number of a folder's newest sculptures that are compared with the one in the world: a visit's
+/// sculpture is the last one.
 const NEWEST: usize = 3;
 
 impl<const N: usize> Studio<'_, N>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    /// Makes the files of a visit's finished sculpture, unless they are there. In a session that is no visit's the
-    /// visitor has it carved on, or finished again.
+    /// Makes the files of a visit's finished sculpture, unless they exist. Outside visits the visitor can
+    /// continue the sculpture, or finish it again.
     pub(super) fn export_what_was_cut_off(&mut self) {
         let world = &*self.session.world;
         if world.visit().phase() == VisitPhase::Closed
@@ -37,16 +39,17 @@ where
         }
     }
 
-    /// Whether the files of a sculpture are still being made that isn't in the world any more: until the writer has them
-    /// its save is all that there is of it on the disk, and no other takes its place. So it is until its receiver has kept it.
+    /// Returns `true` if the files of a sculpture that has left the world are still being made, or its
+    /// receiver hasn't kept it yet. Until then its save is its only copy on the disk, and must not be
+    /// replaced.
     pub(super) fn is_printing_another(&self) -> bool {
         (self.export.is_making_files() || self.is_receiver_keeping())
             && self.world().session_state() != SessionState::Finished
     }
 }
 
-/// The print beside the volume of these bytes, among a folder's newest: those of the highest numbers. What else a user
-/// keeps there doesn't count.
+/// Returns the print beside the volume with these bytes, if it is among a folder's newest sculptures, those
+/// with the highest numbers. Other files of the user are ignored.
 fn find_print_of(folder: &Path, volume: &[u8]) -> Option<PathBuf> {
     let entries = folder.read_dir().ok()?.filter_map(|entry| Some(entry.ok()?.path()));
     let mut volumes: Vec<_> =
@@ -60,7 +63,7 @@ fn find_print_of(folder: &Path, volume: &[u8]) -> Option<PathBuf> {
     same.map(|path| path.with_extension("stl")).filter(|print| print.exists())
 }
 
-/// The number of a sculpture's volume, as `sculpture-1000.rmap` has it.
+/// Returns the number of a sculpture's volume file, such as `sculpture-1000.rmap`.
 fn numbered_volume(path: &Path) -> Option<u32> {
     let name = path.file_name()?.to_str()?;
     let number = name.strip_prefix(SCULPTURE_STEM)?.strip_prefix('-')?.strip_suffix(".rmap")?;

@@ -1,5 +1,5 @@
-//! Export of a finished sculpture: an STL file, its volume and a picture. It takes the world after each
-//! tick and gives files as bytes. It knows neither where they go nor how they are written.
+//! Export of a finished sculpture: an STL file, its volume and a picture. It takes the world after each tick
+//! and returns files as bytes. It does not write them.
 
 use std::mem;
 use std::path::{Path, PathBuf};
@@ -22,7 +22,7 @@ where
     stl_exporter: StlExporter<'a, N, INTERVALS>,
     draw_picture: DrawPicture<N>,
     files: Option<SculptureFiles>,
-    /// Sculptures whose files the writer hasn't answered for.
+    /// The number of sculptures whose files the writer has not answered for yet.
     being_written: usize,
     /// The path of the last STL file.
     session_stl_path: Option<PathBuf>,
@@ -34,7 +34,7 @@ impl<'a, const N: usize> SculptureExport<'a, N>
 where
     Grid<N>: Size,
 {
-    /// Nothing to export yet.
+    /// Creates an export without a sculpture.
     pub(super) fn new(
         stl_exporter: StlExporter<'a, N, INTERVALS>,
         draw_picture: DrawPicture<N>,
@@ -50,7 +50,7 @@ where
         }
     }
 
-    /// The path of the last STL file.
+    /// Returns the path of the last STL file.
     pub(super) fn session_stl_path(&self) -> Option<&Path> {
         self.session_stl_path.as_deref()
     }
@@ -60,12 +60,12 @@ where
         self.session_stl_path = path;
     }
 
-    /// Whether failed jobs are kept.
+    /// Returns `true` if failed jobs are kept.
     pub(super) const fn has_failed_jobs(&self) -> bool {
         !self.failed_jobs.is_empty()
     }
 
-    /// Keeps a failed job, to be submitted again.
+    /// Keeps a failed job for a retry.
     pub(super) fn keep_failed_job(&mut self, job: WriteJob) {
         self.failed_jobs.push(job);
     }
@@ -90,17 +90,17 @@ where
         self.files.is_some() || self.being_written > 0
     }
 
-    /// Sculptures whose files are being made, being written, or failed.
+    /// Returns the number of sculptures whose files are being made, are being written, or failed.
     pub(super) fn count_unkept(&self) -> usize {
         usize::from(self.files.is_some()) + self.being_written + self.failed_jobs.len()
     }
 
-    /// Whether files are being made, of which the writer has nothing yet.
+    /// Returns `true` if files are being made that the writer doesn't have yet.
     pub(super) const fn is_making_files(&self) -> bool {
         self.files.is_some()
     }
 
-    /// How much of the print is made, 0 to 1: 0 before it is begun, 1 once it is done.
+    /// Returns the finished fraction of the print, 0 to 1.
     pub(super) fn part_made(&self) -> f32 {
         match &self.files {
             Some(_) => self.stl_exporter.part_made(),
@@ -108,42 +108,42 @@ where
         }
     }
 
-    /// Advances the STL export after a tick; begins one where the tick finished the session.
+    /// Advances the STL export after a tick, or begins one if the tick finished the session.
     pub(super) fn advance_stl_after_tick(&mut self, world: &World<N, INTERVALS>) {
         let stl = self.stl_exporter.begin_if_finished_or_advance(world);
         if let Some(files) = &mut self.files {
             files.keep_stl(stl);
-            // Until the next visitor's.
+            // The world holds the badge until the next visitor comes.
             if let Some(badge) = world.visit().badge().and_then(BadgeNumber::new) {
                 files.note_badge(badge);
             }
         }
     }
 
-    /// Begins the export of a finished world.
+    /// Begins the export of a world whose session has ended earlier, with its STL file.
     pub(super) fn begin_anew(&mut self, world: &World<N, INTERVALS>) {
         self.stl_exporter.begin_export(world.volume().rows(), world.mask());
         self.start_making_files(world);
     }
 
-    /// Starts the export of a world whose session has just ended.
+    /// Starts to make the other files of a world whose session has just ended and whose STL file is begun.
     pub(super) fn start_making_files(&mut self, world: &World<N, INTERVALS>) {
         self.files = Some(SculptureFiles::start(world, self.draw_picture));
     }
 
-    /// Notes that the files which are being made are on the disk already.
+    /// Notes that the files being made are on the disk already.
     pub(super) const fn note_written(&mut self) {
         if let Some(files) = &mut self.files {
             files.note_written();
         }
     }
 
-    /// The volume's file of the sculpture whose files are being made.
+    /// Returns the volume file of the sculpture whose files are being made.
     pub(super) fn volume(&self) -> Option<&[u8]> {
         self.files.as_ref().map(SculptureFiles::volume)
     }
 
-    /// How high prints are, in millimetres.
+    /// Returns the height of prints, in millimetres.
     pub(super) const fn model_height_mm(&self) -> f32 {
         self.stl_exporter.model_height_mm()
     }
@@ -155,14 +155,14 @@ where
         }
     }
 
-    /// Waits for the picture and makes what is left of the STL file.
+    /// Waits for the picture and finishes the STL file.
     pub(super) fn make_files_to_end(&mut self) {
         if let Some(files) = &mut self.files {
             files.make_files_to_end(&mut self.stl_exporter);
         }
     }
 
-    /// The files once all are ready, or why there are none. They are returned once.
+    /// Returns the files once all are ready, or the reason why there are none. They are returned once.
     pub(super) fn take_finished_files(&mut self) -> Option<Result<MadeSculpture, String>> {
         let files = self.files.as_mut()?.take_finished_files()?;
         self.files = None;

@@ -1,5 +1,5 @@
-//! The studio's writes: sessions, sculptures and traces submitted to the file writer, and their
-//! outcomes reported to the visitor.
+//! The studio's writes: submits sessions, sculptures and traces to the file writer, and reports the outcomes
+//! to the visitor.
 
 use std::path::PathBuf;
 
@@ -13,22 +13,22 @@ use crate::durable::{self, StorageLimit};
 use crate::file_writer::{Destination, FileKind, WriteJob, WriteOutcome};
 use crate::statics::Resident;
 
-/// How the names of a sculpture's files begin.
+/// The stem of the names of a sculpture's files.
 pub(super) const SCULPTURE_STEM: &str = "sculpture";
 
 impl<const N: usize> Studio<'_, N>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    /// Submits a save of the session, now or as soon as the last save is written.
+    /// Submits a save of the session, now or as soon as the last save has been written.
     pub(super) fn save_session(&mut self) {
         self.autosave.submit_save_or_stay_due(&self.session, &mut self.file_writer);
     }
 
-    /// Waits for all pending writes, and for what is due after them.
+    /// Waits for all pending writes, and for saves that become due meanwhile.
     ///
     /// # Errors
-    /// The first write that failed.
+    /// Returns the error of the first write that failed.
     pub(super) fn wait_for_writes(&mut self) -> Result<(), durable::WriteError> {
         let mut done = Ok(());
         self.submit_last_use();
@@ -81,7 +81,7 @@ where
         });
     }
 
-    /// Submits files, and notes those of a sculpture until the writer answers for them.
+    /// Submits files, and counts those of a sculpture until the writer answers.
     pub(super) fn submit_job(&mut self, job: WriteJob) {
         if job.kind == FileKind::Sculpture {
             self.export.note_submitted();
@@ -89,11 +89,11 @@ where
         self.file_writer.submit_or_wait(job);
     }
 
-    /// Handles a write's outcome: messages for the visitor, the save's buffer taken back, failed
-    /// sculptures kept to be submitted again.
+    /// Handles a write's outcome: adds messages for the visitor, takes back the save's buffer, and keeps
+    /// failed sculptures for a retry.
     ///
     /// # Errors
-    /// The write's.
+    /// Returns the write's error.
     pub(super) fn handle_write_outcome(
         &mut self,
         outcome: WriteOutcome,
@@ -131,7 +131,7 @@ where
         written
     }
 
-    /// Tells what the storage refused though it took the files.
+    /// Adds messages for the storage's warnings.
     fn notice_storage_warnings(&mut self) {
         for warning in durable::take_storage_warnings() {
             let text = warning.to_string();

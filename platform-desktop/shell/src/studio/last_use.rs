@@ -1,5 +1,5 @@
-//! When the headset was last used, in a file beside the session's save: for shells whose visitors change. Others don't
-//! ask for it, and go on with whatever session they find.
+//! The time of the headset's last use, in a file beside the session's save, for shells whose visitors change.
+//! Other shells don't use it, and resume any session that they find.
 
 use std::path::PathBuf;
 
@@ -12,18 +12,18 @@ use crate::file_writer::{Destination, FileKind, FileWriter, WriteJob};
 use crate::last_use::LastUse;
 use crate::statics::Resident;
 
-/// The file, with one buffer that goes to the file writer and comes back.
+/// The file, with one buffer that is lent to the file writer.
 pub(super) struct LastUseFile {
-    /// `None` while it is being written.
+    /// The write job; `None` while it is being written.
     job: Option<WriteJob>,
-    /// To be written as soon as may be.
+    /// The time to write next.
     pending: Option<LastUse>,
-    /// Whether the last one could not be written.
+    /// `true` if the last write failed.
     is_failing: bool,
 }
 
 impl LastUseFile {
-    /// Nothing to write yet.
+    /// Creates a state with nothing to write.
     pub(super) fn new(path: PathBuf) -> Self {
         let job = WriteJob {
             kind: FileKind::LastUse,
@@ -33,8 +33,8 @@ impl LastUseFile {
         LastUseFile { job: Some(job), pending: None, is_failing: false }
     }
 
-    /// Takes back the buffer. Returns what the visitor is to be told: of the first failure of a row. The next time
-    /// comes soon, so that none is written again.
+    /// Takes back the buffer. Returns a message for the visitor for the first failure in a row. A failed
+    /// write is not retried, as the next time follows soon.
     pub(super) fn reclaim_buffer(
         &mut self,
         job: WriteJob,
@@ -64,16 +64,17 @@ impl<const N: usize> Studio<'_, N>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    /// Keeps the time at which the visitor of this session was last seen. It is written once the session is on the
-    /// disk: beside a former visitor's it would make that one this visitor's.
+    /// Keeps the time at which this session's visitor was last seen. The time is written only once the
+    /// session is on the disk: beside a former visitor's session it would assign that session to this
+    /// visitor.
     pub fn keep_last_use(&mut self, last_use: LastUse) {
         self.last_use.pending = Some(last_use);
     }
 
-    /// Reads the time that was kept beside the session on the disk.
+    /// Reads the time that is stored beside the session on the disk.
     ///
     /// # Errors
-    /// That it can't be read, or is no such time: a line for the log that names the file.
+    /// Returns a line for the log, with the file's path, if the file can't be read or holds no such time.
     pub fn read_last_use(&self) -> Result<LastUse, String> {
         let path = self.paths.last_use_file(N);
         let bytes = durable::read_regular_file_up_to(&path, LastUse::BYTES as u64);
@@ -83,7 +84,7 @@ where
         })
     }
 
-    /// Submits the time that is to be kept, if its session is on the disk and the last one is written.
+    /// Submits the time to write, if its session is on the disk and the last write is done.
     pub(super) fn submit_last_use(&mut self) {
         if self.autosave.is_this_session_on_disk() {
             self.last_use.submit_if_free(&mut self.file_writer);

@@ -1,4 +1,4 @@
-//! A file being read in a thread, so that no frame waits for it.
+//! A file read in a thread, so that no frame waits for it.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -11,7 +11,7 @@ use paros_core::volume::{Grid, Size};
 use super::{Notice, SessionToStart, Studio, VolumeReader};
 use crate::statics::Resident;
 
-/// A file being read. When it is done, the static range maps of its size hold it.
+/// A file being read into the static range maps of its size.
 #[derive(Debug)]
 pub(super) struct PendingRead {
     /// The file's path.
@@ -32,7 +32,7 @@ impl PendingRead {
         PendingRead { path: path.to_owned(), done }
     }
 
-    /// The result, once the thread is done. Does not block.
+    /// Returns the result once the thread is done. Does not block.
     #[must_use]
     pub(super) fn poll_result(&self) -> Option<Result<(), String>> {
         match self.done.try_recv() {
@@ -49,8 +49,8 @@ impl<const N: usize> Studio<'_, N>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    /// Copies the volume that was read last to the visitor's own start volume. Returns the session that
-    /// starts from it; `None` where another file is being read since, or it was offered already.
+    /// Copies the last volume read to the visitor's own start volume. Returns the session that starts from
+    /// it; `None` if another file is being read since, or the volume was offered already.
     pub fn offer_read_volume(&mut self) -> Option<SessionToStart> {
         core::mem::take(&mut self.has_read_volume).then(|| {
             let own = self.session.volumes.offer_visitor_volume();
@@ -59,7 +59,8 @@ where
         })
     }
 
-    /// Starts to read a file, for a new session. One at a time; others are refused with a message.
+    /// Starts to read a file for a new session. Only one file is read at a time; others are rejected with a
+    /// message.
     pub fn open_file(&mut self, path: &Path, reader: VolumeReader) {
         match &self.pending_read {
             None => {

@@ -12,8 +12,8 @@ use paros_core::volume::{Grid, Size};
 use super::Studio;
 use crate::statics::Resident;
 
-/// How long a save that would replace a sculpture's save waits for the receiver to keep the sculpture. A full disk takes
-/// longer, and the save does not wait for it.
+/// The time for which a save that would replace a sculpture's save waits for the receiver to keep the
+/// sculpture. A full disk takes longer, and the save does not wait for it.
 const KEEP_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Receives a studio's finished sculptures, one at a time.
@@ -50,7 +50,7 @@ impl<const N: usize> Studio<'_, N>
 where
     Grid<N>: Size + Resident<N, INTERVALS>,
 {
-    /// Sets the receiver of what is finished from now on; `None` removes it.
+    /// Sets the receiver of sculptures that are finished from now on; `None` removes it.
     pub fn set_receiver(&mut self, receiver: Option<Box<dyn SculptureReceiver<N>>>) {
         self.receiver = receiver;
     }
@@ -65,7 +65,7 @@ where
         self.begin_in_receiver(true);
     }
 
-    /// Returns `true` if the files of a visit's sculpture wait for the badge that stands in them.
+    /// Returns `true` if the files of a visit's sculpture wait for the badge number, which is part of them.
     #[must_use]
     pub fn is_badge_awaited(&self) -> bool {
         let visit = self.world().visit();

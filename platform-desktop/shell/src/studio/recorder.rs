@@ -1,5 +1,5 @@
-//! Trace recording of the current session. It runs the ticks and gives a trace's bytes. It writes no
-//! files; it only keeps the path that the trace gets at the end.
+//! Trace recording of the current session. It runs the ticks and returns a trace's bytes. It writes no files;
+//! it only stores the path for the trace at exit.
 
 use std::path::{Path, PathBuf};
 
@@ -11,48 +11,48 @@ use paros_core::{TickInput, WorldEvent};
 
 use crate::tick_runner::{TickRunner, TraceRecording};
 
-/// The most ticks recorded of a session without a file for its trace: two hours, 70 MiB.
+/// The most ticks recorded of a session if no trace file is set: two hours, 70 MiB.
 const MAX_UNASKED_TICKS: u32 = 2 * 60 * 60 * TICK_RATE;
 
-/// How much of each session is recorded.
+/// The extent to which each session is recorded.
 #[derive(Clone, PartialEq, Eq, Debug)]
 enum RecordingExtent {
-    /// Nothing.
+    /// No ticks.
     None,
     /// The first [`MAX_UNASKED_TICKS`].
     Limited,
-    /// All of it. At the end the trace goes to this file.
+    /// All ticks. At exit the trace is written to this file.
     Whole(PathBuf),
 }
 
-/// Records each session from its start. A session resumed from a save is not recorded: a trace must
-/// begin at its start.
+/// Records each session from its start. A session that was resumed from a save is not recorded, as a trace
+/// must begin at a session's start.
 #[derive(Debug)]
 pub(super) struct Recorder {
     extent: RecordingExtent,
     recording: Option<TraceRecording>,
-    /// Visitors who came since the session's start.
+    /// The number of visitors since the session's start.
     visitors: u32,
 }
 
 impl Recorder {
-    /// Records the first hours of each session.
+    /// Creates a recorder of the first [`MAX_UNASKED_TICKS`] of each session.
     pub(super) const fn new() -> Self {
         Recorder { extent: RecordingExtent::Limited, recording: None, visitors: 0 }
     }
 
-    /// Records nothing from now on.
+    /// Stops recording.
     pub(super) fn disable_recording(&mut self) {
         self.extent = RecordingExtent::None;
     }
 
-    /// Sets the file for the last session's trace, and records whole sessions; with `None`, their first
-    /// two hours.
+    /// Sets the file for the last session's trace, and records whole sessions; with `None`, their first two
+    /// hours only.
     pub(super) fn set_trace_path_at_exit(&mut self, trace_path: Option<PathBuf>) {
         self.extent = trace_path.map_or(RecordingExtent::Limited, RecordingExtent::Whole);
     }
 
-    /// The file for the last session's trace.
+    /// Returns the file for the last session's trace.
     pub(super) fn trace_path(&self) -> Option<&Path> {
         match &self.extent {
             RecordingExtent::Whole(path) => Some(path),
@@ -60,12 +60,12 @@ impl Recorder {
         }
     }
 
-    /// The bytes of the trace so far; `None` for a session that is not recorded.
+    /// Returns the bytes of the trace so far; `None` for a session that is not recorded.
     pub(super) fn trace_bytes(&self) -> Option<Vec<u8>> {
         self.recording.as_ref().map(TraceRecording::to_trace_bytes)
     }
 
-    /// The bytes of a trace that is whole and has one visitor at most.
+    /// Returns the bytes of the trace if it is whole and has at most one visitor.
     pub(super) fn visitors_own_trace(&self) -> Option<Vec<u8>> {
         let is_own = self.visitors <= 1 && !self.has_reached_limit();
         is_own.then(|| self.trace_bytes()).flatten()
@@ -81,8 +81,8 @@ impl Recorder {
         self.recording = None;
     }
 
-    /// Runs one tick, recorded if the session is. `starts_session` tells whether the tick starts a
-    /// session.
+    /// Runs one tick, and records it if the session is recorded. `starts_session` is `true` if the tick
+    /// starts a session.
     pub(super) fn run_tick<const N: usize>(
         &mut self,
         mut runner: TickRunner<'_, N, INTERVALS>,

@@ -13,26 +13,26 @@ use super::DrawPicture;
 use crate::rmap;
 use crate::stl_export::{FinishedStl, StlExporter};
 
-/// Each file's extension and bytes.
+/// The extension and bytes of each file.
 pub(super) type FilesByExtension = Vec<(&'static str, Vec<u8>)>;
 
-/// What was made of a sculpture.
+/// The files made of a sculpture.
 #[derive(Debug)]
 pub(super) struct MadeSculpture {
-    /// The files for the visitor; none where they are written already.
+    /// The files for the visitor; empty if they are written already.
     pub(super) files: FilesByExtension,
     /// The badge that the visitor was shown.
     pub(super) badge: Option<BadgeNumber>,
 }
 
-/// The parts made so far.
+/// The files of a sculpture that have been made so far.
 #[derive(Debug)]
 pub(super) struct SculptureFiles {
     /// The print, once it is made.
     stl: Option<FinishedStl>,
     picture: PictureState,
     rmap: Vec<u8>,
-    /// Of a visit: the badge by which the sculpture is found.
+    /// In a visit, the badge by which the sculpture is found.
     badge: Option<BadgeNumber>,
     /// `true` if the files are on the disk already, and only the receiver lacks the sculpture.
     is_written: bool,
@@ -76,12 +76,12 @@ impl SculptureFiles {
         self.is_written = true;
     }
 
-    /// The volume's file.
+    /// Returns the volume file.
     pub(super) fn volume(&self) -> &[u8] {
         &self.rmap
     }
 
-    /// Keeps the STL file, if it is finished. The first one counts.
+    /// Keeps the STL file if it is finished. Only the first one counts.
     pub(super) fn keep_stl(&mut self, stl: Option<FinishedStl>) {
         self.stl = self.stl.take().or(stl);
     }
@@ -91,7 +91,7 @@ impl SculptureFiles {
         self.badge = Some(badge);
     }
 
-    /// Waits for the picture and makes what is left of the STL file.
+    /// Waits for the picture and finishes the STL file.
     pub(super) fn make_files_to_end<const N: usize>(
         &mut self,
         stl_exporter: &mut StlExporter<'_, N, INTERVALS>,
@@ -102,7 +102,7 @@ impl SculptureFiles {
         self.wait_for_picture();
     }
 
-    /// Waits for the picture, which a thread makes.
+    /// Waits for the picture, which a thread draws.
     pub(super) fn wait_for_picture(&mut self) {
         if let PictureState::Drawing(drawing) = &self.picture {
             let drawn = drawing.recv().unwrap_or_else(|_| Err("no picture was drawn".into()));
@@ -110,7 +110,7 @@ impl SculptureFiles {
         }
     }
 
-    /// The files, the STL file first, once all are ready; or why there are none.
+    /// Returns the files, the STL file first, once all are ready; or the reason why there are none.
     pub(super) fn take_finished_files(&mut self) -> Option<Result<MadeSculpture, String>> {
         if let PictureState::Drawing(drawing) = &self.picture {
             self.picture = match drawing.try_recv() {
@@ -142,12 +142,13 @@ impl SculptureFiles {
     }
 }
 
-/// A badge's words in a line for each language, and its number, for who looks for a sculpture among files.
+/// Returns a badge's words, a line per language, and its number, for people who look for a sculpture among
+/// files.
 fn describe_badge(number: BadgeNumber) -> String {
     let badge = number.badge();
     let mut text = String::new();
     for language in Language::ALL {
-        // A string takes any text.
+        // Writing to a `String` can't fail.
         let _ = write_words(&mut text, &badge, language);
         text.push('\n');
     }

@@ -1,5 +1,5 @@
-//! The current session: the world, its start volumes, and the claim on its file. It reads and encodes
-//! saves. It knows neither when it is saved nor whether it is recorded.
+//! The current session: the world, its start volumes, and the claim on its file. It reads and encodes saves.
+//! It decides neither when to save nor whether to record.
 
 use std::io::ErrorKind;
 
@@ -66,7 +66,7 @@ where
         notices
     }
 
-    /// Encodes the world into `bytes`, which are overwritten. Allocates nothing if their capacity is
+    /// Encodes the world into `bytes`, replacing their contents. Allocates nothing if their capacity is
     /// enough for any save.
     pub(super) fn encode_into(&self, bytes: &mut Vec<u8>) {
         bytes.resize(max_save_bytes(N, INTERVALS), 0);
@@ -82,7 +82,8 @@ where
         bytes
     }
 
-    /// Loads another save. Returns that of the world before, which stays where the other is bad.
+    /// Loads another save and returns the save of the current world. If the other save is bad, the current
+    /// world is restored.
     pub(super) fn load_or_keep(&mut self, save: &[u8]) -> Result<Vec<u8>, BadSave> {
         let current = self.encode();
         match self.world.load(save) {
@@ -95,7 +96,7 @@ where
         }
     }
 
-    /// Clears the world for another session. Returns the save of the one before, if it is to be kept.
+    /// Clears the world for another session. Returns the save of the current one if `is_kept`.
     pub(super) fn take_save_and_clear(&mut self, is_kept: bool) -> Option<Vec<u8>> {
         let save = is_kept.then(|| self.encode());
         self.world.clear();

@@ -1,4 +1,4 @@
-//! When a session is saved, when that has to wait, and which save is not read.
+//! Tests of saves: when a session is saved, when a save must wait, and which saves are rejected.
 
 use std::fs;
 use std::time::Duration;
@@ -27,7 +27,7 @@ fn a_save_waits_for_the_one_before_it() {
     studio.run_tick(&TickInput { start: SessionMode::FreeForm, ..TickInput::default() });
     studio.save_session();
     studio.run_tick(&TickInput::default());
-    // The first is being written, or waits to be taken in: nothing holds its bytes anew.
+    // The first save is being written or collected: its buffer can't be reused yet.
     studio.save_session();
     assert!(studio.autosave.is_writing() && studio.autosave.is_due());
     while studio.autosave.is_writing() {
@@ -43,7 +43,7 @@ fn a_save_waits_for_the_one_before_it() {
         studio.autosave.is_writing() && !studio.autosave.is_due(),
         "it comes with the next tick"
     );
-    // At the end nothing is left due, whatever is under way.
+    // At the end nothing is left due, whatever is still pending.
     studio.run_tick(&TickInput::default());
     studio.save_all_and_wait().expect("a disk");
     assert_eq!((saved(&studio), studio.world().tick()), (4, 4));
@@ -51,8 +51,8 @@ fn a_save_waits_for_the_one_before_it() {
     fs::remove_dir_all(&folder).expect("the folder can be removed");
 }
 
-/// In the first seconds of a session: what is changed by the start is saved when a stroke ends, not when
-/// a hand without a tool lets a trigger go.
+/// In the first seconds of a session, the changes of the start are saved when a stroke ends, not when a hand
+/// without a tool releases the trigger.
 #[test]
 fn a_stroke_that_ends_is_saved() {
     let folder = std::env::temp_dir().join(format!("paros-strokes-{}", std::process::id()));
@@ -88,7 +88,7 @@ fn a_stroke_that_ends_is_saved() {
     fs::remove_dir_all(&folder).expect("the folder can be removed");
 }
 
-/// Who looks at the finished panel never reads that there is no print while it is on its way to the disk.
+/// While the print is on its way to the disk, the finished panel must not say that there is none.
 #[test]
 fn a_sculpture_is_exported_until_it_is_written() {
     let folder = std::env::temp_dir().join(format!("paros-export-{}", std::process::id()));
@@ -113,7 +113,7 @@ fn a_sculpture_is_exported_until_it_is_written() {
     fs::remove_dir_all(&folder).expect("the folder can be removed");
 }
 
-/// A save of columns of one interval, as they were before sculptures had two.
+/// A save with one interval per column, from before sculptures had two.
 #[test]
 fn a_saved_session_of_one_interval_is_put_aside() {
     let folder = std::env::temp_dir().join(format!("paros-of-one-{}", std::process::id()));
@@ -140,7 +140,7 @@ fn a_saved_session_of_one_interval_is_put_aside() {
     fs::remove_dir_all(&folder).expect("the folder can be removed");
 }
 
-/// A test of a studio in which a session of a block has begun, and whose pictures can't be drawn.
+/// Runs a test with a studio in which a session of a block has begun, and whose pictures can't be drawn.
 fn with_own_studio(paths: StudioPaths, test: impl FnOnce(&mut Studio<'_, 128>)) {
     let (mut resident, mut stl_buffers) =
         (Grid::<128>::lock_world(), Grid::<128>::lock_stl_buffers());
@@ -153,7 +153,7 @@ fn with_own_studio(paths: StudioPaths, test: impl FnOnce(&mut Studio<'_, 128>)) 
     resident.start_volumes.withdraw_visitor_volume();
 }
 
-/// A sculpture before that can't be read costs neither itself nor the one that stands.
+/// A previous sculpture that can't be read stays on the disk, and doesn't affect the current one.
 #[test]
 fn a_bad_save_of_the_sculpture_before_leaves_this_one_alone() {
     let folder = std::env::temp_dir().join(format!("paros-before-{}", std::process::id()));
@@ -173,7 +173,7 @@ fn a_bad_save_of_the_sculpture_before_leaves_this_one_alone() {
     fs::remove_dir_all(&folder).expect("the folder can be removed");
 }
 
-/// A finished sculpture that is carved on is the one that it was, and not a new one of its stone.
+/// A finished sculpture that is continued is the same sculpture, not a new one from its stone.
 #[test]
 fn carving_on_takes_the_end_back_and_leaves_the_rest_as_it_was() {
     let folder = std::env::temp_dir().join(format!("paros-carve-on-{}", std::process::id()));
@@ -188,7 +188,7 @@ fn carving_on_takes_the_end_back_and_leaves_the_rest_as_it_was() {
         assert_eq!(studio.carve_on(), CarvingOn::GoesOn);
         assert_eq!((studio.world().digest(), studio.world().tick()), (digest, tick));
         assert!(studio.world().is_mirrored(), "as it was");
-        // It was finished by somebody else, or in an earlier run.
+        // Without the save before the finish, a new session starts.
         studio.run_tick(&finish);
         studio.run_tick(&TickInput { start: SessionMode::Own, ..TickInput::default() });
         let anew = CarvingOn::Starts(SessionToStart { mode: SessionMode::Own });
@@ -202,8 +202,8 @@ fn used_at(seconds: u64) -> LastUse {
     LastUse { boot, since_boot: Duration::from_secs(seconds) }
 }
 
-/// The time of a visitor's last use never stands beside the session of the one before: a kill between them would give
-/// it away.
+/// The time of a visitor's last use is never stored beside the previous visitor's session: after a kill that
+/// session would be this visitor's.
 #[test]
 fn the_last_use_is_kept_once_its_session_is() {
     let folder = std::env::temp_dir().join(format!("paros-last-use-{}", std::process::id()));
@@ -239,7 +239,7 @@ fn the_last_use_is_kept_once_its_session_is() {
     fs::remove_dir_all(&folder).expect("the folder can be removed");
 }
 
-/// What stands beside a session can't make it unreadable, and what is no time is told with its file and place.
+/// A bad last-use file doesn't make the session unreadable, and is reported with file and offset.
 #[test]
 fn a_bad_last_use_is_told_and_costs_no_session() {
     let folder = std::env::temp_dir().join(format!("paros-bad-use-{}", std::process::id()));
@@ -263,7 +263,7 @@ fn a_bad_last_use_is_told_and_costs_no_session() {
         let save = fs::read(places.session_file(128)).expect("a save");
         studio.session.world.load(&save).expect("a save that the core reads");
         assert_eq!(studio.world().digest(), digest);
-        // Where it can't be written, that is told once, and the session is saved all the same.
+        // If it can't be written, that is reported once, and the session is still saved.
         fs::remove_file(&path).expect("it is there");
         fs::create_dir(&path).expect("a folder in its place");
         for seconds in 2..5 {

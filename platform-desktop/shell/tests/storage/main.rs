@@ -1,5 +1,5 @@
-//! Storages that refuse what others do: each test runs again in a process with `shim.c` preloaded, which the C
-//! compiler that Rust links with makes.
+//! Tests of storages with limits: each test runs again in a process with `shim.c` preloaded, built by the C
+//! compiler that Rust links with.
 #![cfg(target_os = "linux")]
 
 use std::io::ErrorKind;
@@ -16,7 +16,7 @@ use paros_shell::statics::Resident;
 use paros_shell::studio::{Notice, Studio};
 use paros_shell::studio_paths::StudioPaths;
 
-/// Set in the process whose storage refuses something.
+/// The environment variable that is set in the process with the limited storage.
 const INSIDE: &str = "PAROS_INSIDE_STORAGE";
 
 static SHIM: LazyLock<PathBuf> = LazyLock::new(|| {
@@ -28,7 +28,8 @@ static SHIM: LazyLock<PathBuf> = LazyLock::new(|| {
     shim
 });
 
-/// Runs `body` in an empty folder, in a process of its own whose storage refuses what these words say.
+/// Runs `body` in an empty folder, in a separate process whose storage refuses the operations that `refused`
+/// names.
 fn on_a_storage(test: &str, refused: &str, body: impl FnOnce(&Path)) {
     if let Some(folder) = env::var_os(INSIDE) {
         return body(Path::new(&folder));
@@ -45,7 +46,7 @@ fn on_a_storage(test: &str, refused: &str, body: impl FnOnce(&Path)) {
     assert!(output.status.success() && told.contains("1 passed"), "{told}");
 }
 
-/// The names in a folder.
+/// Returns the sorted names in a folder.
 fn list(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("a file"));
     let mut names: Vec<_> = entries.map(|it| it.file_name().display().to_string()).collect();
@@ -87,7 +88,7 @@ fn a_storage_without_links_takes_new_files_and_replaces_none() {
         let expected =
             "cannot link: Operation not permitted (os error 1); files get their names by renaming";
         assert!(warning.to_string().ends_with(expected), "{warning}");
-        // Between the place's choice and the writing another program takes it.
+        // Another program takes the name between its choice and the write.
         let late = targets(folder, &[("c", b"3"), ("d", b"4")]);
         std::os::unix::fs::symlink("/no/such/file", folder.join("d")).expect("a link");
         let taken = durable::create_new_files(&late).expect_err("it is taken");

@@ -1,4 +1,4 @@
-//! Android's default device, as `libaaudio` has it.
+//! Android's default device, through `libaaudio`.
 
 use std::ffi::{c_char, c_void};
 use std::path::Path;
@@ -13,7 +13,7 @@ const FLOAT: i32 = 2;
 /// `AAUDIO_PERFORMANCE_MODE_LOW_LATENCY`.
 const LOW_LATENCY: i32 = 12;
 
-/// Time that a device may take to have room for frames, in nanoseconds: many times what it has room for.
+/// The timeout for a device to accept frames, in nanoseconds: many times the length of its buffer.
 const WRITE_TIMEOUT_NANOS: i64 = 500_000_000;
 
 /// `AAudioStreamBuilder` and `AAudioStream`.
@@ -70,7 +70,7 @@ impl AAudioLibrary {
         }
     }
 
-    /// An error where a function's result is one.
+    /// Converts a function's negative result to an error.
     fn check(&self, function: &'static str, result: i32) -> Result<i32, DeviceError> {
         if result >= 0 {
             return Ok(result);
@@ -80,7 +80,7 @@ impl AAudioLibrary {
         Err(DeviceError::Failed(function, text))
     }
 
-    /// Opens a stream of floats, two channels, for playback, which is what a builder begins with.
+    /// Opens a playback stream of two channels of floats. A builder's default direction is playback.
     fn open_stream(&self) -> Result<*mut Stream, DeviceError> {
         let mut builder = ptr::null_mut();
         // SAFETY: there is room for a pointer.
@@ -129,7 +129,7 @@ impl WriteFrames for AAudioOutput<'_> {
             // SAFETY: the stream is open and takes two floats a frame, of which there are so many.
             let written =
                 unsafe { (self.library.write)(self.stream, from, count, WRITE_TIMEOUT_NANOS) };
-            // Headphones that are pulled out disconnect it.
+            // Unplugging headphones disconnects the stream.
             let written = self.library.check(name, written)? as usize;
             if written == 0 {
                 return Err(DeviceError::Failed(name, "no frames in half a second".into()));

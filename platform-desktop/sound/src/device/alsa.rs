@@ -1,4 +1,4 @@
-//! ALSA's default device, as `libasound` has it.
+//! ALSA's default device, through `libasound`.
 
 use std::ffi::{c_char, c_int, c_long, c_uint, c_ulong, c_void};
 use std::path::Path;
@@ -10,7 +10,7 @@ use crate::mixer::SAMPLE_RATE;
 
 /// `SND_PCM_STREAM_PLAYBACK`.
 const PLAYBACK: c_int = 0;
-/// `SND_PCM_FORMAT_FLOAT_LE`, or of the other byte order.
+/// `SND_PCM_FORMAT_FLOAT_LE`, or `SND_PCM_FORMAT_FLOAT_BE` on big-endian machines.
 const FLOAT: c_int = if cfg!(target_endian = "little") { 14 } else { 15 };
 /// `SND_PCM_ACCESS_RW_INTERLEAVED`.
 const INTERLEAVED: c_int = 3;
@@ -25,7 +25,7 @@ type WriteInterleaved = unsafe extern "C" fn(*mut Pcm, *const c_void, c_ulong) -
 type Recover = unsafe extern "C" fn(*mut Pcm, c_int, c_int) -> c_int;
 type Close = unsafe extern "C" fn(*mut Pcm) -> c_int;
 type ErrorText = unsafe extern "C" fn(c_int) -> *const c_char;
-/// `snd_lib_error_handler_t` has arguments, as many as it is called with.
+/// The setter of a `snd_lib_error_handler_t`, which takes a variable number of arguments.
 type SetErrorHandler = unsafe extern "C" fn(Option<unsafe extern "C" fn()>) -> c_int;
 
 /// The functions of `libasound`.
@@ -62,7 +62,7 @@ impl AlsaLibrary {
         Ok(functions)
     }
 
-    /// What the library says to an error of a function.
+    /// Returns the error of a function, with the library's text.
     fn error(&self, function: &'static str, error: c_int) -> DeviceError {
         // SAFETY: its texts are constants.
         let text = unsafe { text_of((self.error_text)(error), error.into()) };
@@ -70,7 +70,7 @@ impl AlsaLibrary {
     }
 }
 
-/// In place of what the library prints of its own: a dozen lines where there is no device.
+/// An error handler that prints nothing. The default one prints a dozen lines if there is no device.
 unsafe extern "C" fn say_nothing() {}
 
 impl OpenOutput for AlsaLibrary {
@@ -110,7 +110,7 @@ impl WriteFrames for AlsaOutput<'_> {
             match usize::try_from(written) {
                 Ok(0) => return Err(DeviceError::Failed("snd_pcm_writei", "no frames".into())),
                 Ok(written) => left = &left[written.min(left.len())..],
-                // Late frames, or a machine that slept: the device begins again, once.
+                // An underrun, or the machine was suspended: the device is recovered, once.
                 Err(_) if !is_recovered => {
                     is_recovered = true;
                     self.recover(written as c_int)?;

@@ -7,8 +7,8 @@ use libloading::Library;
 
 use super::DeviceError;
 
-/// Loads a library of a sound interface. It is never unloaded: some leave threads and handlers behind that would run
-/// on without it.
+/// Loads a library of a sound interface. It is never unloaded: some libraries leave threads and handlers
+/// behind that still need its code.
 pub(super) fn load_and_keep(path: &Path) -> Result<&'static Library, DeviceError> {
     // SAFETY: the system's sound library, whose initialisers may run in any program.
     let library = unsafe { Library::new(path) };
@@ -29,7 +29,7 @@ pub(super) unsafe fn find_function<F: Copy>(
     found.map(|symbol| *symbol).map_err(|_| DeviceError::NoFunction(name))
 }
 
-/// A text that a library owns; its number where it has none.
+/// Copies a text that a library owns; a null pointer becomes `error` with the number.
 ///
 /// # Safety
 /// It is null or ends with a zero byte, and stays until this returns.

@@ -1,4 +1,4 @@
-//! Devices that play frames, by libraries that are loaded at run time.
+//! Devices that play frames, through libraries that are loaded at run time.
 
 #[expect(unsafe_code, reason = "calls AAudio")]
 mod aaudio;
@@ -13,26 +13,26 @@ use std::path::{Path, PathBuf};
 
 pub use speaker::Speaker;
 
-/// An interface of sound devices.
+/// An interface to sound devices.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Interface {
-    /// Linux', and of the sound servers that stand in for it.
+    /// ALSA: Linux's interface, also provided by sound servers.
     Alsa,
-    /// Android's, from its API level 26 on.
+    /// AAudio: Android's interface, from API level 26 on.
     AAudio,
 }
 
-/// A device: the system's default one, by a library.
+/// The system's default device, through a library.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct SoundDevice {
-    /// What the library's functions are.
+    /// The interface of the library.
     pub interface: Interface,
-    /// The library, by name or path.
+    /// The library's name or path.
     pub library: PathBuf,
 }
 
 impl SoundDevice {
-    /// The device of the system that this was built for.
+    /// Returns the device of the system for which this was built.
     #[must_use]
     pub fn of_system() -> Self {
         match cfg!(target_os = "android") {
@@ -51,29 +51,29 @@ impl SoundDevice {
     }
 }
 
-/// A loaded library, by which the device is opened.
+/// A loaded library that can open the device.
 trait OpenOutput {
     /// Opens the device at [`SAMPLE_RATE`](crate::SAMPLE_RATE).
     fn open(&self) -> Result<Box<dyn WriteFrames + '_>, DeviceError>;
 }
 
-/// A device that is open, until it is dropped.
+/// An open device, which is closed when it is dropped.
 trait WriteFrames {
-    /// Writes frames, and waits while there is no room for them.
+    /// Writes frames. Blocks while there is no room for them.
     fn write(&mut self, frames: &[[f32; 2]]) -> Result<(), DeviceError>;
 }
 
-/// How long a device may go on with what it has, in microseconds: a sound is heard that much after its tick.
+/// The length of the device's buffer, in microseconds: the delay from a tick to its sound.
 const LATENCY_MICROS: u32 = 25_000;
 
-/// Why a device doesn't play.
+/// The reason why a device doesn't play.
 #[derive(Clone, PartialEq, Eq, Debug)]
 enum DeviceError {
-    /// The library can't be loaded, for the linker's reason.
+    /// The library can't be loaded. Holds the linker's reason.
     NoLibrary(String),
     /// The library lacks this function.
     NoFunction(&'static str),
-    /// A function failed, with what the library says to it.
+    /// A function failed. Holds its name and the library's error text.
     Failed(&'static str, String),
 }
 

@@ -1,4 +1,4 @@
-//! A device that plays what ticks sound like, on a thread of its own.
+//! The speaker, which plays the sounds of ticks on a thread of its own.
 
 use std::fmt;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError, sync_channel};
@@ -13,23 +13,24 @@ use crate::mixer::{Mixer, SAMPLE_RATE};
 use crate::plan::{Shot, ShotKind, SoundPlan};
 use crate::planner::SoundPlanner;
 
-/// Frames that are written at once: 5 ms, within which a plan waits.
+/// The frames per write: 5 ms, for which a plan may have to wait.
 const BLOCK_FRAMES: usize = SAMPLE_RATE as usize / 200;
 
-/// Plans that wait for the device at most, almost a second of them. A device that doesn't come to them loses the
-/// newest; each is whole, and the next one mends it.
+/// The most plans in the queue, almost a second of them. If the device is late, the newest plans are dropped;
+/// each plan is complete, so the next one corrects the sound.
 const WAITING_PLANS: usize = 64;
 
-/// Frames without a plan, one second, after which a silent device is closed. The next plan opens it again.
+/// Frames without a plan, one second of them, after which a silent device is closed. The next plan opens it
+/// again.
 const IDLE_FRAMES: u32 = SAMPLE_RATE;
 
-/// Until a device that failed is tried again.
+/// The retry interval after a device has failed.
 const RETRY_PAUSE: Duration = Duration::from_secs(3);
 
-/// What is heard of a device that is looked for.
+/// The sound of a device that somebody is looking for.
 const RING: Shot = Shot { kind: ShotKind::Clock { strokes: 3 }, strength: 1.0, pan: 0.0 };
 
-/// Plays ticks. Without a library or a device it is silent, and says so once.
+/// Plays ticks. Without a library or a device it is silent, and logs that once.
 #[derive(Debug)]
 pub struct Speaker {
     planner: SoundPlanner,
@@ -38,8 +39,8 @@ pub struct Speaker {
 }
 
 impl Speaker {
-    /// Starts the thread that plays, at a volume of 1 to 100; `None` for 0. `log` takes a line for what is missing. A
-    /// speaker that is dropped ends what sounds, and doesn't wait for it.
+    /// Starts the playback thread at a volume of 1 to 100. Returns `None` for 0. `log` receives a line for
+    /// each fault. Dropping a speaker ends all sounds without waiting.
     #[must_use]
     pub fn spawn(
         device: SoundDevice,
@@ -56,12 +57,12 @@ impl Speaker {
         spawned.is_ok().then(|| Speaker { planner: SoundPlanner::default(), plans, rings: false })
     }
 
-    /// Has the clock's bell ring with the next tick, whatever that is: somebody looks for the device.
+    /// Rings the clock's bell with the next tick: somebody is looking for the device.
     pub const fn ring(&mut self) {
         self.rings = true;
     }
 
-    /// Has a tick heard, with the input that it had. Never waits.
+    /// Plays the sounds of a tick, from the world after it and its input. Never blocks.
     pub fn play_tick<const N: usize, const K: usize>(
         &mut self,
         world: &World<N, K>,
@@ -73,25 +74,25 @@ impl Speaker {
         if core::mem::take(&mut self.rings) {
             plan.push(RING);
         }
-        // Nobody takes it where there is no device.
+        // Without a device the thread has ended.
         let _ = self.plans.try_send(plan);
     }
 }
 
-/// What the thread of a speaker has.
+/// The state of a speaker's thread.
 struct Player<L> {
     plans: Receiver<SoundPlan>,
     mixer: Mixer,
-    /// The last fault that was told: it is told once.
+    /// The last fault that was logged; a repeated fault is logged once.
     told: Option<String>,
     log: L,
 }
 
-/// The speaker is gone.
+/// The speaker has been dropped.
 struct SpeakerGone;
 
 impl<L: Fn(fmt::Arguments<'_>)> Player<L> {
-    /// Plays until the speaker is gone.
+    /// Plays until the speaker has been dropped.
     fn play_on(mut self, device: &SoundDevice) {
         let library = match device.load() {
             Ok(library) => library,

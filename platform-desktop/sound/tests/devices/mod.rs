@@ -1,5 +1,6 @@
-//! Devices that behave and devices that don't: each is a library of its own, made from `mock_alsa.c` or
-//! `mock_aaudio.c` by the C compiler that Rust links with. And the system's own device, where there is one.
+//! Tests of devices that work and devices that fail: each is a library of its own, built from `mock_alsa.c`
+//! or `mock_aaudio.c` by the C compiler that Rust links with. One test uses the system's own device, if there
+//! is one.
 #![cfg(unix)]
 
 use std::ffi::c_int;
@@ -18,15 +19,15 @@ use paros_models::world_harness::WorldHarness;
 use paros_shell::require::require_or_skip;
 use paros_sound::{Interface, SoundDevice, Speaker};
 
-/// A world after a tick in which a motor runs, once it was made.
+/// A world after a tick in which a motor runs, once it is made.
 static HARNESS: RwLock<WorldHarness<64, 2>> = RwLock::new(WorldHarness::new());
 
 const BOTH: [Interface; 2] = [Interface::Alsa, Interface::AAudio];
 
-/// Until something that a thread does must have happened.
+/// The timeout for something that a thread does.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// A mock library, and what was said of it.
+/// A mock library, and the lines logged about it.
 struct MockDevice {
     interface: Interface,
     library: PathBuf,
@@ -71,7 +72,7 @@ impl MockDevice {
         self.said.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Waits until a condition holds, and asserts that the device was used rightly.
+    /// Waits until a condition holds, and asserts that the device was used correctly.
     fn wait_until(&self, what: &str, mut is_so: impl FnMut(&Self) -> bool) {
         let begun = Instant::now();
         while !is_so(self) {
@@ -87,7 +88,7 @@ fn log_to(said: &Arc<Mutex<Vec<String>>>) -> impl Fn(fmt::Arguments<'_>) + Send 
     move |line| said.lock().unwrap_or_else(PoisonError::into_inner).push(line.to_string())
 }
 
-/// The world in which a motor runs, and the input of its last tick.
+/// Returns the world in which a motor runs, and the input of its last tick.
 fn world_with_motor() -> (RwLockReadGuard<'static, WorldHarness<64, 2>>, TickInput) {
     static MAKE: Once = Once::new();
 
@@ -126,7 +127,7 @@ fn a_motor_is_played_and_the_device_closed_after_it() {
         let mock = MockDevice::build(interface, "plain", &[]);
         let mut speaker = mock.spawn_speaker();
         play_until(&mut speaker, &mock, |mock| mock.number::<f32>("loudest") > 0.03);
-        // Without ticks it is silent after a moment, and closed after a second.
+        // Without ticks it becomes silent, and is closed after a second.
         mock.wait_until("closed when idle", |mock| mock.count("closed") == 1);
         assert_eq!(mock.count("opened"), 1);
         play_until(&mut speaker, &mock, |mock| mock.count("opened") == 2);
@@ -209,7 +210,7 @@ fn a_machine_without_the_library_is_silent_and_says_so_once() {
         let device = SoundDevice { interface, library: "libno-such-sound.so".into() };
         let mut speaker = Speaker::spawn(device.clone(), 70, log_to(&said)).expect("a thread");
         let (harness, input) = world_with_motor();
-        // More than a queue holds: nobody waits.
+        // More plans than a queue holds don't block.
         (0..500).for_each(|_| speaker.play_tick(&harness.world, &input));
         let begun = Instant::now();
         while said.lock().expect("nobody panics").is_empty() && begun.elapsed() < PATIENCE {
@@ -221,10 +222,10 @@ fn a_machine_without_the_library_is_silent_and_says_so_once() {
     }
 }
 
-/// Set in the process that plays by ALSA's own library.
+/// The environment variable that is set in the process that plays through ALSA's own library.
 const INSIDE: &str = "PAROS_INSIDE_ALSA";
 
-/// The library itself takes what it is asked for, and writes the frames to a file in place of a card.
+/// The real library accepts the calls, and writes the frames to a file instead of a card.
 #[test]
 fn alsa_takes_what_is_played() {
     let device = SoundDevice::of_system();
@@ -251,12 +252,12 @@ fn alsa_takes_what_is_played() {
     let loudest = samples.fold(0.0f32, |loudest, sample| loudest.max(sample.abs()));
     assert!((0.03..0.5).contains(&loudest), "{loudest}");
     fs::remove_file(&played).expect("it was written");
-    // Without a device the library would have much to say.
+    // Without a device the library's own error handler would print a lot.
     fs::write(&config, "pcm.null { type null }\n").expect("room on the disk");
     assert_eq!(play_in_process(&config), "no sound: snd_pcm_open: No such file or directory\n");
 }
 
-/// Runs the test again in a process of its own, with this configuration of ALSA. Returns what it said.
+/// Runs the test again in a process of its own, with this configuration of ALSA. Returns its error output.
 fn play_in_process(config: &Path) -> String {
     let mut again = Command::new(env::current_exe().expect("this test"));
     again.args(["--exact", "devices::alsa_takes_what_is_played", "--nocapture"]);
@@ -266,7 +267,7 @@ fn play_in_process(config: &Path) -> String {
     String::from_utf8(output.stderr).expect("text")
 }
 
-/// Plays a motor for a moment. The device in place of a card takes frames as fast as they are made.
+/// Plays a motor for a moment. The file device takes frames as fast as they are made.
 fn play_into_file(device: SoundDevice) {
     let mut speaker = Speaker::spawn(device, 100, |line| eprintln!("{line}")).expect("a thread");
     let (harness, input) = world_with_motor();

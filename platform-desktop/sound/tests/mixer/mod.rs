@@ -1,4 +1,4 @@
-//! What a mixer makes of plans, rendered as a device would have it and kept as WAV files beside the build.
+//! Tests of the mixer: plans rendered as for a device, and kept as WAV files beside the build.
 
 mod shots;
 mod voices;
@@ -9,7 +9,7 @@ use paros_sound::{
     Mixer, SAMPLE_RATE, Shot, ShotKind, SoundPlan, VoiceKind, VoicePlan, frames_in_tick,
 };
 
-/// All sounds that begin once.
+/// All kinds of shots.
 const SHOTS: [ShotKind; 16] = [
     ShotKind::Blow,
     ShotKind::Puff,
@@ -29,7 +29,7 @@ const SHOTS: [ShotKind; 16] = [
     ShotKind::PutBack,
 ];
 
-/// The voices that tools have: the left hand's plan is the other one's.
+/// The voices of tools.
 const VOICES: [(&str, VoicePlan); 4] = [
     ("motor-idle", voice(VoiceKind::Motor, 330.0, 0.0)),
     ("motor-loaded", voice(VoiceKind::Motor, 330.0, 0.7)),
@@ -41,21 +41,21 @@ const fn voice(kind: VoiceKind, pitch_hz: f32, load: f32) -> VoicePlan {
     VoicePlan { kind, level: 1.0, load, pitch_hz, pan: 0.0 }
 }
 
-/// A plan in which the right hand alone has a voice.
+/// Returns a plan in which only the right hand has a voice.
 fn plan_of(voice: VoicePlan) -> SoundPlan {
     let mut plan = SoundPlan::default();
     plan.voices[1] = voice;
     plan
 }
 
-/// A plan in which one sound begins in front.
+/// Returns a plan in which one sound begins in the middle.
 fn plan_with(kind: ShotKind) -> SoundPlan {
     let mut plan = SoundPlan::default();
     plan.push(Shot { kind, strength: 1.0, pan: 0.0 });
     plan
 }
 
-/// Mixes a plan a tick at full volume, as often as it says.
+/// Mixes each plan for its number of ticks, at full volume.
 fn mix(plans: &[(SoundPlan, u64)]) -> Vec<[f32; 2]> {
     mix_on(&mut Mixer::new(100), plans)
 }
@@ -75,19 +75,19 @@ fn mix_on(mixer: &mut Mixer, plans: &[(SoundPlan, u64)]) -> Vec<[f32; 2]> {
     frames
 }
 
-/// The mean power of one side, in decibels of full scale.
+/// Returns the mean power of one side, in decibels of full scale.
 fn decibels(frames: &[[f32; 2]], side: usize) -> f32 {
     let sum: f64 = frames.iter().map(|frame| f64::from(frame[side]).powi(2)).sum();
     (10.0 * (sum / frames.len() as f64).max(1e-12).log10()) as f32
 }
 
-/// The largest step from a sample to the next of the same side.
+/// Returns the largest step from a sample to the next one of the same side.
 fn largest_step(frames: &[[f32; 2]]) -> f32 {
     let steps = frames.windows(2).flat_map(|pair| [0, 1].map(|i| (pair[1][i] - pair[0][i]).abs()));
     steps.fold(0.0, f32::max)
 }
 
-/// Writes frames to a file, for who wants to listen.
+/// Writes frames to a file, for people who want to listen.
 fn keep(name: &str, frames: &[[f32; 2]]) {
     let folder: PathBuf = Path::new(env!("CARGO_TARGET_TMPDIR")).join("sounds");
     std::fs::create_dir_all(&folder).expect("room on the disk");

@@ -1,12 +1,12 @@
-//! What begins once and ends by itself.
+//! Tests of shots.
 
 use super::*;
 
-/// Peaks that sounds may have, and how long each may last: nobody waits for a bell.
+/// The valid peaks of sounds, and the longest duration.
 const PEAKS: core::ops::Range<f32> = 0.08..0.55;
 const LONGEST_SECONDS: usize = 11;
 
-/// A sound from its beginning to its end.
+/// Mixes a sound from its beginning to its end.
 fn mix_to_end(kind: ShotKind) -> Vec<[f32; 2]> {
     let mut mixer = Mixer::new(100);
     let mut frames = mix_on(&mut mixer, &[(plan_with(kind), 1)]);
@@ -32,7 +32,7 @@ fn all_at_once_is_kept_under_full_scale() {
         plan.push(Shot { kind, strength: 1.0, pan: -0.85 });
     }
     let frames = mix(&[(plan, 72)]);
-    // It would be over it without the limit.
+    // Without the limiter the peak would exceed full scale.
     assert!((0.85..1.0).contains(&peak_of(&frames)), "{}", peak_of(&frames));
 }
 
@@ -62,7 +62,7 @@ fn sounds_begin_within_two_ticks_but_what_falls_lands_later() {
     assert!(decibels(ground, 0) > decibels(flight, 0) + 6.0);
 }
 
-/// How often the power of a tenth of a second rises to twice that of the one before.
+/// Counts how often the power of 40 ms rises to twice that of the 40 ms before.
 fn count_onsets(frames: &[[f32; 2]]) -> usize {
     let levels: Vec<f32> =
         frames.chunks(SAMPLE_RATE as usize / 25).map(|c| decibels(c, 0)).collect();
@@ -82,7 +82,7 @@ fn the_figure_rings_higher_the_more_of_it_is_bared() {
     let mut last = 0;
     for tenths in 1..=10 {
         let frames = mix_to_end(ShotKind::Bared { tenths });
-        // After its upper partials have faded.
+        // The time after the upper partials have faded.
         let tail = &frames[SAMPLE_RATE as usize..2 * SAMPLE_RATE as usize];
         let is_zero = |pair: &&[[f32; 2]]| pair[0][0] < 0.0 && pair[1][0] >= 0.0;
         let hertz = tail.windows(2).filter(is_zero).count();

@@ -1,10 +1,10 @@
-//! What goes on as long as a tool runs.
+//! Tests of voices.
 
 use paros_models::allocations::without_allocating;
 
 use super::*;
 
-/// What each voice of [`VOICES`] has in each ear after a tenth of a second, in decibels of full scale.
+/// The power of each voice of [`VOICES`] in each ear after a tenth of a second, in decibels of full scale.
 const LOUDNESS: [f32; 4] = [-28.5, -22.5, -26.7, -34.1];
 
 #[test]
@@ -29,7 +29,7 @@ fn every_voice_is_as_loud_as_it_should_be() {
     }
 }
 
-/// How much of a tone is in a second of frames.
+/// Returns the amplitude of a tone in a second of frames.
 fn amount_of_tone(frames: &[[f32; 2]], hz: f64) -> f64 {
     let turn = std::f64::consts::TAU * hz / f64::from(SAMPLE_RATE);
     let sums = frames.iter().enumerate().fold([0.0; 2], |[a, b], (i, frame)| {
@@ -55,7 +55,7 @@ fn load_makes_a_motor_louder_and_lower() {
 fn starts_and_stops_do_not_click() {
     for (name, voice) in VOICES {
         let plan = plan_of(voice);
-        // Stops at other places of its waves.
+        // Stops at different phases of its waves.
         for ticks in 36..56 {
             let frames = mix(&[(plan, ticks), (SoundPlan::default(), 18)]);
             let stop = (0..ticks).map(frames_in_tick).sum::<usize>();
@@ -120,7 +120,7 @@ fn voices_end_where_no_tick_comes_any_more() {
         for block in frames[begin..].chunks_mut(240) {
             mixer.render(block);
         }
-        // A late picture's ticks leave no hole.
+        // A late frame leaves no gap.
         let late = &frames[begin..begin + SAMPLE_RATE as usize / 12];
         assert!(decibels(late, 0) > decibels(&frames[..begin], 0) - 3.0, "{name}");
         assert!(mixer.is_silent(), "{name}");

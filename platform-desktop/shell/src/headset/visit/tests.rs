@@ -1,4 +1,4 @@
-//! Visits by a headset whose clock sleeps: which breaks end them and which don't.
+//! Visits on a headset with a clock that stops during sleep: which breaks end a visit and which don't.
 
 use std::time::Duration;
 
@@ -22,20 +22,20 @@ fn apply(policy: &mut VisitPolicy, session: SessionState, is_menu_down: bool) ->
     (input.start, input.commands)
 }
 
-/// What head and hands do.
+/// The motion of head and hands.
 #[derive(Clone, Copy, PartialEq)]
 enum Motion {
-    /// They lie somewhere.
+    /// Head and hands lie still.
     Still,
-    /// A head is worn: it sways.
+    /// The headset is worn, and sways.
     Head,
-    /// The hand works, and the head is as still as none is.
+    /// The hand works, and the head is perfectly still.
     Hand,
     /// A trigger is pulled and released.
     Trigger,
 }
 
-/// A headset with its policy, and its clocks: one goes on while it sleeps, the other stops.
+/// A headset with its policy and two clocks: `since_boot` runs during sleep, `awake` stops.
 struct Headset {
     since_boot: Duration,
     awake: Duration,
@@ -58,7 +58,7 @@ impl Headset {
         }
     }
 
-    /// Runs ticks for some seconds. Returns who came; two in one stretch are too many.
+    /// Runs ticks for some seconds. Returns the change of visitor; more than one fails the test.
     fn run(&mut self, seconds: u64, motion: Motion) -> VisitorChange {
         let mut came = VisitorChange::None;
         for _ in 0..seconds * u64::from(TICK_RATE) {
@@ -94,7 +94,7 @@ impl Headset {
         self.awake += time;
     }
 
-    /// The device sleeps.
+    /// Lets the device sleep.
     fn sleep(&mut self, seconds: u64) {
         self.since_boot += Duration::from_secs(seconds);
     }
@@ -103,7 +103,7 @@ impl Headset {
         self.policy.observe_presence(is_worn, self.since_boot)
     }
 
-    /// The program is killed, and starts again after some seconds in a boot. Returns whose session it finds.
+    /// Kills the program and starts it again after some seconds in a boot. Returns the change of visitor.
     fn kill_and_start(&mut self, seconds: u64, boot: BootId) -> VisitorChange {
         let last = self.stamp.map(|since_boot| LastUse { boot: self.boot, since_boot });
         self.sleep(seconds);
@@ -112,7 +112,7 @@ impl Headset {
         self.policy.resume_session(last, Some(boot), self.since_boot)
     }
 
-    /// Asserts that the session of a sculpture is finished and the next one started, once.
+    /// Asserts that the session is finished and the next one started, once.
     fn assert_handed_over(&mut self) {
         assert_eq!(apply(&mut self.policy, SessionState::Sculpting, false), FINISH);
         assert_eq!(apply(&mut self.policy, SessionState::Finished, false), START);
@@ -147,7 +147,7 @@ fn the_menu_button_held_finishes_once_and_pressed_again_starts_anew() {
     assert_eq!(apply(&mut policy, SessionState::Finished, false), NOTHING);
     assert_eq!(apply(&mut policy, SessionState::Finished, true), START);
     assert_eq!(apply(&mut policy, SessionState::Sculpting, true), NOTHING);
-    // A short press does nothing to a session under way.
+    // A short press does nothing during a session.
     assert_eq!(apply(&mut policy, SessionState::Sculpting, false), NOTHING);
 }
 
@@ -170,7 +170,8 @@ fn a_headset_off_for_long_is_handed_over_and_off_for_short_is_not() {
     headset.assert_handed_over();
 }
 
-/// Whoever carries it to the next visitor has it finished; who puts it on then has the room placed before them.
+/// Somebody who carries the headset for long ends the session; the visitor who then puts it on counts as the
+/// same person.
 #[test]
 fn a_headset_that_is_carried_about_for_long_is_put_on_after_it() {
     let mut headset = Headset::new();
@@ -195,7 +196,7 @@ fn a_break_of_no_time_hands_over_where_that_is_wanted() {
         assert_eq!(policy.observe_presence(is_worn, headset.since_boot), VisitorChange::None);
     }
     assert_eq!(policy.observe_presence(true, headset.since_boot), VisitorChange::NextVisitor);
-    // But who stands and looks is no other visitor.
+    // But a visitor who stands and looks is not another visitor.
     assert!(policy.idleness_before_handover() >= LEAST_IDLENESS);
 }
 
@@ -210,7 +211,7 @@ fn a_sleep_counts_though_one_clock_stops() {
         headset.sleep(seconds);
         assert!(headset.awake - awake < DEFAULT_HANDOVER);
         assert_eq!(headset.presence(true), expected, "{seconds} s");
-        // The same without a word of presence.
+        // The same holds without presence events.
         let mut headset = Headset::new();
         headset.run(20, Motion::Head);
         headset.sleep(seconds);
@@ -227,7 +228,7 @@ fn without_presence_events_and_with_one_that_is_stuck_idleness_decides() {
                 headset.presence(is_worn);
                 headset.pass(DEFAULT_HANDOVER);
                 headset.run(3, motion);
-                // Whoever used it before the sensor was found out.
+                // Ends the handover that the use before the sensor was known to be stuck may have caused.
                 apply(&mut headset.policy, SessionState::Waiting, false);
             }
             // A visitor who moves is the same one, however long it takes.
@@ -302,7 +303,7 @@ fn a_last_use_that_can_not_be_told_is_a_former_visitors() {
         (None, Some(here), VisitorChange::NextVisitor),
         (used(1, 99), None, VisitorChange::NextVisitor),
         (used(2, 99), Some(here), VisitorChange::NextVisitor),
-        // In the future.
+        // A time in the future.
         (used(1, 101), Some(here), VisitorChange::NextVisitor),
     ] {
         let mut policy = VisitPolicy::new(SessionMode::FreeForm, DEFAULT_HANDOVER);
@@ -334,7 +335,7 @@ fn a_stone_that_nobody_touched_is_replaced_and_not_kept() {
     headset.assert_goes_on();
 }
 
-/// With visits the policy watches: it has nobody's session end, and the last use goes on being stamped.
+/// In visit mode the policy ends no sessions, and still stamps the last use.
 #[test]
 fn with_visits_wearing_and_use_are_told_and_nothing_is_handed_over() {
     let mut headset = Headset::new();
@@ -352,7 +353,8 @@ fn with_visits_wearing_and_use_are_told_and_nothing_is_handed_over() {
     }
     assert!((1..TICK_RATE).contains(&uses), "{uses} ticks with a use: it strays from time to time");
     assert!(headset.policy.take_due_stamp().is_some());
-    // Off and carried about: no use, until it has been off for so long that the sensor must be wrong.
+    // While it is off, being carried is no use, until it has been off for so long that the sensor must be
+    // stuck.
     headset.policy.observe_presence(false, headset.since_boot);
     for _ in 0..10 * TICK_RATE {
         let input = headset.input(Motion::Head);
@@ -373,7 +375,7 @@ fn with_visits_wearing_and_use_are_told_and_nothing_is_handed_over() {
     }
 }
 
-/// A head where it wasn't before.
+/// Returns a pose of the head at another place.
 fn pose_aside() -> RawPose {
     RawPose::quantise(Vec3::new(0.7, 1.5, 0.0), Quat::IDENTITY)
 }

@@ -1,26 +1,27 @@
-//! Whether a headset is being used, by what its sensors tell of head and hands: a headset that lies on a table with
-//! its controllers beside it moves no more than its tracking trembles.
+//! Detection of use from the poses of head and hands: a headset that lies on a table with its controllers
+//! beside it moves no more than its tracking noise.
 
 use paros_core::session::RawPose;
 use paros_core::{HandInput, TickInput};
 
-/// How far a tracked thing may stray from where it was and still count as lying there.
+/// The distance and angle within which a tracked object counts as still.
 struct Stillness {
     metres: f32,
     radians: f32,
 }
 
-/// A head that is worn sways farther than this within seconds, even in somebody who stands and looks; what lies is
-/// tracked to millimetres.
+/// The stillness of the headset. A worn one sways farther within seconds, even if its visitor stands and
+/// looks; one that lies is tracked to millimetres.
 const HEAD_STILLNESS: Stillness = Stillness { metres: 0.01, radians: 0.035 };
 
 /// Controllers are tracked less well than the head, and bare hands worse.
 const HAND_STILLNESS: Stillness = Stillness { metres: 0.02, radians: 0.09 };
 
-/// By how much trigger, squeeze and stick may differ and count as unmoved, of 255: their springs are not exact.
+/// The difference of trigger, squeeze and stick, of 255, within which they count as unmoved: their springs
+/// are not exact.
 const INPUT_STILLNESS: i32 = 16;
 
-/// Compares inputs with those at which the headset was seen to be used last.
+/// Compares inputs with those at the last use.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub(super) struct UseWatch {
     head: RawPose,
@@ -29,8 +30,8 @@ pub(super) struct UseWatch {
 }
 
 impl UseWatch {
-    /// Whether a tick's input shows that somebody uses the headset: head or hands have moved, or a control has. What
-    /// isn't tracked shows nothing, and what is tracked for the first time doesn't either.
+    /// Returns `true` if a tick's input shows a use: head, hands or a control have moved. Untracked objects
+    /// don't count, nor do objects that are tracked for the first time.
     pub(super) fn observe(&mut self, input: &TickInput, is_menu_down: bool) -> bool {
         let mut is_used = has_strayed(&mut self.head, input.head, &HEAD_STILLNESS);
         for (seen, now) in self.hands.iter_mut().zip(&input.hands) {
@@ -39,14 +40,14 @@ impl UseWatch {
         is_used | (core::mem::replace(&mut self.is_menu_down, is_menu_down) != is_menu_down)
     }
 
-    /// Forgets where head and hands were: the space has changed in which their poses are told.
+    /// Forgets the poses of head and hands, because their reference space has changed.
     pub(super) fn forget_poses(&mut self) {
         self.head = RawPose::default();
         self.hands.iter_mut().for_each(|hand| hand.grip = RawPose::default());
     }
 }
 
-/// Whether a tracked hand has moved or its controls have.
+/// Returns `true` if a tracked hand or its controls have moved.
 fn has_hand_moved(seen: &mut HandInput, now: &HandInput) -> bool {
     let has_strayed = has_strayed(&mut seen.grip, now.grip, &HAND_STILLNESS);
     let levers = |hand: &HandInput| {
@@ -63,7 +64,7 @@ fn has_hand_moved(seen: &mut HandInput, now: &HandInput) -> bool {
     has_strayed || differs && is_known
 }
 
-/// Whether a pose is farther from the one that was seen than stillness allows; it is the one that was seen then.
+/// Returns `true` if a pose has moved farther from `seen` than `stillness` allows; it then replaces `seen`.
 fn has_strayed(seen: &mut RawPose, now: RawPose, stillness: &Stillness) -> bool {
     let Some((position, rotation)) = now.to_clamped_metres() else { return false };
     let strayed = seen.to_clamped_metres().map(|(before, turned)| {
@@ -92,13 +93,13 @@ mod tests {
         HandInput { grip: pose(x, 0.0), aim: pose(x, 0.0), tracked: true, ..HandInput::default() }
     }
 
-    /// A headset and its right controller on a table.
+    /// Returns the input of a headset and its right controller on a table.
     fn at_rest() -> TickInput {
         let hands = [HandInput::default(), hand(0.3)];
         TickInput { head: pose(0.0, 0.0), hands, ..TickInput::default() }
     }
 
-    /// What the inputs after [`at_rest`] show, one after the other.
+    /// Returns, for each input after [`at_rest`], whether it shows a use.
     fn watch(inputs: &[TickInput]) -> Vec<bool> {
         let mut watch = UseWatch::default();
         assert!(!watch.observe(&at_rest(), false), "what is there for the first time");

@@ -56,7 +56,7 @@ impl Component {
     }
 }
 
-/// Elements of M components, all of which lie inside the buffer.
+/// Elements of M components, checked to lie inside the buffer.
 pub(super) struct Accessor<'a, const M: usize> {
     /// `None` where all elements but those of `sparse` are zero.
     elements: Option<Elements<'a>>,
@@ -66,7 +66,7 @@ pub(super) struct Accessor<'a, const M: usize> {
     pub(super) count: usize,
 }
 
-/// Elements in a buffer, from the first one on.
+/// The bytes of elements in a buffer, starting with the first element.
 #[derive(Clone, Copy)]
 struct Elements<'a> {
     bytes: &'a [u8],
@@ -74,7 +74,7 @@ struct Elements<'a> {
     stride: usize,
 }
 
-/// Elements that replace others.
+/// Elements that replace some of the others.
 struct Sparse<'a> {
     count: usize,
     indices: Elements<'a>,
@@ -109,7 +109,7 @@ fn has_no_data(json: &Value, view: &Value) -> bool {
     buffer["uri"].is_null() && (is_placeholder || number(&view["buffer"]) != Some(0))
 }
 
-/// Returns the extension by which an object is compressed.
+/// Returns the extension that compresses an object, if any.
 pub(super) fn find_compression(object: &Value) -> Option<&'static str> {
     COMPRESSIONS.into_iter().find(|name| !object["extensions"][*name].is_null())
 }
@@ -121,7 +121,7 @@ pub(super) fn describe_compression(name: &str) -> String {
     )
 }
 
-/// Finds an object of a list that another one names.
+/// Returns the object at an index of a list.
 pub(super) fn find<'a>(json: &'a Value, list: &str, index: &Value) -> Result<&'a Value, String> {
     let objects = items(&json[list]);
     number(index).and_then(|index| objects.get(index)).ok_or_else(|| {
@@ -129,7 +129,7 @@ pub(super) fn find<'a>(json: &'a Value, list: &str, index: &Value) -> Result<&'a
     })
 }
 
-/// Returns a whole number, also one written as a float.
+/// Returns a whole number, even if it is written as a float.
 pub(super) fn number(value: &Value) -> Option<usize> {
     match value.as_u64() {
         Some(number) => usize::try_from(number).ok(),
@@ -193,7 +193,7 @@ fn read_component(holder: &Value) -> Result<Component, String> {
 }
 
 impl<'a> Elements<'a> {
-    /// Finds that many elements of a size in the buffer view that a holder names.
+    /// Finds `count` elements of `size` bytes in the buffer view that a holder names.
     fn find(
         json: &Value,
         buffers: &'a Buffers<'_>,
@@ -242,7 +242,7 @@ impl<'a> Sparse<'a> {
         Ok(Sparse { count, indices, index, values })
     }
 
-    /// Returns the bytes that replace an element. The indices increase.
+    /// Returns the bytes that replace an element, by binary search: the indices increase.
     fn find_element(&self, i: usize, size: usize) -> Option<&'a [u8]> {
         let index_of = |k: usize| {
             let bytes = self.indices.get(k, self.index.size());

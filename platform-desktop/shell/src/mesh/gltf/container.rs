@@ -13,7 +13,7 @@ pub(super) struct Parts<'a> {
     pub(super) binary: Option<&'a [u8]>,
 }
 
-/// Splits a file, binary or text, whichever its name says.
+/// Splits a file into its parts. The contents, not the name, decide whether it is binary or text.
 pub(super) fn split(bytes: &[u8]) -> Result<Parts<'_>, String> {
     if !bytes.starts_with(b"glTF") {
         return Ok(Parts { json: parse_json(bytes)?, binary: None });
@@ -52,8 +52,8 @@ pub(super) fn split(bytes: &[u8]) -> Result<Parts<'_>, String> {
     Ok(Parts { json: parse_json(json)?, binary })
 }
 
-/// Parses JSON, also with a byte-order mark, text in another encoding, trailing NULs, or a number that C printed as
-/// `nan` or `inf`.
+/// Parses JSON. Also accepts a byte-order mark, other text encodings, trailing NULs, and numbers that C
+/// printed as `nan` or `inf`.
 fn parse_json(bytes: &[u8]) -> Result<Value, String> {
     let text = text::decode(bytes);
     let text = String::from_utf8_lossy(&text);
@@ -100,14 +100,14 @@ fn replace_bare_words(text: &str) -> String {
     replaced
 }
 
-/// Reads buffers when they are first asked for: those of textures and animations may be missing.
+/// The buffers, which are read when they are first needed: those of textures and animations may be missing.
 pub(super) struct Buffers<'a> {
     definitions: &'a [Value],
     binary: Option<&'a [u8]>,
     folder: &'a Path,
-    /// By buffer, its bytes, or why there are none.
+    /// For each buffer that was read, its bytes or an error.
     read: Vec<Option<Result<Cow<'a, [u8]>, String>>>,
-    /// The bytes that may still be read: a file may be named by many buffers.
+    /// The number of bytes that may still be read, as many buffers may name the same file.
     left: u64,
 }
 
@@ -171,8 +171,8 @@ fn check_length<'a>(definition: &Value, bytes: Cow<'a, [u8]>) -> Result<Cow<'a, 
     Err(format!("found {} bytes; expected {stated}", bytes.len()))
 }
 
-/// Decodes base64 (RFC 4648, also its alphabet for URLs), with or without padding, and blanks in it. `None` for
-/// another character.
+/// Decodes base64 (RFC 4648, including the URL-safe alphabet), with or without padding, and with blanks.
+/// Returns `None` for any other character.
 fn decode_base64(text: &[u8]) -> Option<Vec<u8>> {
     let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
     let (mut bits, mut held) = (0u32, 0);

@@ -21,7 +21,7 @@ pub(super) fn parent_from_node(node: &Value) -> Matrix {
     )
 }
 
-/// Reads an array of just that many numbers.
+/// Reads an array of exactly M numbers.
 fn numbers<const M: usize>(value: &Value) -> Option<[f64; M]> {
     let values = value.as_array().filter(|values| values.len() == M)?;
     let mut numbers = [0.0; M];
@@ -31,7 +31,8 @@ fn numbers<const M: usize>(value: &Value) -> Option<[f64; M]> {
     Some(numbers)
 }
 
-/// Scales, then turns by a quaternion (x, y, z, w), which is normalised, then moves.
+/// Returns the transform that scales, rotates by a quaternion (x, y, z, w), which is normalised here, and
+/// translates, in that order.
 pub(super) fn from_parts(translation: [f64; 3], rotation: [f64; 4], scale: [f64; 3]) -> Matrix {
     let length = rotation.iter().map(|c| c * c).sum::<f64>().sqrt();
     let [x, y, z, w] =
@@ -49,7 +50,7 @@ pub(super) fn from_parts(translation: [f64; 3], rotation: [f64; 4], scale: [f64;
     [column(0), column(1), column(2), [a, b, c, 1.0]]
 }
 
-/// Returns the transform by `b`, then by `a`.
+/// Returns the transform that applies `b`, then `a`.
 pub(super) fn product(a: &Matrix, b: &Matrix) -> Matrix {
     b.map(|column| [0, 1, 2, 3].map(|row| (0..4).map(|k| a[k][row] * column[k]).sum()))
 }

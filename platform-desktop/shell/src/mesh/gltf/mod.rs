@@ -1,7 +1,7 @@
 //! glTF 2.0: the triangles of the default scene, each under the transform of its node.
 //!
-//! Positions, indices, skins and what places them are read; everything else is passed over, and so are
-//! extensions that don't change geometry, whether the file requires them or not.
+//! The reader uses positions, indices, skins and node transforms. It ignores everything else, including
+//! extensions that don't change geometry, even if the file requires them.
 
 mod accessor;
 mod container;
@@ -30,7 +30,7 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> Result<Mesh, MeshFault> {
     scene.builder.finish()
 }
 
-/// Minor versions add only what a reader may leave out, unless a file asks for a least one.
+/// Checks the version. Minor versions add only optional features, unless a file requires a minimum version.
 fn check_version(asset: &Value) -> Result<(), String> {
     let version = asset["version"].as_str().unwrap_or("");
     if version.split('.').next() != Some("2") {
@@ -42,7 +42,7 @@ fn check_version(asset: &Value) -> Result<(), String> {
     }
 }
 
-/// Returns the elements of an array; none of another value.
+/// Returns the elements of an array; an empty slice for any other value.
 fn items(value: &Value) -> &[Value] {
     value.as_array().map_or(&[], Vec::as_slice)
 }
@@ -54,7 +54,7 @@ struct Scene<'a> {
     builder: MeshBuilder,
 }
 
-/// A primitive's place: one transform, or one of several for each vertex.
+/// The transform of a primitive: one for all vertices, or a skin.
 #[derive(Clone, Copy)]
 enum Placement<'a> {
     Rigid(&'a Matrix),
@@ -63,8 +63,8 @@ enum Placement<'a> {
 }
 
 impl Scene<'_> {
-    /// Adds the default scene, or the first one. A file without scenes has its trees of nodes or, without nodes,
-    /// its meshes added.
+    /// Adds the default scene, or else the first one. For a file without scenes adds all trees of nodes or,
+    /// without nodes, all meshes.
     fn add_scene(&mut self) -> Result<(), MeshFault> {
         let json = self.json;
         let scenes = items(&json["scenes"]);
@@ -146,7 +146,8 @@ impl Scene<'_> {
         if triangles == 0 {
             return Ok(());
         }
-        // Primitives and nodes may share an accessor, so the file's length is no bound.
+        // Primitives and nodes may share an accessor, so the file's length doesn't bound the number of
+        // triangles.
         self.builder.check_room(triangles.saturating_mul(instances.len()))?;
         for instance in instances {
             let placement = match joints {
@@ -167,7 +168,7 @@ impl Scene<'_> {
     }
 }
 
-/// How corners make triangles.
+/// The topology of a primitive's triangles.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Mode {
     Triangles,
@@ -193,7 +194,7 @@ impl Mode {
         if self == Mode::Triangles { corners / 3 } else { corners.saturating_sub(2) }
     }
 
-    /// The corners of a triangle, by its number.
+    /// Returns the corners of a triangle, by its number.
     fn corners_of(self, triangle: usize) -> [usize; 3] {
         let i = triangle;
         match self {
@@ -209,7 +210,7 @@ impl Mode {
 struct Geometry<'a> {
     positions: Accessor<'a, 3>,
     indices: Option<Accessor<'a, 1>>,
-    /// Displacements of the vertices, and their weights.
+    /// The morph targets: weights and displacements of the vertices.
     targets: Vec<(f64, Accessor<'a, 3>)>,
     skin: Option<skin::Influences<'a>>,
 }
@@ -256,7 +257,7 @@ impl<'a> Geometry<'a> {
         Err(format!("found index {index}; expected less than {count}"))
     }
 
-    /// Adds vertex `i` where it is placed. Returns `true` beside it if its transform mirrors.
+    /// Adds vertex `i`, transformed. Returns the vertex, and `true` if its transform mirrors.
     fn place(
         &self,
         i: usize,

@@ -1,4 +1,4 @@
-//! Nodes and what places meshes: the tree's transforms, instances, and skins in their bind pose.
+//! Nodes and the transforms of meshes: those of the node tree, instances, and skins in their bind pose.
 
 use super::super::MAX_TRIANGLES;
 use super::accessor::{self, Accessor, number};
@@ -8,12 +8,12 @@ use super::matrix::{self, IDENTITY, Matrix};
 use serde_json::Value;
 use std::rc::Rc;
 
-/// The nodes of a file, which are trees.
+/// The nodes of a file, which form trees.
 pub(super) struct Nodes<'a> {
     nodes: &'a [Value],
     /// The nodes without a parent.
     roots: Vec<usize>,
-    /// By node, the transform from its space to the world's.
+    /// For each node, the transform from its space to the world's.
     world_from_nodes: Vec<Matrix>,
 }
 
@@ -42,7 +42,7 @@ impl<'a> Nodes<'a> {
         Nodes { nodes, roots, world_from_nodes }
     }
 
-    /// The nodes without a parent.
+    /// Returns the nodes without a parent.
     pub(super) fn roots(&self) -> Vec<usize> {
         self.roots.clone()
     }
@@ -78,7 +78,7 @@ impl<'a> Nodes<'a> {
 pub(super) struct Skins<'a> {
     json: &'a Value,
     pub(super) nodes: Nodes<'a>,
-    /// By skin, the transforms of its joints once they were computed.
+    /// For each skin, the transforms of its joints, once they are computed.
     matrices: Vec<Option<Rc<Vec<Matrix>>>>,
 }
 
@@ -88,8 +88,8 @@ impl<'a> Skins<'a> {
         Skins { json, nodes: Nodes::new(json), matrices }
     }
 
-    /// Returns, for each joint, the transform from the mesh's space to the world's. By the specification the
-    /// transform of the node with the mesh doesn't count.
+    /// Returns, for each joint, the transform from the mesh's space to the world's. By the specification, the
+    /// transform of the mesh's own node is ignored.
     pub(super) fn joint_matrices(
         &mut self,
         skin: usize,
@@ -133,7 +133,7 @@ pub(super) struct Influences<'a> {
 }
 
 impl<'a> Influences<'a> {
-    /// Finds the influences of a primitive; `None` without any.
+    /// Finds the influences of a primitive; `None` if it has none.
     pub(super) fn find(
         json: &Value,
         buffers: &'a Buffers<'_>,
@@ -149,7 +149,8 @@ impl<'a> Influences<'a> {
         Ok(Some(Influences { sets }).filter(|influences| !influences.sets.is_empty()))
     }
 
-    /// Returns the weighted mean of a vertex' joints. Without weights the first joint has all.
+    /// Returns the weighted mean of the joints' transforms for a vertex. If all weights are 0, the first
+    /// joint counts fully.
     pub(super) fn blend(&self, i: usize, joints: &[Matrix]) -> Matrix {
         let mut sum = [[0.0; 4]; 4];
         let mut total = 0.0;
@@ -197,7 +198,7 @@ pub(super) fn load_primitive(
     Ok(())
 }
 
-/// Returns the transforms of a node's instances (`EXT_mesh_gpu_instancing`), or its own alone.
+/// Returns the transforms of a node's instances (`EXT_mesh_gpu_instancing`), or only its own.
 pub(super) fn instances(
     json: &Value,
     node: &Value,

@@ -9,8 +9,8 @@ pub(super) enum Body<'a> {
     Binary { bytes: &'a [u8], length: usize, encoding: Encoding },
 }
 
-/// The words of a text. An element starts a line where each element has its own: then a line may hold more than
-/// the header says. An element may also take several lines.
+/// The words of a text. If each element has its own line, elements start at line starts, and a line may have
+/// more words than the header says. Otherwise an element may take several lines.
 pub(super) struct TextBody<'a> {
     lines: Lines<'a>,
     line: &'a [u8],
@@ -34,7 +34,7 @@ impl<'a> Body<'a> {
         })
     }
 
-    /// Checks that the elements can be there, before memory is allocated for them.
+    /// Checks that the file is long enough for the elements, before memory is allocated for them.
     pub(super) fn check_room_for(&self, element: &Element) -> Result<(), String> {
         let (left, least) = match self {
             Body::Text(text) => (text.line.len() + text.lines.rest().len(), 1),
@@ -60,7 +60,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Skips all of an element.
+    /// Skips all elements of a kind.
     pub(super) fn skip_elements(&mut self, element: &Element) -> Result<(), String> {
         self.check_room_for(element)?;
         if let (Body::Binary { bytes, .. }, Some(size)) = (&mut *self, element.fixed_size()) {
@@ -149,7 +149,7 @@ impl<'a> Body<'a> {
         Ok(taken)
     }
 
-    /// Returns a message with its place: the line or the byte, the element and its number.
+    /// Returns a message with its place: line or byte, element and its index.
     pub(super) fn place(&self, element: &Element, index: usize, why: &str) -> String {
         let colon = if why.is_empty() { "" } else { ": " };
         let name = &element.name;

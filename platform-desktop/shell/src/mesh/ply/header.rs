@@ -2,7 +2,7 @@
 
 use super::super::text::{self, Lines, quote};
 
-/// How the numbers after the header are written.
+/// The encoding of the numbers after the header.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Encoding {
     Text,
@@ -18,7 +18,7 @@ pub(super) enum Number {
     Float(usize),
 }
 
-/// A property of an element: a number, or a list of them with their count before it.
+/// A property of an element: a number, or a list of numbers with their count before them.
 pub(super) struct Property {
     pub(super) name: String,
     /// The type of a list's count.
@@ -35,7 +35,7 @@ pub(super) struct Element {
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
-    /// The number of its lines.
+    /// The number of the header's lines.
     pub(super) lines: usize,
 }
 
@@ -56,7 +56,7 @@ impl Number {
         })
     }
 
-    /// The bytes that it takes in a binary file.
+    /// Returns the number's size in a binary file, in bytes.
     pub(super) fn size(self) -> usize {
         match self {
             Number::Signed(size) | Number::Unsigned(size) | Number::Float(size) => size,
@@ -65,14 +65,14 @@ impl Number {
 }
 
 impl Element {
-    /// The bytes of an element in a binary file; `None` if it has lists.
+    /// Returns the size of an element in a binary file, in bytes; `None` if it has lists.
     pub(super) fn fixed_size(&self) -> Option<usize> {
         let sizes = self.properties.iter().map(|p| p.count.is_none().then(|| p.number.size()));
         sizes.sum()
     }
 }
 
-/// Reads a header, and returns it with the bytes after it. Comments may be in any encoding, and lines may be
+/// Reads a header. Returns it and the bytes after it. Comments may be in any encoding, and lines may be
 /// blank.
 pub(super) fn parse(bytes: &[u8]) -> Result<(Header, &[u8]), String> {
     // A file whose lines end in CR may have data that starts with LF.

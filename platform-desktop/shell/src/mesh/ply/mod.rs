@@ -1,4 +1,4 @@
-//! PLY: the elements `vertex`, `face` and `tristrips`, the others read over.
+//! PLY: the elements `vertex`, `face` and `tristrips`. Other elements are skipped.
 
 mod body;
 mod header;
@@ -21,18 +21,18 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Mesh, MeshFault> {
         );
     }
     let mut mesh = PlyMesh::default();
-    // Faces may stand before the vertices.
+    // Faces may come before the vertices.
     mesh.read_elements(&header, bytes, |kind| kind == Kind::Vertices)?;
     mesh.read_elements(&header, bytes, |kind| kind == Kind::Faces || kind == Kind::Strips)?;
     mesh.builder.finish()
 }
 
-/// What is made of an element.
+/// The use of an element.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Vertices,
     Faces,
-    /// Triangle strips, each of which -1 may end within a list.
+    /// Triangle strips; within a list, -1 ends a strip.
     Strips,
     Other,
 }
@@ -55,7 +55,7 @@ struct PlyMesh {
 }
 
 impl PlyMesh {
-    /// Goes through all elements up to the last one wanted, and adds those wanted.
+    /// Reads all elements up to the last wanted one, and adds the wanted ones.
     fn read_elements(
         &mut self,
         header: &Header,
@@ -118,7 +118,7 @@ impl PlyMesh {
     ) -> Result<(), MeshFault> {
         let lists = || element.properties.iter().enumerate().filter(|(_, p)| p.count.is_some());
         let named = lists().find(|(_, p)| matches!(&*p.name, "vertex_indices" | "vertex_index"));
-        // A single list can be nothing else.
+        // A single list can only be the corners.
         let Some((of_corners, _)) =
             named.or_else(|| lists().next().filter(|_| lists().count() == 1))
         else {
@@ -156,7 +156,7 @@ impl PlyMesh {
         self.builder.add_polygon(&corners?)
     }
 
-    /// Adds strips, in which -1 ends one and starts the next; also as the greatest unsigned number.
+    /// Adds strips. An index of -1, or the greatest unsigned number, ends a strip and starts the next.
     fn add_strips(&mut self, corners: &[f64]) -> Result<(), MeshFault> {
         let is_restart = |&corner: &f64| corner == -1.0 || corner == f64::from(u32::MAX);
         for strip in corners.split(is_restart) {

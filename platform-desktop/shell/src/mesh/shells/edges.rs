@@ -1,20 +1,20 @@
-//! Connections of facets over their edges: a union-find structure with the turn of each facet against the first one of
-//! its surface.
+//! Connections of facets over their edges: a union-find structure that also stores the turn of each facet
+//! relative to the first one of its surface.
 
 /// A use of an edge by a facet: the edge's other vertex, and the facet with a bit for the direction.
 type EdgeUse = [u32; 2];
 
-/// Uses of edges that are sorted at once: 64 MiB.
+/// The most edge uses that are sorted at once: 64 MiB.
 const USES_AT_ONCE: usize = 1 << 23;
 
-/// How facets hang together.
+/// The connected surfaces of facets.
 pub(super) struct Connections {
-    /// By facet, the shell that it belongs to, and a bit: whether it is wound against the shell's first facet.
+    /// For each facet, its shell, and a bit that is 1 if the facet is wound against the shell's first facet.
     shells: Vec<u32>,
     shell_count: usize,
-    /// By facet, whether it has an edge that an odd number of facets use.
+    /// For each facet, `true` if it has an edge that an odd number of facets use.
     at_rim: Vec<bool>,
-    /// By facet, whether two paths to it disagree about its turn.
+    /// For each facet, `true` if two paths to it disagree about its turn.
     one_sided: Vec<bool>,
     /// Directed edges that several facets use.
     pub(super) repeated_edges: usize,
@@ -71,7 +71,7 @@ impl Connections {
         }
     }
 
-    /// Returns a facet's root, and its turn against it. Halves the path on the way.
+    /// Returns a facet's root, and the facet's turn relative to the root. Halves the path.
     fn find_root(&mut self, facet: u32) -> (u32, u32) {
         let (mut at, mut turn) = (facet, 0);
         loop {
@@ -121,7 +121,7 @@ impl Connections {
 /// Calls `visit` for each undirected edge with all its uses. Edges are grouped by their lower vertex, a range of
 /// vertices at a time, which bounds the memory.
 fn visit_edges(triangles: &[[u32; 3]], vertex_count: usize, mut visit: impl FnMut(&[EdgeUse])) {
-    // By vertex, the end of its uses among those of its range; at first their number.
+    // For each vertex, first the number of its uses, then the end of its uses among those of its range.
     let mut ends = vec![0u32; vertex_count];
     for [a, b, c] in triangles {
         for (a, b) in [(a, b), (b, c), (c, a)] {

@@ -1,4 +1,4 @@
-//! Which shells lie inside which others: winding numbers of sample points, by rays along z.
+//! Containment of shells in others: winding numbers of sample points, by rays along z.
 
 use super::edges::Connections;
 use super::{Mesh, Shell, area_vector};
@@ -6,11 +6,11 @@ use std::collections::HashMap;
 
 /// The most shells that are compared.
 const MAX_COMPARED: usize = 4096;
-/// About as many points are tried in all, and this many at most in a shell.
+/// The approximate number of points that are tried in all, and the most points of one shell.
 const POINTS: usize = 8192;
 const POINTS_OF_SHELL: usize = 32;
 
-/// By shell, the shells that it lies inside.
+/// For each shell, the shells that contain it.
 pub(super) struct Containment {
     containers: HashMap<usize, Vec<usize>>,
 }
@@ -22,12 +22,12 @@ struct Sample {
 }
 
 impl Containment {
-    /// No shell lies inside another.
+    /// Returns a containment in which no shell lies inside another.
     pub(super) fn none() -> Self {
         Containment { containers: HashMap::new() }
     }
 
-    /// Compares the shells that are `clear`. `None` if there are more than [`MAX_COMPARED`].
+    /// Compares the shells that are `clear`. Returns `None` if there are more than [`MAX_COMPARED`].
     pub(super) fn find(
         mesh: &Mesh,
         connections: &Connections,
@@ -39,7 +39,7 @@ impl Containment {
         }
         let mut samples = sample_shells(mesh, connections, shells, clear);
         samples.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]));
-        // By sample and shell, how often the shell winds around the sample.
+        // For each sample and shell, the winding number of the shell around the sample.
         let mut windings: HashMap<(usize, usize), i32> = HashMap::new();
         for (facet, triangle) in mesh.triangles.iter().enumerate() {
             let shell = connections.shell_of(facet);
@@ -62,7 +62,7 @@ impl Containment {
         Some(Self::from_windings(shells, &samples, &windings))
     }
 
-    /// A shell lies inside another if that one winds around all its samples and is larger.
+    /// Finds containments: a shell lies inside another, larger one that winds around all its samples.
     fn from_windings(
         shells: &[Shell],
         samples: &[Sample],
@@ -86,13 +86,13 @@ impl Containment {
         found
     }
 
-    /// Returns the shells around a shell, in no order.
+    /// Returns the shells around a shell, in arbitrary order.
     pub(super) fn containers_of(&self, shell: usize) -> &[usize] {
         self.containers.get(&shell).map_or(&[], Vec::as_slice)
     }
 }
 
-/// Takes the middles of facets all over each shell.
+/// Samples the middles of facets spread over each shell.
 fn sample_shells(
     mesh: &Mesh,
     connections: &Connections,
@@ -115,8 +115,8 @@ fn sample_shells(
     samples
 }
 
-/// Returns 1 if the ray from a point along z leaves the triangle's outer side, -1 if it enters there, and 0 if it
-/// doesn't meet the triangle.
+/// Returns 1 if the ray from a point along z leaves through the triangle's outer side, -1 if it enters there,
+/// and 0 if it misses the triangle.
 fn crossing_above(corners: &[[f64; 3]; 3], p: [f64; 3]) -> i32 {
     let [a, b, c] = corners;
     let around = [(a, b), (b, c), (c, a)].map(|(a, b)| crossing_of_edge(a, b, p));
@@ -129,8 +129,8 @@ fn crossing_above(corners: &[[f64; 3]; 3], p: [f64; 3]) -> i32 {
     if (above > 0.0) == (normal_z > 0.0) { winding } else { 0 }
 }
 
-/// Returns 1 or -1 if the edge crosses the line from a point along x in the plane z = 0, upwards or downwards. An edge
-/// gives the same answer in both directions but for the sign.
+/// Returns 1 or -1 if the edge, projected to the plane z = 0, crosses the line from a point along x upwards
+/// or downwards; 0 otherwise. Reversing the edge only changes the sign.
 fn crossing_of_edge(a: &[f64; 3], b: &[f64; 3], p: [f64; 3]) -> i32 {
     if (a[1] > p[1]) == (b[1] > p[1]) {
         return 0;

@@ -1,8 +1,8 @@
-//! Connected surfaces: how they are wound, whether they are closed, and which of them are cavities.
+//! Connected surfaces: their winding, whether they are closed, and which are cavities.
 //!
-//! Facets are connected over edges that just two facets use. Within a surface all facets are turned the way in which
-//! most of its area is wound, and closed surfaces are turned outwards. A closed surface wound inwards stays as it
-//! is if it lies inside an outward one: it is a cavity.
+//! Facets are connected over edges that exactly two facets use. Within a surface all facets are turned to
+//! agree with most of its area, and closed surfaces are turned outwards. A closed surface wound inwards is
+//! kept if it lies inside an outward one: it is a cavity.
 
 mod edges;
 mod inside;
@@ -11,7 +11,7 @@ use super::{Mesh, area_vector, outlier};
 use edges::Connections;
 use inside::Containment;
 
-/// The most surfaces that are looked at: a mesh of more is left as it is.
+/// The most surfaces that are examined; a mesh with more is not changed.
 const MAX_SHELLS: usize = 1 << 18;
 
 /// A connected surface.
@@ -21,11 +21,12 @@ pub(super) struct Shell {
     /// The least and the greatest coordinates.
     pub(super) low: [f64; 3],
     pub(super) high: [f64; 3],
-    /// Six times the signed volume of the tetrahedra from the mesh's zero, facets turned as the first one is.
+    /// Six times the signed volume of the tetrahedra from the mesh's origin, with facets turned to agree with
+    /// the first one.
     volume: f64,
     /// Twice the sum of the facets' area vectors.
     area_vector: [f64; 3],
-    /// Twice the area of the facets as the file has them, and of those turned to agree with the first one.
+    /// Twice the area of the facets that agree with the first one, and of the others.
     area: [f64; 2],
     /// The number of facets that agree with the first one, and of the others.
     facets_by_turn: [usize; 2],
@@ -81,8 +82,9 @@ impl Shell {
         self.rim_facets == 0 && left <= 1e-5 * self.total_area()
     }
 
-    /// Returns 1.0 if the surface is wound outwards as its first facet is, -1.0 if inwards. `None` if it has large
-    /// holes or no volume. A surface with small holes counts where `may_be_open` says so.
+    /// Returns 1.0 if the surface, turned to agree with its first facet, is wound outwards, -1.0 if inwards.
+    /// Returns `None` if it has large holes or no volume. A surface with small holes counts only if
+    /// `may_be_open`.
     fn outward_sign(&self, may_be_open: bool) -> Option<f64> {
         let area = self.total_area();
         let volume = if self.is_closed() {
@@ -92,7 +94,7 @@ impl Shell {
             if !may_be_open || self.rim_facets == 0 || missing > 0.15 * area {
                 return None;
             }
-            // From the rim's middle, the missing facets weigh least.
+            // Measured from the rim's middle, the missing facets matter least.
             let middle = self.rim_sum.map(|sum| sum / self.rim_facets as f64);
             self.volume - (0..3).map(|k| middle[k] * self.area_vector[k]).sum::<f64>()
         };
@@ -102,13 +104,14 @@ impl Shell {
         (!self.is_one_sided && volume.abs() > least * ball).then_some(volume.signum())
     }
 
-    /// Returns `true` if the facets that agree with the first one have to be turned for most of the area to stay.
+    /// Returns `true` if the facets that agree with the first one must be turned, so that most of the area
+    /// keeps its winding.
     fn is_mostly_turned(&self) -> bool {
         self.area[1] > self.area[0]
     }
 }
 
-/// Turns facets and shells outwards, and notes what was found.
+/// Turns facets and shells outwards, and stores the findings.
 pub(super) fn orient(mesh: &mut Mesh) {
     let connections = Connections::find(&mesh.triangles, mesh.positions.len());
     mesh.findings.winding_faults = connections.repeated_edges;
@@ -148,12 +151,13 @@ fn decide_turns(mesh: &mut Mesh, connections: &Connections, shells: &[Shell]) ->
             findings.turned_facets += shell.facets_by_turn[usize::from(!turned)];
         }
     }
-    // A wall of a hole is an open surface wound inwards, and right, where a body falls into several open surfaces.
+    // If a body consists of several open surfaces, the wall of a hole is an open surface that is rightly
+    // wound inwards.
     let area_of = |is_counted: fn(&Shell) -> bool| {
         shells.iter().filter(|shell| is_counted(shell)).map(Shell::total_area).sum::<f64>()
     };
     let may_be_open = area_of(Shell::is_closed) > 0.5 * area_of(|_| true);
-    // As most of the area is wound: 1 outwards, -1 inwards.
+    // The winding of most of the area: 1 outwards, -1 inwards.
     let sign_of = |(shell, turned): (&Shell, &bool)| {
         let sign = shell.outward_sign(may_be_open)?;
         Some(if *turned { -sign } else { sign })

@@ -7,7 +7,7 @@ fn parse(text: &str) -> SettingsLayer {
     SettingsLayer::parse_toml("s", text, &[])
 }
 
-/// The faults as they are told.
+/// Returns the faults as they are reported.
 fn told(layer: &SettingsLayer) -> Vec<String> {
     layer.faults.iter().map(|fault| fault.describe(&layer.source)).collect()
 }
@@ -52,7 +52,7 @@ fn what_is_wrong_costs_its_setting_alone() {
         assert!(told.len() == 1 && told[0].starts_with(line), "{text}: {told:?}, not {line}");
         assert!(layer.entries.is_empty() && !layer.faults[0].costs_layer, "{text}");
         assert_eq!(told[0].lines().count(), 1);
-        // What is right before it holds.
+        // Valid settings before the fault are used.
         let layer = parse(&format!("kiosk = true\n{text}\n"));
         assert_eq!((layer.entries.len(), layer.faults.len()), (1, 1), "{text}");
     }
@@ -106,7 +106,7 @@ fn what_is_no_text_of_that_length_is_told() {
     };
     fs::write(&path, b"kiosk = true\n\xff").unwrap();
     why("line 2 is no UTF-8, expected settings as TOML");
-    // Of a terabyte no more is read than is needed.
+    // Of a file of a terabyte only the needed part is read.
     fs::File::create(&path).unwrap().set_len(1 << 40).unwrap();
     why("it is longer than 65536 bytes, expected settings as TOML");
     let longest = "kiosk = true".to_owned() + &" ".repeat(MAX_BYTES as usize - 12);

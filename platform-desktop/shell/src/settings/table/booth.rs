@@ -1,4 +1,4 @@
-//! The rows of the way to a booth: what is sent, and how long it stays here.
+//! The settings of the connection to a booth: what is sent, and how long it is kept here.
 
 use super::{Setting, SettingScope};
 use crate::settings::value::{SettingDefault, SettingKind, SettingValue};

@@ -1,4 +1,4 @@
-//! The rows of visits: whether there are any, their times, and what they offer.
+//! The settings of visits: whether there are any, their times, and what they offer.
 
 use paros_core::badge::Language;
 use paros_core::visit::PlanSetting;
@@ -8,10 +8,10 @@ use crate::settings::Settings;
 use crate::settings::value::{SettingDefault, SettingKind, SettingValue};
 use crate::settings::visits::{MAX_STARTS, VisitSettings, VisitStart};
 
-/// The words of [`Language`], by number.
+/// The setting's words for [`Language`], by number.
 pub(super) const LANGUAGE_WORDS: [&str; Language::ALL.len()] = ["english", "greek"];
 
-/// The rows. The first makes what the others are stored in.
+/// The rows. The first one, `visits`, creates the settings in which the others are stored.
 pub(super) const VISIT_ROWS: [Setting; 20] = [
     Setting {
         name: "visits",
@@ -217,7 +217,7 @@ pub(super) const VISIT_ROWS: [Setting; 20] = [
     },
 ];
 
-/// The core's own default of a time.
+/// Returns the core's default of a plan setting.
 const fn default_of(setting: PlanSetting) -> SettingDefault {
     SettingDefault::Whole(setting.default_value() as u32)
 }

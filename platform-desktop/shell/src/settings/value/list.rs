@@ -1,11 +1,11 @@
-//! Lists: a file has them as arrays, and a text without types as one text with commas.
+//! Lists: an array in a file, or comma-separated in an untyped text.
 
 use super::RawValue;
 
-/// Reads a list in its order: each text is found, and none stands there twice.
+/// Reads a list of at most `most` items in order. `find` converts each text; repetitions are errors.
 ///
 /// # Errors
-/// What was found that doesn't fit.
+/// Returns a text that says what was found.
 pub(super) fn check<T>(
     raw: &RawValue,
     most: usize,

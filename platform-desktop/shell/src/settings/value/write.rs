@@ -1,10 +1,10 @@
-//! Values as TOML has them.
+//! Writes values as TOML.
 
 use std::fmt;
 
 use super::{RawValue, SettingDefault, SettingValue};
 
-/// As TOML has it, and what can't be seen of a text escaped.
+/// Writes TOML, with invisible characters escaped.
 impl fmt::Display for RawValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -18,7 +18,7 @@ impl fmt::Display for RawValue {
     }
 }
 
-/// As TOML has it; of a PIN only that it is set.
+/// Writes TOML; for a PIN only that it is set.
 impl fmt::Display for SettingValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -34,7 +34,7 @@ impl fmt::Display for SettingValue {
     }
 }
 
-/// As TOML has it; what holds without a value in words.
+/// Writes TOML; for [`SettingDefault::Unset`] its text.
 impl fmt::Display for SettingDefault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -47,7 +47,7 @@ impl fmt::Display for SettingDefault {
     }
 }
 
-/// Writes a basic string of TOML: quotes, backslashes and control characters are escaped as it says.
+/// Writes a TOML basic string: quotes, backslashes and control characters are escaped.
 fn write_quoted(f: &mut fmt::Formatter<'_>, text: &str) -> fmt::Result {
     f.write_str("\"")?;
     for c in text.chars() {
@@ -62,7 +62,7 @@ fn write_quoted(f: &mut fmt::Formatter<'_>, text: &str) -> fmt::Result {
     f.write_str("\"")
 }
 
-/// Writes a list of such strings.
+/// Writes a list of TOML basic strings.
 fn write_list<'a>(f: &mut fmt::Formatter<'_>, texts: impl Iterator<Item = &'a str>) -> fmt::Result {
     f.write_str("[")?;
     for (place, text) in texts.enumerate() {

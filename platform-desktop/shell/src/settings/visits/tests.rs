@@ -9,7 +9,7 @@ use crate::settings::table::{SETTINGS, SettingScope};
 use crate::settings::value::{SettingDefault, SettingKind};
 use crate::settings::{LoadedSettings, SettingsLayer, write_documentation, write_restrictions};
 
-/// The times of visits, by the settings of the core's plan.
+/// The time settings of visits, with the settings of the core's plan.
 const TIMES: [(&str, PlanSetting); 14] = [
     ("welcome_seconds", PlanSetting::Welcome),
     ("choice_seconds", PlanSetting::Choice),
@@ -37,12 +37,12 @@ fn load_visits(text: &str) -> VisitSettings {
     loaded.settings.visits.expect("they are on")
 }
 
-/// What a world's plan is told of settings, from the default one on.
+/// Returns the commands that change a world's default plan to these settings.
 fn commands_of(visits: &VisitSettings) -> Vec<VisitCommand> {
     plan_changes(&VisitPlan::new(), &visits.plan).collect()
 }
 
-/// Where the value of a setting comes from, and the value.
+/// Returns the value of a setting and its origin.
 fn origin(loaded: &LoadedSettings, name: &str) -> String {
     let number = SETTINGS.iter().position(|setting| setting.name == name).expect("a setting");
     let origin = &loaded.origins[number];
@@ -62,7 +62,7 @@ fn the_defaults_are_the_cores_and_need_no_command() {
     assert_eq!(starts, expected);
     assert_eq!(visits.staff_pin, None);
     assert_eq!(load("session_seconds = 60\nstaff_pin = \"0000\"").settings.visits, None);
-    // The values that stand in documents of exhibitions.
+    // The values are documented for exhibitions.
     let defaults = TIMES.map(|(name, setting)| {
         let row = SETTINGS.iter().find(|row| row.name == name).expect("a setting");
         assert_eq!(row.scope, SettingScope::Both);
@@ -85,7 +85,7 @@ fn each_time_sets_its_own_value_of_the_plan() {
             let mut expected = VisitPlan::new();
             expected.set_value(setting, value);
             let text = format!("{name} = {value}");
-            // At its bound the least time of a badge is beyond the other's default.
+            // At its bound the least time of a badge exceeds the default of the greatest time.
             let text = if name == "badge_least_seconds" {
                 format!("{text}\nbadge_most_seconds = 600")
             } else {
@@ -98,7 +98,7 @@ fn each_time_sets_its_own_value_of_the_plan() {
         }
     }
     let distinct: HashSet<_> = TIMES.iter().map(|(_, setting)| *setting as u8).collect();
-    // All but whether there are badges.
+    // All settings of the plan but `Badges` are times.
     assert_eq!(distinct.len() + 1, PlanSetting::ALL.len());
     assert_eq!(load_visits("session_seconds = 0").plan.value(PlanSetting::Length), 0);
     let badges = VisitCommand::Set { setting: PlanSetting::Badges, value: 0 };
@@ -106,7 +106,7 @@ fn each_time_sets_its_own_value_of_the_plan() {
     assert_eq!(commands_of(&load_visits("badges = true")), []);
 }
 
-/// Nothing but the booth looks at it: no form for headsets has it.
+/// Only the booth uses this setting: it is in no form for headsets.
 #[test]
 fn an_age_for_e_mail_is_nobodys_or_one_that_a_law_may_set() {
     assert_eq!(load_visits("").email_from_age, 16);
@@ -181,7 +181,7 @@ fn lists_come_from_every_layer() {
     assert_eq!(starts, ["cat", "lion"]);
     assert!(visits.staff_pin.is_some_and(|pin| pin.matches(&[0, 0, 4, 2])));
     assert_eq!(visits.plan.value(PlanSetting::Badges), 0);
-    // Nobody set a mode: the first of the starts stands, and is what the mode is said to be.
+    // No mode is set: the first of the starts is used, and reported as the mode.
     assert_eq!(visits.plan.start(), SessionMode::Constrained { figure: 9 });
     assert_eq!(origin(&loaded, "mode"), "\"cat\" f:1:10");
     assert_eq!(origin(&loaded, "languages"), "[\"greek\", \"english\"] managed");
@@ -228,7 +228,7 @@ fn a_badge_shown_for_longer_at_least_than_at_most_is_told_with_both_places() {
     assert_eq!(plan, VisitPlan::new());
     assert_eq!(origin(&loaded, "badge_least_seconds"), "10 default");
     assert_eq!(origin(&loaded, "badge_most_seconds"), "60 default");
-    // By different layers, and against a default.
+    // A contradiction between different layers, and with a default.
     let managed = SettingsLayer::from_texts("managed", [("badge_least_seconds", "61")], &[]);
     let file = SettingsLayer::parse_toml("f", "visits = true", &[]);
     let told = LoadedSettings::merge(&[file, managed]).faults.concat();
@@ -250,7 +250,7 @@ fn a_mode_that_is_not_on_offer_is_told_and_the_first_start_stands() {
     assert_eq!(origin(&loaded, "mode"), "\"owl\" f:3:10");
     let loaded = load("mode = \"cat\"\nvisits = true");
     assert!(loaded.faults.concat().contains("\"creative\"] (default); \"free\" holds"));
-    // One that is needn't be the first; without visits any will do.
+    // A mode that is on offer needn't be the first start; without visits any mode is valid.
     let visits = load_visits("mode = \"free\"\nstarts = [\"owl\", \"free\"]");
     assert_eq!(visits.plan.start(), SessionMode::FreeForm);
     assert_eq!(commands_of(&visits), []);

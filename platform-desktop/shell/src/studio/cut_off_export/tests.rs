@@ -1,4 +1,4 @@
-//! A program that ends while a visit's sculpture is exported, and the next one.
+//! Tests of a program that ends during the export of a visit's sculpture, and of its next start.
 
 mod program;
 
@@ -17,7 +17,7 @@ use crate::studio::DrawPicture;
 use crate::studio_paths::StudioPaths;
 use program::{run_program, sculpt_in_a_visit, told};
 
-/// Whether pictures are done: one test at a time has the world, and one of them has them take long.
+/// `true` if pictures may be drawn. Only one test at a time has the world, and one of them delays pictures.
 static MAY_DRAW: AtomicBool = AtomicBool::new(true);
 
 fn draw_no_picture(_: &RangeMaps<128, INTERVALS>) -> Result<Vec<u8>, String> {
@@ -27,7 +27,7 @@ fn draw_no_picture(_: &RangeMaps<128, INTERVALS>) -> Result<Vec<u8>, String> {
     Err("no picture".into())
 }
 
-/// Until it is dropped, also by a failed test, no picture is drawn.
+/// A guard that delays all pictures until it is dropped, also by a failed test.
 struct DrawingPause;
 
 impl DrawingPause {
@@ -43,7 +43,7 @@ impl Drop for DrawingPause {
     }
 }
 
-/// The staff begins again while the print is made, and the next visitor is welcome at once.
+/// Staff restart the visits during an export, and the next visitor begins at once.
 #[test]
 fn a_sculpture_is_saved_until_its_files_are_made_whoever_comes_next() {
     let folder = std::env::temp_dir().join(format!("paros-next-{}", std::process::id()));
@@ -69,7 +69,7 @@ fn a_sculpture_is_saved_until_its_files_are_made_whoever_comes_next() {
     });
     run_program(&folder, draw_no_picture, |studio| {
         assert!(studio.is_exporting(), "it is lost: {:?}", studio.world().visit().phase());
-        // The next visitor's session may be saved once the writer has what was made.
+        // The next visitor's session may be saved once the writer has the files.
         studio.run_tick(&told(VisitCommand::Open));
         studio.save_session_and_wait();
         assert!(folder.join("sculptures/sculpture-001.stl").exists());
@@ -77,14 +77,14 @@ fn a_sculpture_is_saved_until_its_files_are_made_whoever_comes_next() {
     fs::remove_dir_all(&folder).expect("the folder can be removed");
 }
 
-/// What the disk had no room for is tried once more when the next visitor comes, not only at the program's end.
+/// Files that could not be written are retried when the next visitor comes, not only at the program's end.
 #[test]
 fn a_visits_sculpture_that_could_not_be_written_is_written_for_the_next_visitor() {
     let folder = std::env::temp_dir().join(format!("paros-retried-{}", std::process::id()));
     let _ = fs::remove_dir_all(&folder);
     run_program(&folder, draw_no_picture, |studio| {
         sculpt_in_a_visit(studio);
-        // Files are where folders should be.
+        // Files take the places of the folders.
         let folders = ["sculptures", "sessions"].map(|name| folder.join(name));
         let aside = folder.join("aside");
         studio.save_session_and_wait();
@@ -137,7 +137,7 @@ fn a_visits_sculpture_outlives_a_program_that_ends_before_its_files_are_written(
     run_program(&folder, draw_no_picture, |studio| {
         assert_eq!(studio.world().visit().phase(), VisitPhase::Export);
         assert!(studio.is_exporting(), "it is made again");
-        // Ticks are faster here than the disk, and the visit goes on with them.
+        // Ticks are faster here than the disk, and the visit continues with them.
         (0..400).for_each(|_| studio.run_tick(&told(VisitCommand::None)));
         while studio.is_exporting() {
             studio.poll_background_work();
@@ -154,7 +154,7 @@ fn a_visits_sculpture_outlives_a_program_that_ends_before_its_files_are_written(
     fs::remove_dir_all(&folder).expect("the folder can be removed");
 }
 
-/// A volume lies among many, some of which are a user's own, by names that are longer or have numbers, too.
+/// The volume is found among many, including a user's own files with longer or numbered names.
 #[test]
 fn a_print_is_found_by_the_number_in_its_name() {
     let folder = std::env::temp_dir().join(format!("paros-numbered-{}", std::process::id()));

@@ -11,20 +11,20 @@ use paros_core::volume::Grid;
 
 use super::{DrawPicture, Resident as _, Studio, StudioPaths};
 
-/// A visit's input with a command.
+/// Returns a visit's input with a command.
 pub(crate) fn told(command: VisitCommand) -> TickInput {
     let visit = VisitInput { presence: Presence::Worn, is_used: true, command };
     TickInput { visit, ..TickInput::default() }
 }
 
-/// From the opening of visits to the first ticks of an export, with something cut.
+/// Runs ticks from the opening of visits to the first ticks of an export, with something cut.
 pub(crate) fn sculpt_in_a_visit(studio: &mut Studio<'_, 128>) {
     studio.run_tick(&told(VisitCommand::Open));
     studio.run_tick(&told(VisitCommand::Set { setting: PlanSetting::HandsOff, value: 0 }));
     sculpt_as_next_visitor(studio);
 }
 
-/// From the arrival of a visitor to the first ticks of an export, with something cut.
+/// Runs ticks from the arrival of a visitor to the first ticks of an export, with something cut.
 pub(crate) fn sculpt_as_next_visitor(studio: &mut Studio<'_, 128>) {
     let press = |action| told(VisitCommand::Press(action));
     for input in [
@@ -51,7 +51,7 @@ pub(crate) fn sculpt_as_next_visitor(studio: &mut Studio<'_, 128>) {
     }
 }
 
-/// Runs a program's studio in a folder, from an empty world on, to the end that `test` leaves it at.
+/// Runs a program's studio in a folder, from an empty world to the state in which `test` leaves it.
 pub(crate) fn run_program(
     folder: &Path,
     draw_picture: DrawPicture<128>,
@@ -65,6 +65,6 @@ pub(crate) fn run_program(
     let mut studio = Studio::new(&mut resident, &mut stl_buffers, paths, draw_picture);
     test(&mut studio);
     drop(studio);
-    // Other tests have the same one.
+    // Other tests share the world.
     resident.world.clear();
 }
