@@ -13,13 +13,13 @@ use paros_core::{Brush, Edit, Exporter, RangeMaps, Volume, apply_edit};
 /// Voxels along a side of the block.
 const SIDE: usize = 128;
 
-// All zero bytes at first: they live in statics and never move.
+// All zero bytes at first: they are in statics and never move.
 static VOLUME: Mutex<Volume<SIDE>> = Mutex::new(Volume::new());
 static BLOCK: Mutex<RangeMaps<SIDE>> = Mutex::new(RangeMaps::new());
 static SCRATCH: Mutex<EditScratch<SIDE>> = Mutex::new(EditScratch::new());
 static EXPORTER: Mutex<Exporter<SIDE>> = Mutex::new(Exporter::new());
 
-/// Removes a ball of voxels; returns how many. `centre` and `radius` in voxels.
+/// Removes a ball of voxels and returns their number. `centre` and `radius` are in voxels.
 fn carve_ball(volume: &mut Volume<SIDE>, centre: IVec3, radius: i32) -> u32 {
     // Brushes are in fixed point, 256ths of a voxel.
     let brush = Brush::sphere(centre * SUBUNITS_PER_VOXEL, radius * SUBUNITS_PER_VOXEL);
@@ -30,7 +30,7 @@ fn carve_ball(volume: &mut Volume<SIDE>, centre: IVec3, radius: i32) -> u32 {
     let mut scratch = SCRATCH.lock().unwrap();
     let mut removed = 0;
     loop {
-        // The unit journal records nothing; an undo history or dirty rectangles could stand there.
+        // The unit journal records nothing; pass an undo history or dirty rectangles to record changes.
         let report = apply_edit(volume, &no_mask, &edit, &mut scratch, &mut ());
         match report {
             Ok(report) if report.changed_volume() => removed += report.removed,
@@ -39,14 +39,14 @@ fn carve_ball(volume: &mut Volume<SIDE>, centre: IVec3, radius: i32) -> u32 {
     }
 }
 
-/// The volume as binary STL, `height_mm` high.
+/// Returns the volume as binary STL, `height_mm` high.
 fn export_stl(volume: &Volume<SIDE>, height_mm: f32) -> Result<Vec<u8>, Box<dyn Error>> {
     let mut exporter = EXPORTER.lock().unwrap();
     exporter.start_export(height_mm).map_err(|_| "a height that no model can have")?;
     let no_mask = RangeMaps::<SIDE>::new();
     let (mut stl, mut buffer) = (Vec::new(), vec![0; 1 << 16]);
     loop {
-        // At most 10,000 units of work a call: a frame could be drawn between two.
+        // At most 10,000 units of work a call, so that a frame could be drawn between two calls.
         let progress = exporter.advance_export(volume.rows(), &no_mask, 10_000, &mut buffer);
         stl.extend(&buffer[..progress.written]);
         if progress.phase == ExportPhase::Done {

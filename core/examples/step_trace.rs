@@ -1,5 +1,5 @@
-//! Replays the session of the bare-metal example on a host and prints the digest of its last tick: the
-//! line that the board prints, too.
+//! Replays the session of the bare-metal example on a host and prints the digest of its last tick, the same
+//! line that the board prints.
 //!
 //! `cargo run -p paros-core --example step_trace`
 

@@ -1,5 +1,6 @@
-//! Everything else that shells, tools and tests use by name: reports, errors, layouts and parts of the
-//! machinery. Any of it may change at any time; the stable interface is the crate's root and the modules named there.
+//! Items outside the stable interface that shells, tools and tests use: reports, errors, layouts and parts of
+//! the machinery. They may change at any time. The stable interface is the crate's root and the modules named
+//! there.
 
 pub use crate::codec::bytes::ByteWriter;
 pub use crate::codec::digest::{DIGEST_PARTS, checksum, combine_digests, mix_bits};

@@ -27,14 +27,14 @@
 //!
 //! # The closure rule
 //! The volume is always the intersection of its three range maps, and every range is *tight*: both
-//! its end voxels are occupied. An edit is the exact boolean operation on voxels, then closure: the
-//! ranges become the tight hulls of the result, and the volume their intersection. So a carve can
-//! only fail to remove voxels of its own brush, and a fill can add others only along the three
+//! its end voxels are occupied. An edit is the exact boolean operation on voxels, followed by closure: the
+//! ranges become the tight hulls of the result, and the volume becomes their intersection. So the only error
+//! of a carve is to keep some voxels of its own brush, and a fill can add other voxels only along the three
 //! beams of columns through its brush.
 //!
-//! A column of one interval can't hold a hole. `Volume<N, K>` and all that holds volumes take a second
-//! parameter, the intervals of a column, 1 unless one says more: K intervals keep K - 1 gaps. The rule for
-//! them, and what it promises, stands at [`Volume`].
+//! A column of one interval can't hold a hole. `Volume<N, K>` and every type that holds a volume have a
+//! second parameter: K, the number of intervals in a column, 1 by default. K intervals can represent K - 1
+//! gaps. [`Volume`] documents the rule for them and its guarantees.
 //!
 //! # An example
 //! A session on the solid block: the right hand takes the rotary tool and draws a groove through the top,
@@ -76,32 +76,32 @@
 //! # assert_eq!(stl.len() as u64, exporter.file_len().unwrap());
 //! ```
 //!
-//! `core/examples/` holds two more: `carve_ball` edits a [`Volume`] by brushes, without hands and tools,
-//! and `bare-metal` replays a session on a Cortex-M4 without an operating system.
+//! `core/examples/` has two more examples: `carve_ball` edits a [`Volume`] by brushes, without hands and
+//! tools, and `bare-metal` replays a session on a Cortex-M4 without an operating system.
 //!
 //! # Where things are
-//! The root has the dozen types that a program starts from. What their signatures name stands in five
-//! modules: [`volume`] (grid, axes, columns, rectangles), [`edit`] (operations, poses, reports),
-//! [`convert`] (meshes in, prints out), [`session`] (input, tools, hands) and [`codec`] (saves and traces). Two more
-//! know no stone: [`visit`], what comes after what from the headset put on to the badge in hand, and [`badge`], the
-//! pictures by which a visitor finds a sculpture again, and who may give them out.
-//! Each is told in three lines: what it takes and gives, and what it doesn't know. [`limits`] has every
-//! capacity, and [`internals`] what tools and tests use besides.
+//! The root has the dozen types that a program starts from. The other public types are in five modules:
+//! [`volume`] (grid, axes, columns, rectangles), [`edit`] (operations, poses, reports), [`convert`] (meshes
+//! in, prints out), [`session`] (input, tools, hands) and [`codec`] (saves and traces). Two more modules are
+//! independent of volumes: [`visit`], the state machine from putting on the headset to receiving the badge,
+//! and [`badge`], the pictures by which a visitor finds a sculpture again, and the blocks of badge numbers.
+//! Each module states its inputs and outputs, and what it doesn't depend on. [`limits`] has every capacity,
+//! and [`internals`] the items that only tools and tests use.
 //!
 //! # What it does not do
-//! It does no I/O, allocates nothing, reads no clock, draws no picture and never panics on input.
-//! Files, time and devices are the shells' (`paros-shell`); pictures are `paros-shaders`'. A volume of one
-//! interval a column refuses a cavity that no axis sees, and the [`EditReport`](edit::EditReport) says where.
+//! It does no I/O, allocates nothing, reads no clock, draws no picture and never panics on input. Files, time
+//! and devices belong to the shells (`paros-shell`), pictures to `paros-shaders`. A volume of one interval a
+//! column can't hold a cavity that no axis sees; the [`EditReport`](edit::EditReport) says where.
 //!
 //! # Principles
 //! 1. Data in, data out: a tick is a function of state, input and start volumes.
-//! 2. Time is an argument: one step is a 72nd of a second, and nothing else knows the hour.
+//! 2. Time is an argument: one step is a 72nd of a second, and the core reads no clock.
 //! 3. Decisions are made in integers; floats carry poses between two ticks, and behave alike on
 //!    every target (glam with `scalar-math`, libm).
-//! 4. Memory is fixed: every capacity stands in [`limits`] with its reason.
+//! 4. Memory is fixed: every capacity is in [`limits`] with its reason.
 //! 5. All zero bytes are the empty world: it lives in a `static`, and never moves.
 //! 6. Long work is a state machine with a budget in units of work, never in time.
-//! 7. What changed is said (columns, rows, events, rectangles), so that nobody has to look.
+//! 7. Every change is reported (columns, rows, events, rectangles), so that callers needn't compare states.
 //! 8. Failure leaves the state untouched.
 #![no_std]
 #![forbid(unsafe_code)]
@@ -120,7 +120,7 @@ pub use convert::bake::Baker;
 pub use convert::export::Exporter;
 pub use edit::brush::Brush;
 pub use edit::operation::{Edit, apply_edit};
-/// Vectors and quaternions in the signatures.
+/// Vectors and quaternions used in public signatures.
 pub use glam;
 pub use session::events::WorldEvent;
 pub use session::input::{HandInput, TickInput};

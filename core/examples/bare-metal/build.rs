@@ -1,4 +1,4 @@
-//! Tells the linker where flash and memory lie.
+//! Tells the linker the addresses of flash and memory.
 
 fn main() {
     println!("cargo::rustc-link-search={}", env!("CARGO_MANIFEST_DIR"));

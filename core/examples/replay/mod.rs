@@ -1,15 +1,16 @@
-//! The replay of a recorded session, for a host and for bare metal alike.
+//! The replay of a recorded session, shared by the host and bare-metal examples.
 
 use paros_core::codec::ByteReader;
 use paros_core::codec::trace::{TickRecord, TraceHeader, digest_start_volumes};
 use paros_core::volume::{Grid, Size};
 use paros_core::{RangeMaps, StartVolumes, World};
 
-/// Replays a trace whose sessions start from the solid block. `world` and `start_block` are all zero
-/// bytes at first, so that both can live in statics. Returns the digest of the last tick.
+/// Replays a trace whose sessions start from the solid block. `world` and `start_block` must be all zero
+/// bytes at first, so that both can be in statics. Returns the digest of the last tick.
 ///
 /// # Errors
-/// What was expected of the trace, or that a tick's digest differs from the recorded one.
+/// A description of what was expected of the trace, or an error if a tick's digest differs from the recorded
+/// one.
 // Shells step their worlds through `TickRunner`, which needs a heap.
 #[allow(clippy::disallowed_methods)]
 pub(crate) fn replay_to_last_digest<const N: usize>(

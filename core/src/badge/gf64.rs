@@ -1,40 +1,40 @@
 //! The field of 64 elements, GF(64): polynomials over GF(2) modulo x^6 + x + 1, six bits each.
 //!
-//! Sums are exclusive ors. x generates all 63 elements but zero, so products are sums of logarithms.
+//! Sums are exclusive ors. The powers of x are all 63 non-zero elements, so products are sums of logarithms.
 
 /// An element: bit i is the coefficient of x^i.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Gf64(u8);
 
-/// x^6 + x + 1, which is irreducible, and of which x is a primitive element.
+/// x^6 + x + 1, an irreducible polynomial with x as a primitive element.
 const MODULUS: u8 = 0b100_0011;
 
-/// x^0 to x^62, and x^0 once more.
+/// x^0 to x^62, followed by x^0 again.
 const POWERS: [u8; 64] = list_powers();
 
-/// The exponents of x, by element; that of zero is never read.
+/// The logarithm to base x of each element; the entry for zero is never read.
 const LOGARITHMS: [u8; 64] = list_logarithms();
 
 impl Gf64 {
-    /// Neutral in sums.
+    /// The neutral element of addition.
     pub(crate) const ZERO: Gf64 = Gf64(0);
 
-    /// The element of the lower six bits.
+    /// Creates an element from the lower six bits.
     pub(crate) const fn new(bits: u8) -> Self {
         Gf64(bits & 63)
     }
 
-    /// Its six bits.
+    /// Returns its six bits.
     pub(crate) const fn bits(self) -> u8 {
         self.0
     }
 
-    /// The sum, which is the difference too.
+    /// Returns the sum, which equals the difference.
     pub(crate) const fn plus(self, other: Gf64) -> Self {
         Gf64(self.0 ^ other.0)
     }
 
-    /// The product.
+    /// Returns the product.
     pub(crate) const fn times(self, other: Gf64) -> Self {
         if self.0 == 0 || other.0 == 0 {
             return Gf64::ZERO;
@@ -43,7 +43,7 @@ impl Gf64 {
         Gf64(POWERS[(exponent % 63) as usize])
     }
 
-    /// The quotient; zero where `divisor` is zero, by which nothing here divides.
+    /// Returns the quotient, or zero if `divisor` is zero, which never happens here.
     pub(crate) const fn over(self, divisor: Gf64) -> Self {
         if divisor.0 == 0 {
             return Gf64::ZERO;
@@ -52,7 +52,7 @@ impl Gf64 {
     }
 }
 
-/// The sum of `factors[i] * elements[i]`.
+/// Returns the sum of `factors[i] * elements[i]`.
 pub(crate) fn dot<const N: usize>(factors: &[u8; N], elements: &[Gf64; N]) -> Gf64 {
     let products = factors.iter().zip(elements).map(|(f, e)| Gf64::new(*f).times(*e));
     products.fold(Gf64::ZERO, Gf64::plus)

@@ -1,11 +1,12 @@
-//! Badges: what a visitor leaves with and says at the booth, four pictograms on a colour.
+//! Badges: the code that a visitor takes away and says at the booth, four pictograms on a coloured ground.
 //!
-//! Takes numbers; gives badges, their words and shapes. Doesn't know the network, files, clocks, or what a sculpture
-//! is: shells bring these.
+//! Inputs: numbers. Outputs: badges, their words and shapes. Independent of the network, files, clocks and
+//! sculptures, which are the shells' task.
 //!
-//! A badge shows 27 bits: 18 of its number, three of the colour, six of a check. The numbers of seven colours are
-//! *leased*: the booth hands them to headsets in blocks of 64. The eighth colour, black, is *provisional*: drawn at
-//! random where there is no lease, it may repeat, and the booth then shows every sculpture with that badge.
+//! A badge shows 27 bits: 18 of its number, three of the colour, and six of a check. The numbers of seven
+//! colours are *leased*: the booth assigns them to headsets in blocks of 64. The eighth colour, black, is
+//! *provisional*: its numbers are drawn at random if there is no lease. They may repeat, and the booth then
+//! shows every sculpture with that badge.
 //!
 //! ```
 //! use paros_core::badge::{BadgeNumber, Language, write_words};

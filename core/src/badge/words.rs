@@ -1,24 +1,24 @@
 //! A badge in words: "green: owl, kite, anchor, bell".
 //!
-//! The nouns are ones that a child knows and that are one word in each language; any two differ in two letters at
-//! least, accents aside, so that a badge can be told on the telephone.
+//! The nouns are words that a child knows, a single word in each language. Any two differ in at least two
+//! letters, ignoring accents, so that a badge can be dictated on the telephone.
 
 use core::fmt;
 
 use crate::badge::code::{Badge, BadgeColour, Pictogram};
 
-/// A language of visitors, in which panels and badges tell what they tell.
+/// A language of visitors, used in panels and badges.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Default, Debug)]
 #[repr(u8)]
 pub enum Language {
-    /// British.
+    /// British English.
     #[default]
     English,
-    /// Modern, with accents.
+    /// Modern Greek, with accents.
     Greek,
 }
 
-/// English and Greek, by [`BadgeColour`].
+/// English and Greek names, indexed by [`BadgeColour`].
 const COLOURS: [[&str; 2]; 8] = [
     ["red", "κόκκινο"],
     ["orange", "πορτοκαλί"],
@@ -30,7 +30,7 @@ const COLOURS: [[&str; 2]; 8] = [
     ["black", "μαύρο"],
 ];
 
-/// English and Greek, by the pictogram's number, which is that of its shapes.
+/// English and Greek names, indexed by the pictogram's number, like the shapes.
 const PICTOGRAMS: [[&str; 2]; Pictogram::COUNT] = [
     ["owl", "κουκουβάγια"],
     ["cat", "γάτα"],
@@ -99,12 +99,12 @@ const PICTOGRAMS: [[&str; 2]; Pictogram::COUNT] = [
 ];
 
 impl Language {
-    /// By number.
+    /// All languages, in the order of their numbers.
     pub const ALL: [Language; 2] = [Language::English, Language::Greek];
 }
 
 impl Pictogram {
-    /// What it shows, in a word of lower case.
+    /// Returns the name of the picture, a word in lower case.
     #[must_use]
     pub const fn name(self, language: Language) -> &'static str {
         PICTOGRAMS[self.number()][language as usize]
@@ -112,17 +112,17 @@ impl Pictogram {
 }
 
 impl BadgeColour {
-    /// Its name, in a word of lower case.
+    /// Returns the name of the colour, a word in lower case.
     #[must_use]
     pub const fn name(self, language: Language) -> &'static str {
         COLOURS[self as usize][language as usize]
     }
 }
 
-/// Writes the colour, a colon and the four pictograms, as they are said.
+/// Writes the colour, a colon and the four pictograms, in spoken order.
 ///
 /// # Errors
-/// That of `to`.
+/// Returns the error of `to`.
 pub fn write_words(to: &mut impl fmt::Write, badge: &Badge, language: Language) -> fmt::Result {
     to.write_str(badge.colour.name(language))?;
     for (k, pictogram) in badge.pictograms.iter().enumerate() {

@@ -5,38 +5,38 @@ use core::fmt;
 use crate::codec::bytes::BadBytes;
 use crate::volume::range_maps::{Axis, ColumnAddress};
 
-/// The offset of a save's version, which says the intervals of a column.
+/// The offset of a save's version, which includes the number of intervals of a column.
 const VERSION_OFFSET: usize = 4;
 
-/// What is expected where the bytes of a column are none.
+/// The expectation reported for an invalid column.
 pub(crate) const INTERVALS_OF_A_COLUMN: &str = "disjoint ranges within the grid, the lowest first";
 
-/// Why bytes are no saved world of this size and number of intervals.
+/// The reason why bytes aren't a saved world of this size and number of intervals.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum BadSave {
-    /// The bytes end within a value, or it is invalid.
+    /// The bytes end within a value, or the value is invalid.
     Value(BadBytes),
-    /// The world that was saved has another number of intervals a column.
+    /// The saved world has another number of intervals a column.
     Intervals {
-        /// Of the saved world.
+        /// The saved world's number.
         saved: usize,
-        /// Of this one.
+        /// This world's number.
         here: usize,
     },
     /// A column of the volume, of the mask or of an undo entry is invalid.
     Column {
-        /// Where it lies, and what is expected.
+        /// The column's offset, and what was expected.
         bad: BadBytes,
         /// Its axis.
         axis: Axis,
         /// Its line and place in its map.
         address: ColumnAddress,
     },
-    /// An undo entry leads to a volume with an invalid column, once it is undone or redone.
+    /// Undoing or redoing an undo entry leads to a volume with an invalid column.
     Entry {
-        /// Its number, from 0, the oldest.
+        /// Its index; 0 is the oldest.
         entry: usize,
-        /// Where it begins, and what is expected of the volume.
+        /// The entry's offset, and what was expected of the volume.
         bad: BadBytes,
         /// The column's axis.
         axis: Axis,
@@ -46,7 +46,7 @@ pub enum BadSave {
 }
 
 impl BadSave {
-    /// The offset of what is wrong from the start of the bytes.
+    /// Returns the offset of the error from the start of the bytes.
     #[must_use]
     pub const fn offset(&self) -> usize {
         match self {

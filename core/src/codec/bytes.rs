@@ -5,7 +5,7 @@
 pub struct BadBytes {
     /// Offset of the value from the start of the bytes.
     pub offset: usize,
-    /// What is expected there.
+    /// The expected value, for messages.
     pub expected: &'static str,
 }
 
@@ -18,25 +18,25 @@ pub struct ByteWriter<'a> {
 }
 
 impl<'a> ByteWriter<'a> {
-    /// Starts at the front of `bytes`.
+    /// Creates a writer at the front of `bytes`.
     #[must_use]
     pub fn new(bytes: &'a mut [u8]) -> Self {
         ByteWriter { bytes, len: 0 }
     }
 
-    /// Bytes written so far, including those that didn't fit.
+    /// Returns the number of bytes written so far, including those that didn't fit.
     #[must_use]
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// Whether nothing was written.
+    /// Returns `true` if nothing was written.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// Whether everything fitted.
+    /// Returns `true` if everything fitted.
     #[must_use]
     pub fn fits(&self) -> bool {
         self.len <= self.bytes.len()
@@ -65,13 +65,13 @@ pub struct ByteReader<'a> {
 }
 
 impl<'a> ByteReader<'a> {
-    /// Starts at the front of `bytes`.
+    /// Creates a reader at the front of `bytes`.
     #[must_use]
     pub const fn new(bytes: &'a [u8]) -> Self {
         ByteReader { bytes, offset: 0 }
     }
 
-    /// The offset of the next value.
+    /// Returns the offset of the next value.
     #[must_use]
     pub const fn offset(&self) -> usize {
         self.offset
@@ -99,12 +99,12 @@ impl<'a> ByteReader<'a> {
     /// Checks that no bytes are left.
     ///
     /// # Errors
-    /// [`BadBytes`] if there are.
+    /// [`BadBytes`] if there are bytes left.
     pub fn expect_end(&self) -> Result<(), BadBytes> {
         if self.offset == self.bytes.len() { Ok(()) } else { Err(self.error_here("the end")) }
     }
 
-    /// The error for an invalid next value.
+    /// Returns the error for an invalid next value.
     #[must_use]
     pub const fn error_here(&self, expected: &'static str) -> BadBytes {
         BadBytes { offset: self.offset, expected }

@@ -1,10 +1,10 @@
 //! 64-bit hashes, not cryptographic: the bit mixer, a hash of bytes, and the parts of a world's digest.
 //!
-//! A digest is either a hash of bytes in order ([`checksum`]), or a sum of values times
-//! [`DIGEST_KEYS`], which can be updated incrementally as single values change. Every factor of such a sum
-//! is odd, whatever it was rotated or multiplied by, so that no bit of a value vanishes.
+//! A digest is either a hash of bytes in order ([`checksum`]), or a sum of values times [`DIGEST_KEYS`],
+//! which can be updated incrementally when single values change. Every factor of such a sum is odd, also
+//! after rotation and multiplication, so that no bit of a value vanishes.
 
-/// Names of the state's parts, each of which has its own digest.
+/// Names of the state's parts that have a digest of their own.
 pub const DIGEST_PARTS: [&str; 4] = ["hands, bench and session", "volume", "undo", "islands"];
 
 /// Scrambles 64 bits (the finaliser of MurmurHash3, Appleby 2011).
@@ -29,7 +29,7 @@ pub(crate) const DIGEST_KEYS: [u64; 257] = {
     keys
 };
 
-/// The hash of a sequence of bytes, eight at a time.
+/// Returns the hash of a sequence of bytes, eight at a time.
 #[must_use]
 pub fn checksum(bytes: &[u8]) -> u64 {
     let mut sum = bytes.len() as u64;
@@ -41,7 +41,7 @@ pub fn checksum(bytes: &[u8]) -> u64 {
     sum
 }
 
-/// The digest of a world, from the digests of its parts in the order of [`DIGEST_PARTS`].
+/// Combines the digests of a world's parts, in the order of [`DIGEST_PARTS`], into the world's digest.
 #[must_use]
 pub fn combine_digests(part_digests: [u64; DIGEST_PARTS.len()]) -> u64 {
     part_digests.into_iter().fold(0, |sum, part| mix_bits(sum.rotate_left(17) ^ part))

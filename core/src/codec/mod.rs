@@ -1,8 +1,8 @@
-//! Serialization and digests. The lower half encodes single values; the upper half a whole world
+//! Serialization and digests. The lower layer encodes single values; the upper layer a whole world
 //! ([`World::save`](crate::World::save)) and a recorded session ([`trace`]).
 //!
-//! Takes values, or untrusted bytes; gives bytes, or the values, or the offset and reason of an error.
-//! Doesn't know files: the caller owns every buffer.
+//! Inputs: values, or untrusted bytes. Outputs: bytes, or the values, or the offset and reason of an error.
+//! Independent of files: the caller owns every buffer.
 
 pub(crate) mod bad_save;
 pub(crate) mod bytes;

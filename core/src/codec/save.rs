@@ -19,14 +19,14 @@ use crate::volume::size::{Grid, Size};
 /// First bytes of a saved world.
 const MAGIC: [u8; 4] = *b"PWLD";
 
-/// Changes with every change of what is saved. For one interval a column 5; for K of them 6 in the high
-/// byte and K in the low one.
+/// Returns the version of the save format. Increment it with every change of the format. The version is 5 for
+/// one interval a column; for K intervals it is 6 in the high byte and K in the low byte.
 const fn save_version(intervals: usize) -> u16 {
     if intervals == 1 { 5 } else { 6 << 8 | intervals as u16 }
 }
 
-/// The phase of the session that a save holds, by its first bytes; `None` for what is no save of this version. Whether
-/// the rest is good, [`World::load`] tells.
+/// Returns the session phase stored in a save, read only from its first bytes, or `None` if they aren't a
+/// save of this version. Doesn't validate the rest: see [`World::load`].
 #[must_use]
 pub fn session_of_save(bytes: &[u8]) -> Option<SessionState> {
     let mut from = ByteReader::new(bytes);
@@ -37,7 +37,7 @@ pub fn session_of_save(bytes: &[u8]) -> Option<SessionState> {
     SessionState::from_number(from.u8().ok()?).filter(|_| is_save)
 }
 
-/// The number of intervals a column that a version stands for.
+/// Returns the number of intervals a column of a version.
 fn intervals_of(version: u16) -> Option<usize> {
     (1..=MAX_INTERVALS).find(|intervals| save_version(*intervals) == version)
 }
@@ -46,11 +46,10 @@ impl<const N: usize, const K: usize> World<N, K>
 where
     Grid<N>: Size,
 {
-    /// Writes the whole state, a header with a checksum and then everything that later ticks depend on,
-    /// and returns its length in bytes. If that exceeds the length of `bytes`, their contents are
-    /// unspecified.
+    /// Writes the whole state: a header with a checksum, and then everything that later ticks depend on.
+    /// Returns its length in bytes. If the length exceeds that of `bytes`, their contents are unspecified.
     ///
-    /// A world of more than [`MAX_INTERVALS`] intervals a column has no version, and doesn't compile:
+    /// More than [`MAX_INTERVALS`] intervals a column have no version, so this doesn't compile:
     /// ```compile_fail
     /// static WORLD: paros_core::World<16, 5> = paros_core::World::new();
     /// let _ = WORLD.save(&mut []);
@@ -77,22 +76,22 @@ where
         len
     }
 
-    /// Restores a saved state; digests continue as if uninterrupted. Until the next tick, every column
-    /// is dirty.
+    /// Restores a saved state. Digests continue as if uninterrupted. Every column is dirty until the next
+    /// tick.
     ///
-    /// The bytes may be anybody's. Every invariant is checked that later ticks rest on: maps of volume and
-    /// mask, the volumes that undo and redo lead to, what a running island search has reached and queued,
-    /// poses within reach, one tool a hand and one bit a tool. What remains changes what is done, never what
-    /// holds: a hand's buttons, phase and haptics are any number; a search may have reached too much,
-    /// which the next one finds; and the sum of kept voxels decides whether a report says them again.
+    /// The bytes may be untrusted. Every invariant that later ticks rely on is checked: maps of volume and
+    /// mask, the volumes that undo and redo lead to, the reached and queued rows of a running island search,
+    /// poses within range, one tool a hand and one bit a tool. Unchecked values affect behaviour but no
+    /// invariant: a hand's buttons, phase and haptics may have any value; a search may have reached too much,
+    /// which the next search corrects; and the sum of kept voxels decides whether a report repeats them.
     ///
-    /// It is no part of a tick, and takes as long as dozens: with two intervals a column and some fifty strokes
-    /// to undo, 136 to 154 million instructions at 128 and 511 to 637 million at 256. Each entry costs in
-    /// proportion to its columns and to the box around what it changes.
+    /// Loading isn't part of a tick, and takes as long as dozens of ticks: with two intervals a column and
+    /// some fifty strokes to undo, 136 to 154 million instructions at 128 and 511 to 637 million at 256. The
+    /// cost of each entry is proportional to its columns and to the box around its changes.
     ///
     /// # Errors
     /// [`BadSave`] for bytes that [`World::save`] didn't write for this N and K. A wrong checksum leaves the
-    /// world unchanged; invalid bytes with a valid checksum leave the empty world.
+    /// world unchanged; invalid bytes with a valid checksum leave it empty.
     #[inline(never)]
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), BadSave> {
         let mut from = ByteReader::new(bytes);
@@ -105,7 +104,7 @@ where
         done
     }
 
-    /// Becomes the empty world, which waits for a session.
+    /// Resets to the empty world, which waits for a session.
     #[inline(never)]
     pub fn clear(&mut self) {
         self.state = WorldState::new();
@@ -163,15 +162,15 @@ where
         })
     }
 
-    /// The digest of all state that later ticks depend on, combined from incrementally updated digests
-    /// of its parts; [`World::recompute_digest`] computes them from scratch. A new world and a cleared
-    /// one have the same digest.
+    /// Returns the digest of all state that later ticks depend on, combined from incrementally updated
+    /// digests of its parts. [`World::recompute_digest`] computes them from scratch. A new world and a
+    /// cleared world have the same digest.
     #[must_use]
     pub fn digest(&self) -> u64 {
         combine_digests(self.part_digests().map(|(_, digest)| digest))
     }
 
-    /// The digest, with every part computed from scratch.
+    /// Returns the digest, with every part computed from scratch.
     #[must_use]
     #[inline(never)]
     pub fn recompute_digest(&self) -> u64 {
@@ -185,7 +184,8 @@ where
         ])
     }
 
-    /// The digests of the state's parts with their names, to find the part in which two worlds differ.
+    /// Returns the digests of the state's parts with their names, to find the part in which two worlds
+    /// differ.
     #[must_use]
     #[inline(never)]
     pub fn part_digests(&self) -> [(&'static str, u64); DIGEST_PARTS.len()] {
@@ -223,7 +223,7 @@ fn check_header<const K: usize>(
     Ok(())
 }
 
-/// The error for a column of maps whose bytes begin at `start`, if there is one.
+/// Returns an error for a column of maps whose bytes begin at `start`, if there is such a column.
 fn refuse_column<const N: usize, const K: usize>(
     column: Option<(Axis, ColumnAddress)>,
     start: usize,
@@ -235,7 +235,7 @@ fn refuse_column<const N: usize, const K: usize>(
     Err(BadSave::Column { bad: BadBytes { offset, expected }, axis, address })
 }
 
-/// The first column along x with a voxel that isn't in the volume.
+/// Returns the first column along x with a voxel that isn't in the volume.
 fn first_column_beyond<const N: usize, const K: usize>(
     maps: &RangeMaps<N, K>,
     volume: &BitGrid<N>,

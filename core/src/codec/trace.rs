@@ -1,4 +1,4 @@
-//! Traces: a header, then for every tick its input and the digests it led to, at fixed widths.
+//! Traces: a header, then a record of each tick with its input and the resulting digests, at fixed widths.
 //!
 //! Little-endian. Header, [`HEADER_BYTES`] bytes: `PTRC`; u16 trace version; u16 core version (what
 //! a tick computes); u16 N; u16 K, the intervals of a column, written as 0 where there is one; u32 ticks;
@@ -20,19 +20,20 @@ pub const HEADER_BYTES: usize = 32;
 /// Length of a record in bytes.
 pub const RECORD_BYTES: usize = TickInput::BYTES + 8 * DIGEST_PARTS.len();
 
-/// Changes with every change of the trace format.
+/// Version of the trace format. Increment it with every change of the format.
 pub const TRACE_VERSION: u16 = 3;
 
-/// Changes with every change of what a tick computes, with one interval a column or more.
+/// Version of a tick's computation. Increment it with every change of the result, for any number of
+/// intervals.
 pub const CORE_VERSION: u16 = 13;
 
 /// The first bytes of a trace.
 pub const MAGIC: [u8; 4] = *b"PTRC";
 
-/// What the error for another [`TRACE_VERSION`] expects.
+/// The expectation reported for another [`TRACE_VERSION`].
 pub const EXPECTED_TRACE_VERSION: &str = "trace version 3";
 
-/// What the error for another [`CORE_VERSION`] expects.
+/// The expectation reported for another [`CORE_VERSION`].
 pub const EXPECTED_CORE_VERSION: &str = "core version 13";
 
 /// The header of a trace: the world it was recorded on.
@@ -42,7 +43,7 @@ pub struct TraceHeader {
     pub side: u16,
     /// Intervals of a column, 1 to [`MAX_INTERVALS`].
     pub intervals: u16,
-    /// Number of records, by which a truncated trace is recognised.
+    /// Number of records, used to detect a truncated trace.
     pub ticks: u32,
     /// [`digest_start_volumes`] of the start volumes.
     pub starts_digest: u64,
@@ -67,18 +68,18 @@ impl TraceHeader {
         to.u16(TRACE_VERSION);
         to.u16(CORE_VERSION);
         to.u16(self.side);
-        // Traces from before there were more have 0 here.
+        // Traces from before K was introduced have 0 here.
         to.u16(if self.intervals == 1 { 0 } else { self.intervals });
         to.u32(self.ticks);
         to.u64(self.starts_digest);
         to.u64(self.first_digest);
     }
 
-    /// Reads what [`TraceHeader::write`] wrote.
+    /// Reads the output of [`TraceHeader::write`].
     ///
     /// # Errors
-    /// [`BadBytes`] for another magic or version, a size or a number of intervals that no world has, or at
-    /// the end.
+    /// [`BadBytes`] for another magic or version, an unsupported size or number of intervals, or if the bytes
+    /// end early.
     pub fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
         let bad = from.error_here("the magic PTRC");
         if from.bytes(4)? != MAGIC {
@@ -113,7 +114,7 @@ impl TraceHeader {
 }
 
 impl TickRecord {
-    /// The world's digest after the tick.
+    /// Returns the world's digest after the tick.
     #[must_use]
     pub fn digest(&self) -> u64 {
         combine_digests(self.part_digests)
@@ -125,10 +126,10 @@ impl TickRecord {
         self.part_digests.iter().for_each(|digest| to.u64(*digest));
     }
 
-    /// Reads what [`TickRecord::write`] wrote.
+    /// Reads the output of [`TickRecord::write`].
     ///
     /// # Errors
-    /// [`BadBytes`] at the end, or for an invalid input.
+    /// [`BadBytes`] if the bytes end early, or for an invalid input.
     pub fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
         let input = TickInput::read(from)?;
         let mut parts = [0; DIGEST_PARTS.len()];
@@ -139,7 +140,7 @@ impl TickRecord {
     }
 }
 
-/// The digest of all start volumes, in order.
+/// Returns the digest of all start volumes, in order.
 #[must_use]
 #[inline(never)]
 pub fn digest_start_volumes<const N: usize, const K: usize>(

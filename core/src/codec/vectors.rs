@@ -1,13 +1,13 @@
-//! Vectors and quaternions as bytes: their components, which must be finite.
+//! Serialisation of vectors and quaternions: their components, which must be finite.
 
 use glam::{Quat, Vec3};
 
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 
-/// Length of a written vector in bytes.
+/// Length of a serialised vector in bytes.
 pub(crate) const VEC3_BYTES: usize = 3 * size_of::<f32>();
 
-/// Length of a written quaternion in bytes.
+/// Length of a serialised quaternion in bytes.
 pub(crate) const QUAT_BYTES: usize = 4 * size_of::<f32>();
 
 /// Writes the three components as f32.
@@ -20,12 +20,12 @@ pub(crate) fn write_quat(to: &mut ByteWriter<'_>, q: Quat) {
     q.to_array().iter().for_each(|f| to.f32(*f));
 }
 
-/// Reads what [`write_vec3`] wrote.
+/// Reads the output of [`write_vec3`].
 pub(crate) fn read_vec3(from: &mut ByteReader<'_>) -> Result<Vec3, BadBytes> {
     Ok(Vec3::new(read_finite(from)?, read_finite(from)?, read_finite(from)?))
 }
 
-/// Reads what [`write_quat`] wrote.
+/// Reads the output of [`write_quat`].
 pub(crate) fn read_finite_quat(from: &mut ByteReader<'_>) -> Result<Quat, BadBytes> {
     Ok(Quat::from_xyzw(
         read_finite(from)?,

@@ -1,9 +1,8 @@
 //! Conversion between volumes and meshes: voxelization ([`Baker`](crate::Baker)) and surface extraction
 //! for printing ([`Exporter`](crate::Exporter)).
 //!
-//! Takes triangles, or a volume with its mask and a buffer; gives a volume, or the bytes of an STL file,
-//! a bounded piece of work at a time.
-//! Doesn't know mesh files, edits, sessions or disks.
+//! Inputs: triangles, or a volume with its mask and a buffer. Outputs: a volume, or the bytes of an STL file,
+//! in bounded pieces of work. Independent of mesh files, edits, sessions and disks.
 
 pub(crate) mod bake;
 pub(crate) mod export;

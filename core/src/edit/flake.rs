@@ -1,4 +1,4 @@
-//! Flakes: what a blow on a chisel splits off near an edge.
+//! Flakes: the piece of stone that a blow on a chisel splits off near an edge.
 
 use glam::{I64Vec3, IVec3};
 
@@ -7,15 +7,16 @@ use crate::edit::pose::{FIXED_ONE, Pose, SUBUNITS_PER_VOXEL};
 use crate::volume::bit_grid::BitGrid;
 use crate::volume::size::{Grid, Size};
 
-/// Steps in which the way of a blow is looked at.
+/// Sampling step along the path of a blow.
 const STEP: i64 = SUBUNITS_PER_VOXEL as i64 / 2;
 
-/// Steps beyond the tip within which a struck chisel is on the stone.
+/// Maximum number of steps from the tip to the stone for a struck chisel.
 const STRUCK_WITHIN: i64 = 4;
 
-/// The piece that a blow along a bit's -z splits off, from the plane that the blow and the edge of the tip, along x,
-/// lie in: half the ball of `reach` about the struck place, on the side on which the stone ends sooner across that
-/// plane. `None` unless it ends within `reach` there and along the blow.
+/// Returns the half-ball chip that a blow along a bit's -z splits off. The chip is half the ball of `reach`
+/// about the struck point, cut by the plane that contains the blow and the tip's edge (along x), on the side
+/// where the stone is thinner. Returns `None` unless the stone ends within `reach` on that side and along the
+/// blow.
 pub(crate) fn find_flake<const N: usize>(
     rows: &BitGrid<N>,
     pose: &Pose,
@@ -47,13 +48,13 @@ where
     Some(HalfBall::about(struck.as_ivec3(), reach_subunits, normal))
 }
 
-/// The point so far from another along a unit direction in fixed point.
+/// Returns the point at a distance from another along a unit direction in fixed point.
 fn point_along(from: I64Vec3, way_q14: IVec3, distance: i64) -> I64Vec3 {
     let gone = way_q14.as_i64vec3() * distance;
     from + gone.div_euclid(I64Vec3::splat(i64::from(FIXED_ONE)))
 }
 
-/// Whether a point is in an occupied voxel.
+/// Returns `true` if a point is in an occupied voxel.
 fn is_stone<const N: usize>(rows: &BitGrid<N>, point: I64Vec3) -> bool
 where
     Grid<N>: Size,

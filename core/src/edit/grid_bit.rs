@@ -11,16 +11,16 @@ use crate::limits::SWEEP_PIECES;
 pub struct GridBit {
     /// The shape.
     pub shape: GridShape,
-    /// Its greatest penetration into the material.
+    /// Maximum penetration into the material.
     pub bite: i32,
 }
 
 /// A shape in fixed point.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum GridShape {
-    /// A ball of a radius.
+    /// A ball with this radius.
     Ball(i32),
-    /// A box of half extents.
+    /// A box with these half extents.
     Box(IVec3),
     /// A disc, whose normal is the bit's x axis.
     Disc {
@@ -35,8 +35,9 @@ pub enum GridShape {
 const ROUNDING: i32 = SUBUNITS_PER_VOXEL / 16;
 
 impl GridBit {
-    /// The length of a way in voxels, as its steps are counted: along its own plane a disc takes steps four times as
-    /// long as other bits do, and as across it. A part of the way is never longer than that part of it.
+    /// Returns the length of a path in voxels for counting steps. Along its own plane a disc's steps are four
+    /// times as long as other bits' steps and as its steps across the plane. Part of a path never counts as
+    /// more than the same fraction of the whole.
     #[must_use]
     pub(crate) fn stepped_length_voxels(&self, from: &Pose, to: &Pose) -> f32 {
         let length = (to.position - from.position).length();
@@ -50,20 +51,20 @@ impl GridBit {
         }
     }
 
-    /// What it costs to test at once whether nothing is in the way between two poses, in steps: one for each piece of
-    /// the way, which has most of the rows of all.
+    /// Returns the cost, in steps, of testing at once if the path between two poses is free: one step for
+    /// each piece of the swept volume, as each has about as many rows as the whole.
     #[must_use]
     pub fn stretch_cost_in_steps(&self, from: &Pose, to: &Pose) -> u32 {
         self.swept_brush(from, to).pieces().len() as u32
     }
 
-    /// The shell depth of an edit: the bite in voxels, rounded up.
+    /// Returns the shell depth of an edit: the bite in voxels, rounded up.
     #[must_use]
     pub fn bite_depth_voxels(&self) -> usize {
         (self.bite + SUBUNITS_PER_VOXEL - 1).div_euclid(SUBUNITS_PER_VOXEL).max(0) as usize
     }
 
-    /// Radius of the largest ball inside the shape; 0 for a disc, in which depth is no distance.
+    /// Returns the radius of the largest ball inside the shape; 0 for a disc, where depth isn't a distance.
     #[must_use]
     pub fn inscribed_radius_subunits(&self) -> i32 {
         match self.shape {
@@ -73,18 +74,18 @@ impl GridBit {
         }
     }
 
-    /// Radius of the smallest ball about its centre that holds the shape.
+    /// Returns the radius of the smallest ball about its centre that contains the shape.
     #[must_use]
     pub fn circumscribed_radius_subunits(&self) -> i32 {
         match self.shape {
             GridShape::Ball(radius) => radius,
             GridShape::Box(half) => libm::ceilf(half.as_vec3().length()) as i32,
-            // Its brush is the part of a ball between two planes.
+            // The disc's brush is the part of a ball between two planes.
             GridShape::Disc { radius, .. } => radius,
         }
     }
 
-    /// The bit without a rim, if anything is left of it.
+    /// Returns the bit without a rim, or `None` if nothing is left of it.
     #[must_use]
     pub(crate) fn shrunk_by(&self, rim_subunits: i32) -> Option<GridBit> {
         let shape = match self.shape {
@@ -99,7 +100,7 @@ impl GridBit {
         (shrunk.inscribed_radius_subunits() > 0).then_some(shrunk)
     }
 
-    /// Offset shape: the points deeper inside the bit than a depth. A negative depth enlarges the bit
+    /// Offset shape: returns the points deeper inside the bit than a depth. A negative depth enlarges the bit
     /// by its faces or radius. `None` if no point is that deep. For a disc see [`GridBit::disc_deeper_than`].
     #[must_use]
     pub(crate) fn piece_deeper_than(&self, depth_subunits: i32, pose: &Pose) -> Option<BrushPiece> {
@@ -131,12 +132,13 @@ impl GridBit {
         }
     }
 
-    /// Offset shape of a disc, boundary included. It is thin, so depth is measured in its plane: across the plane
-    /// it grows from either face so fast that five eighths of the thickness are left at the depth of the bite. So a
-    /// blade is held by a wall that it is pushed against sideways, and a hand can turn it in its slot. Of a blade of
-    /// two voxels that is more than one, which no layer of voxels slips past.
+    /// Offset shape of a disc, boundary included. A disc is thin, so depth is measured in its plane. Across
+    /// the plane, depth grows so fast from either face that five eighths of the thickness remain at the depth
+    /// of the bite. So a wall stops a blade that is pushed sideways against it, and a hand can turn the blade
+    /// in its slot. For a blade two voxels thick the rest is more than one voxel, so no layer of voxels can
+    /// slip past.
     ///
-    /// `None` if no point is that deep, and for other shapes.
+    /// Returns `None` if no point is that deep, and for other shapes.
     fn disc_deeper_than(&self, depth_subunits: i32) -> Option<DiscShape> {
         let GridShape::Disc { radius, half_thickness } = self.shape else { return None };
         let (depth, bite) = (i64::from(depth_subunits), i64::from(self.bite.max(1)));
@@ -150,7 +152,7 @@ impl GridBit {
         (left > 0 && disc.extent > 0).then_some(disc)
     }
 
-    /// The bit itself at a pose, boundary included.
+    /// Returns the bit itself at a pose, boundary included.
     #[must_use]
     pub fn piece_at(&self, pose: &Pose) -> BrushPiece {
         match self.shape {
@@ -164,7 +166,7 @@ impl GridBit {
         }
     }
 
-    /// The volume swept by the bit from one pose to another.
+    /// Returns the volume swept by the bit from one pose to another.
     #[must_use]
     pub fn swept_brush(&self, from: &Pose, to: &Pose) -> Brush {
         match self.shape {
@@ -180,14 +182,14 @@ impl GridBit {
         }
     }
 
-    /// Depth of a disc's middle. `None` for other shapes.
+    /// Returns the depth of a disc's middle; `None` for other shapes.
     pub(super) fn disc_middle_depth_subunits(&self) -> Option<i32> {
         let GridShape::Disc { radius, .. } = self.shape else { return None };
         Some(radius.min((8 * self.bite.max(1) + 2) / 3))
     }
 
-    /// Depth of a point inside the bit, rounded up; negative outside. The axes are those of
-    /// [`Pose::unit_axes_q14`], the offset is along the grid's axes, in subunits.
+    /// Returns the depth of a point inside the bit, rounded up; negative outside. The axes are those of
+    /// [`Pose::unit_axes_q14`]; the offset is along the grid's axes, in subunits.
     pub(super) fn depth_subunits_at(
         &self,
         unit_axes_q14: &[IVec3; 3],
@@ -215,7 +217,7 @@ impl GridBit {
     }
 
     /// Swept offset shape: covers all points deeper inside the bit than a depth at any step between two
-    /// poses. Conservative, up to about a voxel larger. `None` if no point is that deep.
+    /// poses. Conservative, up to about a voxel larger. Returns `None` if no point is that deep.
     #[must_use]
     pub fn swept_cover_deeper_than(
         &self,
@@ -230,7 +232,8 @@ impl GridBit {
             }
             GridShape::Box(half) => {
                 let left = half - IVec3::splat(depth_subunits);
-                // A piece has one rotation, that of its middle: corners are off by half the piece's turn.
+                // A piece has a single rotation, that of its middle: corners are off by half the piece's
+                // turn.
                 let turn = left.as_vec3().length() * from.angle_radians_to(to);
                 let pieces = libm::ceilf(turn / SUBUNITS_PER_VOXEL as f32).max(1.0);
                 let wider = ROUNDING + libm::ceilf(turn / pieces / 2.0) as i32;
@@ -239,7 +242,7 @@ impl GridBit {
             GridShape::Disc { .. } => self.disc_deeper_than(depth_subunits).map(|disc| {
                 let radius = isqrt(disc.radius_squared) as i32 + 1;
                 let half_thickness = disc.extent.div_euclid(2 * i64::from(FIXED_ONE)) as i32 + 1;
-                // A piece has one rotation, that of its middle, which takes its rim off the plane.
+                // A piece has a single rotation, that of its middle, which moves its rim off the plane.
                 let turn = radius as f32 * from.angle_radians_to(to);
                 let pieces = libm::ceilf(turn / SUBUNITS_PER_VOXEL as f32)
                     .clamp(1.0, (SWEEP_PIECES - 1) as f32);

@@ -1,4 +1,4 @@
-//! A half of space: what is above a plane.
+//! A half-space: the region above a plane.
 
 use glam::IVec3;
 
@@ -12,21 +12,21 @@ use crate::volume::size::{Grid, Size};
 /// The points `p`, in subunits, with `normal . p > offset`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct HalfSpace {
-    /// Its outward normal, of which [`FIXED_ONE`] stands for 1.
+    /// Its outward normal, with [`FIXED_ONE`] as 1.
     pub normal: IVec3,
-    /// Where its plane lies along the normal.
+    /// The position of its plane along the normal.
     pub offset: i64,
 }
 
-/// More than any plane through a point that a pose can have.
+/// Greater than the offset of any plane through a point that a pose can have.
 const MOST_OFFSET: i64 = 1 << 40;
 
 impl HalfSpace {
-    /// Nothing; all zero bytes.
+    /// The empty half-space; all zero bytes.
     pub const NOTHING: HalfSpace = HalfSpace { normal: IVec3::ZERO, offset: 0 };
 
-    /// What is beyond the plane across an axis of a bit, so far from its centre: `direction` is along one of its
-    /// axes, of unit length.
+    /// Creates the half-space beyond a plane that is perpendicular to an axis of a bit, `distance_subunits`
+    /// from its centre, in the direction of that axis or against it if `is_backward`.
     #[must_use]
     pub(crate) fn beyond_plane_of_bit(
         pose: &Pose,
@@ -41,7 +41,7 @@ impl HalfSpace {
         HalfSpace { normal, offset: centre + distance }
     }
 
-    /// Its mirror image in a grid of so many voxels a side, whose x is exchanged.
+    /// Returns its mirror image along x in a grid of `grid_side` voxels a side.
     #[must_use]
     pub fn mirrored(self, grid_side: usize) -> Self {
         let IVec3 { x, y, z } = self.normal;
@@ -49,13 +49,13 @@ impl HalfSpace {
         HalfSpace { normal: IVec3::new(-x, y, z), offset: self.offset - far }
     }
 
-    /// The voxels of a row whose middles are in it, by the fixed-point y and z of those.
+    /// Returns the voxels of a row whose middles are inside, given the fixed-point y and z of the middles.
     #[must_use]
     #[inline]
     pub(crate) fn x_range(&self, y: i64, z: i64, grid_side: usize) -> Option<Range> {
         let [nx, ny, nz] = self.normal.to_array().map(i64::from);
         let rest = self.offset - ny * y - nz * z;
-        // Voxel i is in it where nx * (256 i + 128) > rest.
+        // Voxel i is inside if nx * (256 i + 128) > rest.
         let voxel = i64::from(SUBUNITS_PER_VOXEL);
         let (half, whole) = (nx * voxel / 2, nx.abs() * voxel);
         let end = grid_side as i64 - 1;
@@ -69,7 +69,7 @@ impl HalfSpace {
         (first <= last).then(|| Range::new(first as usize, last as usize))
     }
 
-    /// The voxels of row (y, z) whose middles are in it.
+    /// Returns the voxels of row (y, z) whose middles are inside.
     #[must_use]
     pub(crate) fn row<const N: usize>(&self, y: usize, z: usize) -> <Grid<N> as Size>::Row
     where
@@ -79,7 +79,8 @@ impl HalfSpace {
         self.x_range(y, z, N).map_or(BitSet::EMPTY, BitSet::from_range)
     }
 
-    /// The axis that its normal is nearest to, and whether it points along it, not against it. Of equals the first.
+    /// Returns the axis nearest to its normal, the first of equals, and `true` if the normal points along it,
+    /// not against it.
     #[must_use]
     pub(crate) fn dominant_axis(&self) -> (usize, bool) {
         let parts = self.normal.to_array();
@@ -88,7 +89,7 @@ impl HalfSpace {
         (axis, parts[axis] > 0)
     }
 
-    /// Length of a written one.
+    /// Length of a serialised half-space in bytes.
     pub(crate) const BYTES: usize = 3 * 2 + 8;
 
     pub(crate) fn write(&self, to: &mut ByteWriter<'_>) {
@@ -112,7 +113,7 @@ mod tests {
     use super::*;
     use crate::codec::digest::mix_bits;
 
-    /// A row is that of its definition, and so is that of its mirror image.
+    /// A row agrees with the definition, and so does its mirror image.
     #[test]
     fn a_row_is_what_is_beyond_the_plane() {
         for case in 0..4000u64 {

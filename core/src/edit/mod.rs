@@ -1,8 +1,8 @@
 //! Editing: brush operations on a volume, contact of bits with it, removal of islands, undo.
 //!
-//! Takes a volume, its mask, poses in the grid and a budget; gives the edited volume, reports, frozen
-//! poses and undo entries. Every changed column is reported to a journal.
-//! Doesn't know hands, rooms, metres, tools, ticks or sessions.
+//! Inputs: a volume, its mask, poses in the grid and a budget. Outputs: the edited volume, reports, frozen
+//! poses and undo entries. Every changed column is reported to a journal. Independent of hands, rooms,
+//! metres, tools, ticks and sessions.
 
 pub(crate) mod brush;
 pub(crate) mod contact;

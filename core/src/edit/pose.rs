@@ -2,11 +2,11 @@
 
 use glam::{IVec3, Quat, Vec3};
 
-/// Fixed-point scale of lengths: units in a voxel's side. Voxel `i` starts at `i` times this; its
+/// Fixed-point scale of lengths: subunits in a voxel's side. Voxel `i` starts at `i` times this scale; its
 /// centre is half a voxel farther.
 pub const SUBUNITS_PER_VOXEL: i32 = 256;
 
-/// Fixed-point scale of directions: the value that stands for 1.
+/// Fixed-point scale of directions: the representation of 1.
 pub const FIXED_ONE: i32 = 1 << 14;
 
 /// Position and rotation of a bit in the grid.
@@ -19,7 +19,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// Unrotated at the grid's origin.
+    /// The identity rotation at the grid's origin.
     pub const ZERO: Pose = Pose { position: Vec3::ZERO, rotation: Quat::IDENTITY };
 
     /// Interpolates to `other` by `t` (0 to 1): position linearly, rotation by slerp on the shorter arc.
@@ -34,19 +34,19 @@ impl Pose {
         }
     }
 
-    /// The angle between the two rotations, in radians, 0 to pi.
+    /// Returns the angle between the two rotations, in radians, 0 to pi.
     #[must_use]
     pub fn angle_radians_to(&self, other: &Pose) -> f32 {
         self.rotation.angle_between(other.rotation)
     }
 
-    /// The position in fixed point, clamped to 8,192 voxels along each axis.
+    /// Returns the position in fixed point, clamped to 8,192 voxels along each axis.
     #[must_use]
     pub fn clamped_position_subunits(&self) -> IVec3 {
         subunits_from_voxels(self.position)
     }
 
-    /// The bit's three unit axes in the grid, in fixed point ([`FIXED_ONE`] is 1).
+    /// Returns the bit's three unit axes in the grid, in fixed point ([`FIXED_ONE`] is 1).
     #[must_use]
     pub fn unit_axes_q14(&self) -> [IVec3; 3] {
         [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| {

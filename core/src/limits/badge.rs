@@ -1,9 +1,9 @@
 //! Capacities of badges.
 
-/// Numbers of a block, which a headset is handed at once: more than a day's visits to it, so that a block a day is
-/// enough; and a symbol of the badge's code.
+/// Badge numbers in a block, the unit in which numbers are assigned to a headset. 64 is more than a headset's
+/// visits in a day, so one block a day is enough, and it is one symbol of the badge's code.
 pub const BLOCK_NUMBERS: usize = 64;
 
-/// Badges that may have been meant by a wrong one, at most: one for each of three swaps, one of another colour, one for
-/// each of four pictograms.
+/// Maximum number of candidates when correcting a mistyped badge: one for each of three swaps, one for
+/// another colour, one for each of four pictograms.
 pub const BADGE_CANDIDATES: usize = 8;

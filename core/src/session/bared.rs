@@ -1,4 +1,4 @@
-//! How much of a hidden figure is bared: at how many ends of its columns the stone ends too.
+//! The bared part of a hidden figure: the ends of its columns at which the stone ends too.
 
 use crate::volume::dirty::DirtyRects;
 use crate::volume::journal::{Journal, SwapJournal};
@@ -7,27 +7,29 @@ use crate::volume::range_maps::{Axis, Column, ColumnAddress, RangeMaps, RowAddre
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
-/// The ends of a hidden figure's columns: the first and the last voxel of each interval along each axis, but those
-/// on the ground, which no tool reaches.
+/// Counts of the ends of a hidden figure's columns: the first and the last voxel of each interval along each
+/// axis, except ends on the ground, which no tool reaches.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct BaredEnds {
-    /// Where the stone's interval ends too, so that the figure shows.
+    /// Ends at which the stone's interval ends too, so that the figure shows.
     pub bared: u32,
-    /// All of them; 0 without a figure.
+    /// All ends; 0 without a figure.
     pub all: u32,
 }
 
-/// How much of a figure was told to be bared: 0 to 9 tenths, 10 from [`FOUND_PERCENT`] on, 11 where all of it is.
+/// The part of a figure that was reported as bared: 0 to 9 tenths, 10 from [`FOUND_PERCENT`] on, 11 if all
+/// ends are bared.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) struct ToldPart(u8);
 
-/// The part of its ends, in percent, from which on a figure is found. What is left are hollows that no ball reaches.
+/// The percentage of bared ends from which a figure counts as found. The rest are hollows that no ball
+/// reaches.
 pub const FOUND_PERCENT: u32 = 95;
 
 impl BaredEnds {
     pub(crate) const NONE: BaredEnds = BaredEnds { bared: 0, all: 0 };
 
-    /// The bared part in percent, rounded down; 0 without a figure.
+    /// Returns the bared part in percent, rounded down; 0 without a figure.
     #[must_use]
     pub const fn percent(&self) -> u32 {
         match self.all {
@@ -52,7 +54,7 @@ impl BaredEnds {
         }
     }
 
-    /// Follows columns of the stone that are replaced, from `first` on.
+    /// Updates the counts for columns of the stone that are replaced, from `first` on.
     #[inline]
     fn follow_columns<const K: usize>(
         &mut self,
@@ -88,7 +90,7 @@ impl ToldPart {
         self.0
     }
 
-    /// The tenths that this part tells.
+    /// Returns the tenths that this part stands for.
     pub(crate) const fn tenths(self) -> u8 {
         match self.0 {
             11 => 10,
@@ -97,26 +99,26 @@ impl ToldPart {
         }
     }
 
-    /// Whether the figure is found.
+    /// Returns `true` if the figure is found.
     pub(crate) const fn is_found(self) -> bool {
         self.0 >= 10
     }
 }
 
-/// The ends of a figure's column.
+/// Counts the ends of a figure's column.
 #[inline]
 fn count_ends<const K: usize>(axis: Axis, figure: &Column<K>) -> u32 {
     let intervals = figure.intervals().count() as u32;
     2 * intervals - u32::from(stands_on_ground(axis, figure.range(0)))
 }
 
-/// Whether the first voxel of a figure's interval lies on the ground.
+/// Returns `true` if the first voxel of a figure's interval lies on the ground.
 #[inline]
 fn stands_on_ground(axis: Axis, interval: Range) -> bool {
     axis == Axis::Y && !interval.is_empty() && interval.first() == 0
 }
 
-/// The ends of a figure's column at which an interval of the stone's ends likewise.
+/// Counts the ends of a figure's column at which an interval of the stone ends too.
 #[inline]
 fn count_shared_ends<const K: usize>(axis: Axis, figure: &Column<K>, stone: &Column<K>) -> u32 {
     let mut shared = 0;
@@ -130,12 +132,12 @@ fn count_shared_ends<const K: usize>(axis: Axis, figure: &Column<K>, stone: &Col
     shared
 }
 
-/// A journal that keeps count of a hidden figure's bared ends beside another.
+/// A journal that updates a hidden figure's bared ends in addition to another journal.
 #[derive(Debug)]
 pub(crate) struct BaringJournal<'a, const N: usize, const K: usize, J> {
     pub(crate) journal: J,
     pub(crate) figure: &'a RangeMaps<N, K>,
-    /// How many axes of it are counted; changes along the others are nothing yet.
+    /// The number of counted axes; changes along the other axes are ignored until they are counted.
     pub(crate) counted_axes: u8,
     pub(crate) ends: &'a mut BaredEnds,
 }
@@ -204,7 +206,7 @@ mod tests {
         assert_eq!(on_ground, (3, 3), "the ground is no end");
         assert_eq!(count(Axis::Z, Column::new([Range::new(0, 12), Range::EMPTY])), 1);
         assert_eq!(count(Axis::Z, Column::new([Range::new(1, 9), Range::EMPTY])), 1);
-        // A gap that is larger than the figure's shares one of its sides.
+        // A gap larger than the figure's gap shares one of its sides.
         assert_eq!(count(Axis::X, Column::new([Range::new(0, 4), Range::new(7, 9)])), 3);
         assert_eq!(count(Axis::X, Column::new([Range::new(4, 7), Range::EMPTY])), 0);
     }

@@ -1,4 +1,4 @@
-//! The edits of bits: what each does along its way.
+//! The edits of bits along their paths.
 
 use crate::edit::brush::Brush;
 use crate::edit::operation::{
@@ -39,7 +39,7 @@ where
         self.edit_with_brush(&swept, &brush.piece_at(to).into(), operation, mirrored)
     }
 
-    /// What a bit does that edits up to a pose.
+    /// Returns the operation of a bit's edit that ends at a pose.
     fn operation_of_bit(&self, running: &RunningBit<'_>, to: &Pose) -> EditOperation {
         match running.bit.spec().action {
             BitAction::Carve => {
@@ -62,7 +62,7 @@ where
         }
     }
 
-    /// Applies an edit of a brush. One too large for the scratch memory is replaced by a smaller one.
+    /// Applies an edit of a brush. If the brush is too large for the scratch memory, uses `smaller` instead.
     pub(super) fn edit_with_brush(
         &mut self,
         brush: &Brush,

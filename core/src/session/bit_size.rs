@@ -1,21 +1,23 @@
-//! Sizes of bits: each scales by half to double in steps of a quarter of an octave, as far as its table entry allows.
+//! Sizes of bits: each scales from half to double in steps of a quarter of an octave, within the range of its
+//! table entry.
 //!
-//! A size is a bit's own, not a hand's: it stays with the bit on the bench and on another tool's return, until the
-//! next session starts.
+//! A size belongs to a bit, not to a hand: the bit keeps it on the bench and when remounted, until the next
+//! session starts.
 
 use crate::session::tools::{BitShape, ToolBit, ToolBitSpec};
 
-/// How many steps a bit is larger than in the table, or smaller where negative. Four steps double it.
+/// The number of steps by which a bit is larger than in the table, negative if smaller. Four steps double it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct BitSize(i8);
 
-/// The sizes that a bit comes in.
+/// The range of a bit's sizes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SizeRange {
-    /// In steps, not above 0. A smaller bit would leave less than a voxel's wall beside a bite worth the name.
+    /// The smallest size in steps, at most 0. A smaller bit would leave less than a voxel's wall beside a
+    /// useful bite.
     pub smallest: i8,
-    /// In steps, not below 0. A bite of a larger bit wouldn't fit a hand's share of a tick with both hands in use and
-    /// the mirror on.
+    /// The largest size in steps, at least 0. A bite of a larger bit wouldn't fit in a hand's share of a tick
+    /// with both hands in use and the mirror on.
     pub largest: i8,
 }
 
@@ -28,46 +30,46 @@ impl SizeRange {
     }
 }
 
-/// The lengths of bits of each size, in thousandths of those in the table.
+/// The scale of each size, in thousandths of the table's lengths.
 const SCALES: [i32; 9] = [500, 595, 707, 841, 1000, 1189, 1414, 1682, 2000];
 
-/// Half of what may not enter stone of a bit that isn't a disc, in micrometres: a bit's centre is never in stone where
-/// that is seven eighths of a voxel at 128.
+/// Radius of the core of a bit, other than a disc, that may not enter stone, in micrometres. Seven eighths of
+/// a voxel at 128: with this, a bit's centre is never in stone.
 const WALL_UM: i32 = 3_100;
 
-/// The deepest bite, in micrometres: what an edit may reach below the surface at 256.
+/// The deepest bite, in micrometres: the depth that an edit may reach below the surface at 256.
 const DEEPEST_BITE_UM: i32 = 7_000;
 
 impl BitSize {
-    /// As in the table.
+    /// The size in the table.
     pub const NATURAL: BitSize = BitSize(0);
 
-    /// The size of so many steps, if a bit comes in it.
+    /// Returns the size of this many steps, or `None` if it is outside the bit's range.
     #[must_use]
     pub fn of_bit(bit: ToolBit, steps: i8) -> Option<BitSize> {
         let SizeRange { smallest, largest } = bit.spec().sizes;
         (smallest..=largest).contains(&steps).then_some(BitSize(steps))
     }
 
-    /// Steps from the size in the table.
+    /// Returns the number of steps from the size in the table.
     #[must_use]
     pub const fn steps(self) -> i8 {
         self.0
     }
 
-    /// The bit's lengths in percent of those in the table.
+    /// Returns the scale in percent of the table's lengths.
     #[must_use]
     pub fn percent(self) -> u32 {
         (self.thousandths() as u32 + 5) / 10
     }
 
-    /// The bit's lengths in those of the table.
+    /// Returns the scale relative to the table's lengths.
     #[must_use]
     pub fn scale(self) -> f32 {
         self.thousandths() as f32 * 1e-3
     }
 
-    /// The size so many steps from this one, or the last one on the way that the bit comes in.
+    /// Returns the size this many steps from this one, clamped to the bit's range.
     pub(crate) fn resized_by(self, bit: ToolBit, steps: i32) -> BitSize {
         let SizeRange { smallest, largest } = bit.spec().sizes;
         let wanted = i32::from(self.0).saturating_add(steps);
@@ -84,8 +86,9 @@ impl BitSize {
 }
 
 impl ToolBit {
-    /// Its table entry with the lengths that it has at a size. A larger bit makes fewer bites in a tick, so its bite
-    /// grows with it; a smaller one makes more, and keeps its bite as far as it can: so both follow a quick hand.
+    /// Returns its table entry scaled to a size. A larger bit makes fewer bites in a tick, so its bite grows
+    /// with it. A smaller bit makes more bites and keeps its bite as far as possible. So both can follow a
+    /// quick hand.
     #[must_use]
     pub fn spec_at(self, size: BitSize) -> ToolBitSpec {
         let spec = *self.spec();

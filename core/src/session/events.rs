@@ -13,13 +13,13 @@ use crate::volume::voxel_box::VoxelBox;
 pub enum WorldEvent {
     /// A session started.
     Started(SessionMode),
-    /// A session was asked for whose start volume doesn't exist; nothing changed.
+    /// A session was requested whose start volume doesn't exist; nothing changed.
     NoSuchStart,
     /// A hand took a tool, or mounted a bit.
     Took {
         /// 0 left, 1 right.
         hand: u8,
-        /// What it took.
+        /// The item that it took.
         item: BenchItem,
     },
     /// A hand let go of a tool.
@@ -36,9 +36,9 @@ pub enum WorldEvent {
         /// The tool.
         tool: Tool,
     },
-    /// Each hand holds what the other one held.
+    /// The tools of the two hands were swapped.
     HandsSwapped,
-    /// A running tool edited the volume, or was refused by it.
+    /// A running tool edited the volume, or its edit was refused.
     Edited {
         /// 0 left, 1 right.
         hand: u8,
@@ -47,37 +47,37 @@ pub enum WorldEvent {
         /// The effect, in voxels.
         report: EditReport,
     },
-    /// A blow split a flake off, which its [`WorldEvent::Edited`] counts too.
+    /// A blow split off a flake. Its voxels are also counted in [`WorldEvent::Edited`].
     Split {
         /// 0 left, 1 right.
         hand: u8,
-        /// How many voxels went.
+        /// Number of voxels removed.
         removed: u32,
-        /// Where they were; a mirrored edit's other half is the mirror image.
+        /// Their bounds; for a mirrored edit, the other half is the mirror image.
         within: VoxelBox,
     },
-    /// An island pass ended that removed or kept voxels, or had no support to start from.
+    /// An island pass ended. It removed or kept voxels, or had no support to start from.
     Islands(IslandReport),
     /// A stroke was undone.
     Undone,
     /// A stroke was redone.
     Redone,
-    /// The mirror was switched.
+    /// The mirror was switched on or off.
     Symmetry(bool),
-    /// So many tenths of the hidden figure's ends are bared, more than ever before.
+    /// More tenths of the hidden figure's ends are bared than ever before.
     Bared {
-        /// 1 to 10.
+        /// Tenths bared, 1 to 10.
         tenths: u8,
     },
-    /// The hidden figure is found: [`FOUND_PERCENT`](crate::session::FOUND_PERCENT) of its ends are bared.
+    /// The hidden figure was found: [`FOUND_PERCENT`](crate::session::FOUND_PERCENT) of its ends are bared.
     Found,
-    /// The session ended: the sculpture is to be exported.
+    /// The session ended: the sculpture is ready to be exported.
     Finished,
-    /// The visit is in another phase.
+    /// The visit entered another phase.
     Visit(VisitPhase),
-    /// The visit's clock has so many seconds left, of [`WARNING_SECONDS`](crate::visit::WARNING_SECONDS).
+    /// The remaining time of the visit reached one of [`WARNING_SECONDS`](crate::visit::WARNING_SECONDS).
     TimeLeft {
-        /// Seconds.
+        /// Remaining seconds.
         seconds: u16,
     },
 }

@@ -1,4 +1,4 @@
-//! The plane of a float: what its flat face stands on when it begins to work.
+//! The plane of a float: the plane of its flat face when it begins to work.
 
 use glam::Vec3;
 
@@ -10,8 +10,8 @@ use crate::edit::pose::Pose;
 /// The axis across a float's flat faces.
 const FACE_AXIS: usize = 1;
 
-/// What a float at a pose takes off: all above that of its two flat faces which is turned to the stone, by the
-/// contact there, or else its underside.
+/// Returns the half-space that a float at a pose removes: everything above the flat face that is turned to
+/// the stone, according to the contact there, or above its underside if there is no contact.
 pub(crate) fn half_space_above_float(bit: &GridBit, pose: &Pose, contact: &Contact) -> HalfSpace {
     let GridShape::Box(half_extents) = bit.shape else { return HalfSpace::NOTHING };
     let is_turned_over = contact.normal.dot(pose.rotation * Vec3::Y) < 0.0;
@@ -19,8 +19,8 @@ pub(crate) fn half_space_above_float(bit: &GridBit, pose: &Pose, contact: &Conta
     HalfSpace::beyond_plane_of_bit(pose, FACE_AXIS, is_turned_over, distance)
 }
 
-/// The same where edits are mirrored, which ask for the plane in the lower half of x: a float at a pose in the upper
-/// half works there with its own plane.
+/// Converts the half-space for mirrored edits, which need the plane in the lower half of x: for a float in
+/// the upper half, returns the mirror image of its plane.
 pub(crate) fn half_space_in_lower_half(above: HalfSpace, pose: &Pose, side: usize) -> HalfSpace {
     if 2.0 * pose.position.x > side as f32 { above.mirrored(side) } else { above }
 }

@@ -1,4 +1,4 @@
-//! What hands take, let go of and swap: items of the bench, and the stool by its rim.
+//! Grabbing, releasing and swapping: items of the bench, and the stool by its rim.
 
 use glam::Vec3;
 
@@ -11,7 +11,7 @@ use crate::session::workbench::{BenchItem, GRAB_DISTANCE};
 use crate::session::world::World;
 use crate::volume::size::{Grid, Size};
 
-/// What a squeeze of a hand takes hold of.
+/// The target of a hand's squeeze.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum GrabTarget {
     /// An item of the bench, wherever it lies.
@@ -24,8 +24,8 @@ impl<const N: usize, const K: usize> World<N, K>
 where
     Grid<N>: Size,
 {
-    /// What a squeeze of a hand would take from where it is: the nearest item in reach, or else the stool, if the hand
-    /// is free. None where hands may not work, or for a hand that isn't tracked.
+    /// Returns what a squeeze of a hand would grab at its position: the nearest item in reach, or else the
+    /// stool if the hand is empty. Returns `None` if hands may not work, or if the hand isn't tracked.
     #[must_use]
     pub fn grab_target(&self, hand: usize) -> Option<GrabTarget> {
         let hand = hand & 1;
@@ -44,7 +44,7 @@ where
         item.map(GrabTarget::Item).or(is_at_rim.then_some(GrabTarget::Stool))
     }
 
-    /// On the edge of a squeeze: takes what is in reach, else releases the held tool.
+    /// On the edge of a squeeze: grabs the item or stool in reach, else releases the held tool.
     pub(crate) fn grab_or_release_on_squeeze(&mut self, hand: usize, presses: HandPresses) {
         if !presses.squeezed {
             return;
@@ -62,7 +62,7 @@ where
         }
     }
 
-    /// Puts an item into a hand, or a bit on the tool in it.
+    /// Puts an item into a hand, or mounts a bit on the hand's tool.
     pub(crate) fn take_item(&mut self, hand: usize, item: BenchItem) {
         let other = self.state.bench.held_tool(1 - hand);
         if self.state.bench.try_take_item(hand, item) {
@@ -75,9 +75,9 @@ where
         }
     }
 
-    /// Puts the tool that each hand holds into the other one. Nothing is kept of what they did with them: a tool runs
-    /// once its hand's trigger is pulled anew. Nothing happens where no hand holds a tool, or one would be in a hand
-    /// that isn't tracked, and out of sight.
+    /// Swaps the tools of the two hands. Resets their state: a tool runs again only after its hand's trigger
+    /// is released and pulled. Does nothing if no hand holds a tool, or if a tool would move to a hand that
+    /// isn't tracked and would be invisible.
     pub(crate) fn swap_hands(&mut self, presses: &mut [HandPresses; 2]) {
         let held = [0, 1].map(|hand| self.state.bench.held_tool(hand));
         let gets_lost = |hand: usize| held[1 - hand].is_some() && !self.state.hands[hand].tracked;

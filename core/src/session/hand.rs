@@ -1,4 +1,4 @@
-//! A hand between ticks: its last valid poses, its buttons, and the pose of the bit that it holds.
+//! A hand between ticks: its last valid poses, its buttons, and the pose of its bit.
 
 use glam::{Quat, Vec3};
 
@@ -25,58 +25,61 @@ pub struct HandState {
     pub grip: RoomPose,
     /// The last valid pose of the aim.
     pub aim: RoomPose,
-    /// Whether the poses are from this tick.
+    /// `true` if the poses are from this tick.
     pub tracked: bool,
-    /// Whether the trigger is pulled.
+    /// `true` if the trigger is pulled.
     pub trigger: bool,
-    /// Whether the trigger is, or in its last pull was, never pulled as far as [`FULL_TRIGGER`].
+    /// `true` if the current or last pull of the trigger never reached [`FULL_TRIGGER`].
     pub is_light: bool,
-    /// Whether the hand is squeezed.
+    /// `true` if the hand is squeezed.
     pub squeeze: bool,
-    /// Whether the trigger doesn't count before it was released: it was pulled when the hands were swapped.
+    /// `true` if the trigger is ignored until it is released, because it was pulled when the hands were
+    /// swapped.
     pub awaits_release: bool,
-    /// Whether the hand, which is squeezed, holds the stool's rim.
+    /// `true` if the hand is squeezed and holds the stool's rim.
     pub holds_stool: bool,
-    /// The buttons as of the last tick.
+    /// The buttons in the last tick.
     pub buttons: u8,
     /// Ticks since the trigger was pulled.
     pub trigger_ticks: u16,
-    /// The pose that contact allowed the bit, in the grid.
+    /// The pose that contact allowed for the bit, in the grid.
     pub frozen_pose: Pose,
-    /// The pose that the hand asks for, without contact, in the grid: its own, or where a string draws the bit.
+    /// The pose requested by the hand, without contact, in the grid: its own, or the pose to which a string
+    /// pulls the bit.
     pub raw_pose: Pose,
-    /// Whether `frozen_pose` is of the last tick and this bit, so that a brush may be swept from it.
+    /// `true` if `frozen_pose` belongs to the last tick and this bit, so that a brush may be swept from it.
     pub can_sweep: bool,
-    /// Whether `frozen_pose` is of this bit, so that its next path starts there.
+    /// `true` if `frozen_pose` belongs to this bit, so that its next path starts there.
     pub has_frozen_pose: bool,
     /// Strength of the pulse of this tick, 0 to 255.
     pub haptic: u8,
-    /// Ticks of the stick's push along y since it last resized the bit, negative where it is pulled back; 0 at rest.
+    /// Ticks of the stick's push along y since it last resized the bit, negative if it is pulled back; 0 at
+    /// rest.
     pub resize_push: i8,
-    /// The way of the hand that its running bit has yet to follow, in the grid.
+    /// The poses of the hand that its running bit has yet to follow, in the grid.
     pub trail: HandTrail,
-    /// What is above the plane of a float as it stood at the last pull, in the grid.
+    /// The half-space above the plane of a float at the last pull, in the grid.
     pub above_float: HalfSpace,
 }
 
-/// What a hand newly pressed in a tick: the rising edges of its controls.
+/// The rising edges of a hand's controls in a tick.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub(crate) struct HandPresses {
     /// The trigger was pulled.
     pub pulled: bool,
     /// The grip was squeezed.
     pub squeezed: bool,
-    /// The buttons that were pressed, of [`buttons`].
+    /// The buttons that were pressed, bits of [`buttons`].
     pub buttons: u8,
-    /// By how much the hand's way leads round the stool, which it holds, in 65,536ths of a turn.
+    /// The angle by which the hand turned the stool that it holds, in 65,536ths of a turn.
     pub rim_turn: i32,
-    /// By how many steps the stick makes the held bit larger, or smaller where negative; again and again while it is
-    /// pushed.
+    /// The number of steps by which the stick enlarges the held bit, negative to shrink it; repeats while the
+    /// stick is pushed.
     pub resized_by: i8,
 }
 
 impl HandState {
-    /// A hand that was never tracked; all zero bytes.
+    /// Creates a hand that was never tracked; all zero bytes.
     #[must_use]
     pub(crate) const fn new() -> Self {
         let nowhere = (Vec3::ZERO, Quat::from_xyzw(0.0, 0.0, 0.0, 0.0));
@@ -103,8 +106,8 @@ impl HandState {
         }
     }
 
-    /// Applies a tick's input and returns the presses. Invalid poses keep the last valid ones;
-    /// without tracking, nothing is pressed.
+    /// Applies a tick's input and returns the presses. Keeps the last valid pose if the new one is invalid.
+    /// Without tracking, nothing is pressed.
     pub(crate) fn apply_input(&mut self, input: &HandInput) -> HandPresses {
         self.haptic = 0;
         let keep = |last: &mut RoomPose, pose: &RawPose| {
@@ -119,7 +122,7 @@ impl HandState {
         let live = u8::from(self.tracked);
         let was_down = self.trigger || self.awaits_release;
         let is_down = is_pressed_with_hysteresis(input.trigger * live, was_down);
-        // Of a hand that isn't tracked nothing is known.
+        // The trigger of a hand that isn't tracked is unknown.
         self.awaits_release &= is_down || !self.tracked;
         let trigger = is_down && !self.awaits_release;
         let squeeze = is_pressed_with_hysteresis(input.squeeze * live, self.squeeze);
@@ -148,21 +151,22 @@ impl HandState {
         presses
     }
 
-    /// Whether a tool in this hand runs: its trigger is pulled, or it finishes the way of the last pull.
+    /// Returns `true` if a tool in this hand runs: its trigger is pulled, or it finishes the trail of the
+    /// last pull.
     #[must_use]
     pub const fn is_running(&self) -> bool {
         self.trigger || !self.trail.is_empty()
     }
 
-    /// Leaves the rest of the way uncut.
+    /// Drops the rest of the trail uncut.
     pub(crate) const fn drop_trail(&mut self) {
         self.trail = HandTrail::EMPTY;
     }
 
-    /// Notes the pose that the hand asks for as the end of the way that its bit is to cut. A new pull, or a
-    /// bit that catches up after a gap, begins a new way. Returns how many ticks of way were dropped.
+    /// Appends the pose requested by the hand to the trail that its bit is to cut. A new pull, or a bit that
+    /// catches up after a gap, begins a new trail. Returns how many ticks of the trail were dropped.
     ///
-    /// A file is moved straight to where the hand is.
+    /// A file has no trail: it is moved straight to the hand's position.
     pub(crate) fn note_way(&mut self, raw: Pose, is_new_pull: bool, bit: &ToolBitSpec) -> u32 {
         if is_new_pull || !self.can_sweep {
             self.drop_trail();
@@ -173,9 +177,9 @@ impl HandState {
         }
     }
 
-    /// The pose that a hand at `wanted` asks for. While its tool runs, the bit is drawn behind it on a string, the
-    /// painters' *pulled string*: it stays where it is while the string is slack, and a hand that trembles less than
-    /// the string is long doesn't move it. A pull of the trigger takes the string up anew.
+    /// Returns the pose requested by a hand at `wanted`. While its tool runs, the bit is pulled behind it on
+    /// a string, the painters' *pulled string*: it doesn't move while the string is slack, so trembling
+    /// shorter than the string has no effect. A new pull of the trigger starts at the hand's own pose.
     pub(crate) fn drawn_pose(&self, wanted: Pose, is_new_pull: bool, string_voxels: f32) -> Pose {
         let is_drawn = self.trigger && !is_new_pull && self.has_frozen_pose;
         let behind = self.raw_pose.position - wanted.position;
@@ -192,8 +196,8 @@ impl HandState {
         }
     }
 
-    /// Notes where a file edited last, from where its next edit is swept, and how many edits it is to make there
-    /// once it is released.
+    /// Records the pose of a file's last edit, from which its next edit is swept, once for each edit that it
+    /// makes there after its release.
     pub(crate) fn note_smoothed_pose(&mut self) {
         self.drop_trail();
         for _ in 0..finishing_edits(self.is_light) {
@@ -201,14 +205,14 @@ impl HandState {
         }
     }
 
-    /// The pose of the bit's centre in the room, `tool_length_metres` in front of the grip.
+    /// Returns the pose of the bit's centre in the room, `tool_length_metres` in front of the grip.
     #[must_use]
     pub fn bit_centre_pose(&self, tool_length_metres: f32) -> RoomPose {
         let (position, rotation) = self.grip;
         (position + rotation * Vec3::new(0.0, 0.0, -tool_length_metres), rotation)
     }
 
-    /// Ends a pull: what the hand holds now runs once the trigger was released and is pulled anew.
+    /// Ends a pull: the tool in this hand runs again only after the trigger is released and pulled.
     pub(crate) const fn end_pull(&mut self) {
         self.invalidate_bit_pose();
         self.awaits_release |= self.trigger;
@@ -225,7 +229,8 @@ impl HandState {
         self.grip.1.length_squared() > 0.0
     }
 
-    /// Length of a written hand: four poses, flags, buttons, phase, haptics, the stick's push, trail and plane.
+    /// Length of a serialised hand: four poses, flags, buttons, phase, haptics, the stick's push, trail and
+    /// plane.
     pub(crate) const BYTES: usize =
         4 * (VEC3_BYTES + QUAT_BYTES) + 1 + 1 + 2 + 1 + 1 + HandTrail::BYTES + HalfSpace::BYTES;
 
@@ -299,8 +304,8 @@ impl HandState {
     }
 }
 
-/// Haptic amplitude of a bit, 0 to 255: 0 without contact, growing with speed, highest on the mask. A
-/// running tool pulses with its haptic train; at rest a quarter of the amplitude is constant.
+/// Returns the haptic amplitude of a bit, 0 to 255: 0 without contact, growing with speed, highest on the
+/// mask. A running tool pulses with its haptic train; at rest a quarter of the amplitude is constant.
 #[must_use]
 pub fn haptic_amplitude(
     bit: &ToolBitSpec,
@@ -333,27 +338,28 @@ pub(crate) fn read_pose(from: &mut ByteReader<'_>) -> Result<RoomPose, BadBytes>
     }
 }
 
-/// Greatest coordinate of a pose: more than 16 m in voxels of the finest grid.
+/// Maximum coordinate of a pose: more than 16 m in voxels of the finest grid.
 const FAR: f32 = 32_768.0;
 
-/// Whether an analogue button is pressed, with hysteresis: on from 128, off below 96 of 255.
+/// Returns `true` if an analogue button is pressed, with hysteresis: on from 128, off below 96 of 255.
 const fn is_pressed_with_hysteresis(value: u8, was_pressed: bool) -> bool {
     value >= if was_pressed { 96 } else { 128 }
 }
 
-/// Ticks from one step of a bit's size to the next while the stick is pushed: a bit goes from half to double in two
-/// seconds.
+/// Ticks between two steps of a bit's size while the stick is pushed: from half to double takes two seconds.
 const RESIZE_PERIOD: i8 = 18;
 
-/// Where the stick's push makes a bit larger (1) or smaller (-1): from three quarters of its way along y, as long as
-/// that is more than its way along x, which turns the stool; until it falls below half.
+/// Returns the direction in which the stick resizes a bit: 1 to enlarge, -1 to shrink, 0 for neither. A push
+/// begins at three quarters of the stick's travel along y, if that exceeds its travel along x, which turns
+/// the stool. It ends below half.
 const fn resize_direction([x, y]: [i8; 2], last_direction: i8) -> i8 {
     let goes_on = y.signum() == last_direction && y.unsigned_abs() >= 64;
     let begins = y.unsigned_abs() >= 96 && y.unsigned_abs() > x.unsigned_abs();
     if goes_on || begins { y.signum() } else { 0 }
 }
 
-/// The ticks of a push in this direction after `push` ticks, from 1 to [`RESIZE_PERIOD`] and again.
+/// Returns the tick count of a push in this direction that follows `push`: it cycles from 1 to
+/// [`RESIZE_PERIOD`].
 const fn next_resize_push(push: i8, direction: i8) -> i8 {
     let goes_on = push.signum() == direction && push.unsigned_abs() < RESIZE_PERIOD as u8;
     if goes_on { push + direction } else { direction }

@@ -9,13 +9,13 @@ use crate::visit::VisitInput;
 /// Ticks in a second.
 pub const TICK_RATE: u32 = 72;
 
-/// Units of [`RawPose::position`] in a metre.
+/// Number of units of [`RawPose::position`] in a metre.
 pub const UNITS_PER_METRE: i32 = 1 << 16;
 
 /// A quantised tracked pose, in OpenXR's conventions: right-handed, y up, metres.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct RawPose {
-    /// In 1/65,536 m (15 micrometres).
+    /// Position in units of 1/65,536 m (15 micrometres).
     pub position: [i32; 3],
     /// Quaternion x, y, z, w of any length above a thousandth of the range.
     pub rotation: [i16; 4],
@@ -28,15 +28,15 @@ pub struct HandInput {
     pub aim: RawPose,
     /// The grip pose, in the palm.
     pub grip: RawPose,
-    /// 0 to 255; pulled from 128 on, until it falls below 96.
+    /// The trigger, 0 to 255. It counts as pulled from 128 on, until it falls below 96.
     pub trigger: u8,
-    /// 0 to 255.
+    /// The squeeze of the grip, 0 to 255.
     pub squeeze: u8,
-    /// x (right) turns the stool, y (forward) makes the held bit larger; -127 to 127.
+    /// The stick: x (right) turns the stool, y (forward) enlarges the held bit; -127 to 127.
     pub stick: [i8; 2],
-    /// Pressed buttons, of [`buttons`]; the highest bit is ignored.
+    /// Pressed buttons, bits of [`buttons`]; the highest bit is ignored.
     pub buttons: u8,
-    /// Whether the poses are tracked.
+    /// `true` if the poses are tracked.
     pub tracked: bool,
 }
 
@@ -52,53 +52,53 @@ pub mod buttons {
 
 /// Bits of [`TickInput::commands`]. Each acts once a tick.
 pub mod commands {
-    /// Take the newest stroke back.
+    /// Undoes the newest stroke.
     pub const UNDO: u8 = 1;
-    /// Bring it back again.
+    /// Redoes the last undone stroke.
     pub const REDO: u8 = 2;
-    /// Switch the mirror on or off.
+    /// Switches the mirror on or off.
     pub const SYMMETRY: u8 = 4;
-    /// End the session; the sculpture takes no more edits.
+    /// Ends the session; the sculpture can't be edited any more.
     pub const FINISH: u8 = 8;
-    /// Put the tool in each hand into the other, if both are tracked. Pulls, strokes and ways end; a tool runs once its
-    /// new hand's trigger is pulled anew.
+    /// Swaps the tools of the hands, if both are tracked. Ends pulls, strokes and trails: a tool runs again
+    /// only after its new hand's trigger is released and pulled.
     pub const SWAP_HANDS: u8 = 16;
 }
 
 /// A command from a mouse or a menu instead of a hand.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum PointerCommand {
-    /// Nothing.
+    /// No command.
     #[default]
     None,
     /// Puts an item of the bench into a hand: a tool, or a bit, which is mounted on the tool that it fits.
     Take {
         /// 0 left, 1 right.
         hand: u8,
-        /// [`BenchItem::number`](crate::session::BenchItem::number): tools first, then bits.
+        /// The item's [`BenchItem::number`](crate::session::BenchItem::number): tools first, then bits.
         item: u8,
     },
-    /// Puts what a hand holds back on the bench.
+    /// Puts the item in a hand back on the bench.
     Return {
         /// 0 left, 1 right.
         hand: u8,
     },
     /// Turns the stool.
     Turn {
-        /// In 65,536ths of a turn, counter-clockwise as seen from above.
+        /// The angle in 65,536ths of a turn, counter-clockwise as seen from above.
         by: i16,
     },
-    /// Makes the bit that a hand holds larger or smaller, as far as it goes.
+    /// Enlarges or shrinks the bit in a hand, within its size range.
     Resize {
         /// 0 left, 1 right.
         hand: u8,
-        /// In steps of its [`BitSize`](crate::session::BitSize).
+        /// Number of steps of its [`BitSize`](crate::session::BitSize); negative to shrink.
         by: i8,
     },
-    /// Steadies both hands: while a tool runs, its bit is drawn behind the hand on a string.
+    /// Steadies both hands: while a tool runs, its bit is pulled behind the hand on a string.
     Steady {
-        /// The string's length, in millimetres of the room, at most [`MAX_STRING_MM`](crate::limits::MAX_STRING_MM); 0
-        /// for hands that aren't steadied.
+        /// The string's length, in millimetres of the room, at most
+        /// [`MAX_STRING_MM`](crate::limits::MAX_STRING_MM); 0 switches steadying off.
         string_mm: u8,
     },
 }
@@ -109,41 +109,41 @@ pub enum SessionMode {
     /// No session.
     #[default]
     None,
-    /// From a lump of stone, without a mask.
+    /// A lump of stone, without a mask.
     FreeForm,
-    /// From the lump, with a hidden figure that can't be removed.
+    /// A lump with a hidden figure that can't be removed.
     Constrained {
-        /// Number of the figure.
+        /// The figure's index.
         figure: u8,
     },
-    /// From an already sculpted shape.
+    /// A shape that is already sculpted.
     Creative,
-    /// From a volume loaded by the user.
+    /// A volume loaded by the user.
     Own,
 }
 
 /// The input of one tick.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct TickInput {
-    /// The head.
+    /// The pose of the head.
     pub head: RawPose,
     /// Left and right hand.
     pub hands: [HandInput; 2],
     /// The pointer.
     pub pointer: PointerCommand,
-    /// Of [`commands`].
+    /// Bits of [`commands`].
     pub commands: u8,
     /// Starts a new session, unless [`SessionMode::None`].
     pub start: SessionMode,
-    /// What the visit is told.
+    /// The input of the visit state machine.
     pub visit: VisitInput,
 }
 
 impl RawPose {
     const BYTES: usize = 20;
 
-    /// Quantises a pose in metres. A pose that is not finite, or whose rotation is near zero, becomes
-    /// the default pose, which the core ignores.
+    /// Quantises a pose in metres. A pose that isn't finite, or whose rotation is near zero, becomes the
+    /// default pose, which the core ignores.
     #[must_use]
     pub fn quantise(position_metres: Vec3, rotation: Quat) -> Self {
         let usable = rotation.is_finite() && rotation.length_squared() > 1e-6;
@@ -159,8 +159,8 @@ impl RawPose {
         }
     }
 
-    /// Position in metres, clamped to 16 m along each axis, and unit rotation. `None` where the
-    /// rotation is near zero.
+    /// Returns the position in metres, clamped to 16 m along each axis, and the unit rotation. Returns `None`
+    /// if the rotation is near zero.
     #[must_use]
     pub fn to_clamped_metres(&self) -> Option<RoomPose> {
         let far = 16 * UNITS_PER_METRE;
@@ -295,10 +295,10 @@ impl TickInput {
         self.visit.write(to);
     }
 
-    /// Reads what [`TickInput::write`] wrote.
+    /// Reads the output of [`TickInput::write`].
     ///
     /// # Errors
-    /// [`BadBytes`] at the end, or where there is no such command or mode.
+    /// [`BadBytes`] if the bytes end early, or for an unknown command or mode.
     pub fn read(from: &mut ByteReader<'_>) -> Result<Self, BadBytes> {
         let head = RawPose::read(from)?;
         let hands = [HandInput::read(from)?, HandInput::read(from)?];

@@ -7,7 +7,7 @@ use crate::volume::journal::Journal;
 use crate::volume::range_maps::{Axis, Column, RowAddress};
 use crate::volume::size::{Grid, Size};
 
-/// Journal of an island removal: notes its columns for undo and for the renderer.
+/// Journal of an island removal: records its columns for undo and for the renderer.
 #[derive(Debug)]
 pub struct RemovalJournal<'a, const N: usize, const K: usize = 1>
 where
@@ -19,8 +19,8 @@ where
     pub dirty: &'a mut DirtyRects,
 }
 
-/// Journal of a stroke's edit: notes its columns for undo and for the renderer, and the added voxels
-/// for a running island pass.
+/// Journal of a stroke's edit: records its columns for undo and for the renderer, and the added voxels for a
+/// running island pass.
 #[derive(Debug)]
 pub struct StrokeJournal<'a, const N: usize, const K: usize = 1>
 where
@@ -30,7 +30,7 @@ where
     pub undo: &'a mut UndoHistory<N, K>,
     /// The rectangles that cover the changed columns.
     pub dirty: &'a mut DirtyRects,
-    /// The search that counts added voxels as supported.
+    /// The search that treats added voxels as supported.
     pub islands: &'a mut IslandSearch<N>,
 }
 

@@ -1,9 +1,8 @@
-//! The ledger of a tick: what undo or redo, the hands and the island search may spend together.
+//! The ledger of a tick: the work budget shared by undo or redo, the hands and the island search.
 //!
-//! Work is counted in units of a row visit of the island search, some 150 instructions at 128 and half as
-//! many again at 256. What is left of a tick's work after an undo goes to the hands in turn, and what they
-//! leave to the islands, which always keep a share of their own. So no tick is long, and every pass ends
-//! whatever hands do.
+//! The unit of work is a row visit of the island search, some 150 instructions at 128 and half as many again
+//! at 256. The work that an undo leaves goes to one hand after the other, and the rest to the islands, which
+//! also have a reserve of their own. So no tick is long, and every pass ends whatever the hands do.
 
 use crate::edit::contact::{Contact, WayBudget};
 use crate::edit::grid_bit::{GridBit, GridShape};
@@ -16,20 +15,20 @@ use crate::limits::{
     smoothing_work, spall_work, tick_work,
 };
 
-/// What is left of a tick's work.
+/// The remaining work budget of a tick.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct TickLedger {
     left: u32,
-    /// The islands' share, which nothing else may spend.
+    /// The islands' reserve, which nothing else may spend.
     reserve: u32,
     most_row_visits: u32,
 }
 
 impl TickLedger {
-    /// The ledger of a tick in which undo or redo swapped so many columns, or none, and in which the island
-    /// search is to remove what it found, or not.
+    /// Opens the ledger of a tick. `rewound_columns` is the number of columns that undo or redo swapped, 0
+    /// for none; `is_removal_due` is `true` if the island search has to remove the islands found.
     ///
-    /// An undo or redo has begun the search anew: where it takes the whole tick, no pass loses anything.
+    /// An undo or redo restarts the search, so if it takes the whole tick, no pass loses progress.
     pub(crate) fn open(
         grid_side: usize,
         intervals: usize,
@@ -57,7 +56,7 @@ impl TickLedger {
         self.left.saturating_sub(self.reserve) / hands_left
     }
 
-    /// Enters work that was done.
+    /// Subtracts work that was done.
     pub(crate) const fn charge(&mut self, work: u32) {
         self.left = self.left.saturating_sub(work);
     }
@@ -68,22 +67,22 @@ impl TickLedger {
     }
 }
 
-/// What a bit's movements and edits cost.
+/// The costs of a bit's movements and edits.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct BitWork {
-    /// A step of its way.
+    /// A step of its path.
     step: u32,
     /// An edit in place.
     bite: u32,
-    /// What a quarter voxel of way adds to an edit that is swept along it.
+    /// The work that each quarter voxel of travel adds to a swept edit.
     sweep: u32,
-    /// Finding its contact, where that is more than other bits' is.
+    /// The work of finding its contact, if this is charged here; 0 for bits that pay for the contact found.
     contact: u32,
     most_steps: u32,
 }
 
 impl BitWork {
-    /// The work of a bit in a grid of so many voxels a side. A mirrored edit is two.
+    /// Returns the costs of a bit in a grid `grid_side` voxels wide. A mirrored edit costs two.
     pub(crate) fn of(bit: &GridBit, grid_side: usize, is_mirrored: bool) -> Self {
         let side = bit_side_voxels(bit.circumscribed_radius_subunits());
         let (step, bite) = (bit_step_work(side), bite_work(side));
@@ -101,7 +100,8 @@ impl BitWork {
         BitWork { step, bite: edits * bite, sweep: edits * sweep, contact: 0, most_steps }
     }
 
-    /// The work of a file, whose edits have a larger brush, and whose steps lead through the stone to the mask.
+    /// Returns the costs of a file, whose edits have a larger brush, and whose steps lead through the stone
+    /// to the mask.
     pub(crate) fn of_file(
         bit: &GridBit,
         brush: &GridBit,
@@ -120,18 +120,19 @@ impl BitWork {
         }
     }
 
-    /// What splitting a flake of so much reach off costs.
+    /// Returns the work of splitting off a flake of this reach.
     pub(crate) fn of_flake(reach_subunits: i32, is_mirrored: bool) -> u32 {
         (1 + u32::from(is_mirrored)) * flake_work(bit_side_voxels(reach_subunits))
     }
 
-    /// What spalling costs, which goes nowhere.
+    /// Returns the work of spalling, which is done in place.
     pub(crate) fn of_spall(spall: &GridBit, is_mirrored: bool) -> u32 {
         let side = bit_side_voxels(spall.circumscribed_radius_subunits());
         (1 + u32::from(is_mirrored)) * spall_work(side)
     }
 
-    /// How far the bit may go for a share of a tick's work. A bit that runs leaves room for its edit.
+    /// Returns how far the bit may move with a share of a tick's work. A running bit reserves work for its
+    /// edit.
     pub(crate) fn way_budget(&self, share: u32, is_running: bool) -> WayBudget {
         if !is_running {
             return WayBudget::of_steps((share / self.step).min(self.most_steps));
@@ -141,35 +142,37 @@ impl BitWork {
         WayBudget { steps, quarter_voxels: (share - steps * self.step) / self.sweep }
     }
 
-    /// How far a bit may go that edits where it arrives: no longer than it is in steps of the shortest, as a long
-    /// step costs more than it is charged, which beside an edit is more than a tick's work.
+    /// Returns how far a bit may move that edits at its destination. The length is limited to a quarter voxel
+    /// for each step: a longer step costs more than it is charged, which together with an edit would exceed a
+    /// tick's work.
     pub(crate) fn way_budget_beside_edit(&self, share: u32) -> WayBudget {
         let steps = (share.saturating_sub(self.bite) / self.step).min(self.most_steps);
         WayBudget { steps, quarter_voxels: steps }
     }
 
-    /// Whether an edit in place fits a share of a tick's work.
+    /// Returns `true` if an edit in place fits in a share of a tick's work.
     pub(crate) const fn fits_bite(&self, share: u32) -> bool {
         share >= self.bite
     }
 
-    /// The work of so many steps.
+    /// Returns the work of a number of steps.
     pub(crate) const fn of_steps(&self, steps: u32) -> u32 {
         steps * self.step
     }
 
-    /// The work of finding the bit's contact.
+    /// Returns the work of finding the bit's contact.
     pub(crate) const fn of_contact(&self) -> u32 {
         self.contact
     }
 
-    /// The work of an edit that is swept along so many quarter voxels.
+    /// Returns the work of an edit that is swept along a number of quarter voxels.
     pub(crate) const fn of_edit(&self, quarter_voxels: u32) -> u32 {
         self.bite + quarter_voxels * self.sweep
     }
 }
 
-/// What finding a bit's contact cost, most where it is deeper than its bite. A file's is known before.
+/// Returns the work of finding a bit's contact, which is highest if the bit is deeper than its bite. For a
+/// file, the work is known in advance instead.
 pub(crate) fn work_of_contact(bit: &GridBit, contact: &Contact) -> u32 {
     let side = bit_side_voxels(bit.circumscribed_radius_subunits());
     match bit.shape {
@@ -198,7 +201,7 @@ mod tests {
         }
     }
 
-    /// Without stone it is free; a bit in stone beyond its bite pays for each of its voxels.
+    /// A contact without stone is free; a bit deeper in stone than its bite pays for each of its voxels.
     #[test]
     fn a_contact_costs_what_it_finds() {
         for bit in ToolBit::ALL.map(|bit| bit.to_grid_bit(1758.0)) {
@@ -221,7 +224,8 @@ mod tests {
             let ledger = TickLedger::open(side, intervals, dear + 1, false);
             assert_eq!((ledger.hand_share(2), ledger.island_row_visits()), (0, 0));
             let ledger = TickLedger::open(side, intervals, dear, false);
-            // At 256 with two intervals an undo leaves hands nothing either, but the islands their share.
+            // At 256 with two intervals an undo leaves the hands nothing either, but the islands keep their
+            // reserve.
             assert_eq!(ledger.hand_share(2) > 0, (side, intervals) != (256, 2));
             assert!(ledger.island_row_visits() >= island_reserve(side));
         }

@@ -1,8 +1,7 @@
 //! Sessions: the world's state, and the fixed time step that advances it.
 //!
-//! Takes one tick's input and the start volumes; gives edits, events, dirty columns, the poses and
-//! haptics of hands, and the places of tools.
-//! Doesn't know devices, windows, clocks, files or pictures.
+//! Inputs: one tick's input and the start volumes. Outputs: edits, events, dirty columns, the poses and
+//! haptics of hands, and the places of tools. Independent of devices, windows, clocks, files and pictures.
 
 pub(crate) mod bared;
 pub(crate) mod bit_edit;

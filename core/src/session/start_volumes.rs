@@ -2,7 +2,7 @@
 
 use crate::volume::range_maps::RangeMaps;
 
-/// A hidden figure and the stone that it is carved from: the figure is a subset of it.
+/// A hidden figure and the stone that it is carved from. The figure is a subset of the stone.
 #[derive(Clone, Copy, Debug)]
 pub struct HiddenFigure<'a, const N: usize, const K: usize = 1> {
     /// The mask of the session.
@@ -13,8 +13,8 @@ pub struct HiddenFigure<'a, const N: usize, const K: usize = 1> {
 
 /// Start volumes by session mode. All maps must be tight.
 ///
-/// With one volume only, it is both `lump` and `creative`. To go on from an edited [`Volume`], lend its
-/// maps as `own` and start a session of [`SessionMode::Own`].
+/// With a single volume, pass it as both `lump` and `creative`. To continue from an edited [`Volume`], pass
+/// its maps as `own` and start a session of [`SessionMode::Own`].
 ///
 /// [`Volume`]: crate::Volume
 /// [`SessionMode::Own`]: crate::session::SessionMode::Own

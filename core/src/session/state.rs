@@ -1,5 +1,5 @@
-//! The small part of a world's state: all but volumes, undo history and island search. Written as bytes
-//! of a fixed length, which are also its digest's input.
+//! The small part of a world's state: everything except volumes, undo history and island search. It is
+//! written as bytes of a fixed length, from which its digest is computed.
 
 use glam::{Quat, Vec3};
 
@@ -26,7 +26,7 @@ pub enum SessionState {
 }
 
 impl SessionState {
-    /// The phase of a number.
+    /// Returns the state with this number.
     pub(crate) const fn from_number(number: u8) -> Option<Self> {
         match number {
             0 => Some(SessionState::Waiting),
@@ -37,7 +37,7 @@ impl SessionState {
     }
 }
 
-/// The state of a world but for volumes, undo history and island search.
+/// The state of a world except volumes, undo history and island search.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct WorldState {
     pub(crate) tick: u64,
@@ -45,11 +45,11 @@ pub(crate) struct WorldState {
     pub(crate) mode: SessionMode,
     pub(crate) masked: bool,
     pub(crate) symmetry: bool,
-    /// The axes of the hidden figure whose ends are counted.
+    /// The number of axes of the hidden figure whose ends are counted.
     pub(crate) counted_axes: u8,
-    /// How much of the hidden figure was told to be bared.
+    /// The part of the hidden figure that was last reported as bared.
     pub(crate) told: ToldPart,
-    /// The length of the string on which running bits are drawn behind their hands; 0 without one.
+    /// The length of the string on which running bits are pulled behind their hands; 0 without a string.
     pub(crate) string_mm: u8,
     /// The stool's rotation in 65,536ths of a turn.
     pub(crate) stool: u16,
@@ -81,7 +81,7 @@ impl WorldState {
         }
     }
 
-    /// Length of a written state, the sum of its fields in the order of [`WorldState::write`].
+    /// Length of a serialised state, the sum of its fields in the order of [`WorldState::write`].
     const BYTES: usize = size_of::<u64>()
         + size_of::<u8>()
         + SessionMode::BYTES

@@ -14,13 +14,13 @@ use crate::volume::column_digest::copy_and_digest_maps;
 use crate::volume::range_maps::Axis;
 use crate::volume::size::{Grid, Size};
 
-/// How fast a stick or a hand turns the stool at most, in 65,536ths of a turn a second: a quarter turn.
+/// Maximum speed at which a stick or a hand turns the stool, in 65,536ths of a turn a second: a quarter turn.
 const STOOL_SPEED: i32 = 65_536 / 4;
 
-/// What the commands of a tick did.
+/// The effects of a tick's commands.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct CommandEffects {
-    /// The columns that undo or redo swapped.
+    /// The number of columns that undo or redo swapped.
     pub(crate) rewound_columns: u32,
 }
 
@@ -28,8 +28,8 @@ impl<const N: usize, const K: usize> World<N, K>
 where
     Grid<N>: Size,
 {
-    /// Starts a session in this mode and resets all but tick and head. Without a start volume for the
-    /// mode, only [`WorldEvent::NoSuchStart`] is reported. Whether it started.
+    /// Starts a session in this mode and resets everything except tick, head and visit. Without a start
+    /// volume for the mode, only reports [`WorldEvent::NoSuchStart`]. Returns `true` if the session started.
     pub(crate) fn start_session(
         &mut self,
         mode: SessionMode,
@@ -68,8 +68,8 @@ where
         true
     }
 
-    /// Turns the stool: by the sticks, up to a quarter turn a second each, by hands that hold its rim, together as
-    /// fast at most, and by the pointer.
+    /// Turns the stool: by the sticks, up to a quarter turn a second each; by hands that hold its rim, with
+    /// the same limit for both together; and by the pointer.
     pub(crate) fn turn_stool(&mut self, input: &TickInput, presses: [HandPresses; 2]) {
         let mut turn = 0i32;
         for (hand, state) in input.hands.iter().zip(&self.state.hands) {
@@ -78,7 +78,7 @@ where
                 turn += push * STOOL_SPEED / (127 * TICK_RATE as i32);
             }
         }
-        // Two hands on one rim turn it by the mean of their ways.
+        // Two hands on one rim turn it by the mean of their movements.
         let holding = self.state.hands.iter().filter(|hand| hand.holds_stool).count() as i32;
         let by_rim: i32 = presses.iter().map(|presses| presses.rim_turn).sum();
         let most = STOOL_SPEED / TICK_RATE as i32;
@@ -89,8 +89,8 @@ where
         self.state.stool = self.state.stool.wrapping_add(turn as u16);
     }
 
-    /// Runs the commands of shells and buttons: undo, redo, symmetry, swapped hands and finish. Undo together with
-    /// redo does neither.
+    /// Runs the commands of shells and buttons: undo, redo, symmetry, swapped hands and finish. Undo and redo
+    /// together cancel out.
     pub(crate) fn apply_commands(
         &mut self,
         input: &TickInput,
@@ -129,8 +129,8 @@ where
         self.push_event(WorldEvent::Finished);
     }
 
-    /// Undoes or redoes one stroke, which ends a running island pass and requests another. Returns the
-    /// number of its columns; 0 if there is no such stroke.
+    /// Undoes or redoes one stroke, which ends a running island pass and requests another. Returns the number
+    /// of its columns, or 0 if there is no such stroke.
     fn try_undo_or_redo(&mut self, event: WorldEvent) -> u32 {
         let before = self.undo.undo_counts().undoable;
         let mut journal = BaringJournal {
@@ -151,8 +151,8 @@ where
         self.undo.count_columns_of(before.min(self.undo.undo_counts().undoable))
     }
 
-    /// Takes or returns an item for a pointer, or steadies hands. [`World::turn_stool`] handles its turns,
-    /// [`World::resize_bits`] sizes.
+    /// Takes or returns an item for a pointer, or steadies hands. [`World::turn_stool`] handles the pointer's
+    /// turns, [`World::resize_bits`] its sizes.
     pub(crate) fn apply_pointer_command(&mut self, pointer: PointerCommand) {
         match pointer {
             PointerCommand::Take { hand, item } => {
@@ -176,8 +176,8 @@ where
         }
     }
 
-    /// Makes the bits in hands larger or smaller: by the sticks, and by the pointer. A bit stays where it is: one that
-    /// grew into the stone cuts itself free, or is taken out.
+    /// Resizes the bits in hands: by the sticks, and by the pointer. A bit isn't moved: a bit that grew into
+    /// the stone cuts itself free, or is pulled out.
     pub(crate) fn resize_bits(&mut self, pointer: PointerCommand, presses: [HandPresses; 2]) {
         for (hand, presses) in presses.into_iter().enumerate() {
             let by_pointer = match pointer {
@@ -193,8 +193,8 @@ where
 
     /// Spends `row_visits` on the island search and reports a pass that removed or kept voxels.
     ///
-    /// No pass begins while something can be redone, as a removal would drop it: it does once nothing is
-    /// left to redo, or hands may no longer, or after the next edit.
+    /// No pass begins while something can be redone, as a removal would drop it. A pass begins once nothing
+    /// is left to redo, hands may no longer work, or after the next edit.
     pub(crate) fn advance_island_search(&mut self, row_visits: u32) {
         let may_redo = self.state.visit.phase().lets_hands_work();
         if self.islands.is_idle() && may_redo && self.undo.undo_counts().redoable > 0 {
@@ -214,8 +214,9 @@ where
         }
     }
 
-    /// Counts the ends of the next axis of the hidden figure that isn't counted yet: all at once would take more than a
-    /// tick's work. Returns the work of it, and tells nothing of what is bared at the start.
+    /// Counts the ends of the hidden figure along the next axis that isn't counted yet: counting all axes at
+    /// once would exceed a tick's work. Returns the work done. Reports no events for the part that is bared
+    /// at the start.
     pub(crate) fn count_next_axis(&mut self) -> u32 {
         let next = Axis::ALL.get(usize::from(self.state.counted_axes));
         let Some(axis) = next.filter(|_| self.state.masked) else {
@@ -229,7 +230,7 @@ where
         bared_count_work(N)
     }
 
-    /// Counts anew what of the figure was counted.
+    /// Counts the ends again along the axes that were counted.
     pub(crate) fn recount_bared_ends(&mut self) {
         self.bared = BaredEnds::NONE;
         for axis in Axis::ALL.into_iter().take(usize::from(self.state.counted_axes)) {
@@ -237,12 +238,12 @@ where
         }
     }
 
-    /// Whether the ends of all axes are counted.
+    /// Returns `true` if the ends of all axes are counted.
     pub(crate) const fn is_figure_counted(&self) -> bool {
         self.state.counted_axes as usize == Axis::ALL.len()
     }
 
-    /// Reports a tenth of the figure that was never bared before, and that it is found, once each.
+    /// Reports each newly bared tenth of the figure, and that it is found, once each.
     pub(crate) fn tell_bared_part(&mut self) {
         let (told, now) = (self.state.told, ToldPart::of(self.bared));
         if now <= told || !self.is_figure_counted() {
@@ -257,8 +258,8 @@ where
         }
     }
 
-    /// Reports an event. It is dropped when the list is full: events only inform, the state is complete
-    /// without them.
+    /// Reports an event. It is dropped if the list is full: events only inform, the state is complete without
+    /// them.
     pub(super) fn push_event(&mut self, event: WorldEvent) {
         let _ = self.events.push(event);
     }

@@ -8,24 +8,24 @@ use crate::session::hand::RoomPose;
 /// Side of the sculpture's box, in metres.
 pub const BOX_SIDE: f32 = 0.45;
 
-/// Radius of the stool's top, in metres: it just carries the box's corners.
+/// Radius of the stool's top, in metres: just enough to carry the box's corners.
 pub const STOOL_RADIUS: f32 = BOX_SIDE * core::f32::consts::FRAC_1_SQRT_2 + 0.014;
 
-/// Nearer to the stool's axis than this a hand's direction from it tells nothing, in metres.
+/// Distance from the stool's axis, in metres, below which a hand's direction from the axis is undefined.
 const LEAST_RADIUS: f32 = 0.05;
 
 /// Centre of the stool's top, on which the box stands, in metres in the room.
 pub const STOOL_TOP: Vec3 = Vec3::new(0.0, 0.8, -0.55);
 
-/// The distance of a point of the room from the rim of the stool's top, in metres.
+/// Returns the distance of a point of the room from the rim of the stool's top, in metres.
 pub(crate) fn distance_from_stool_rim(point: Vec3) -> f32 {
     let from_top = point - STOOL_TOP;
     let across = Vec2::new(from_top.x, from_top.z).length() - STOOL_RADIUS;
     Vec2::new(across, from_top.y).length()
 }
 
-/// By how much the way from one point to another leads round the stool's axis, in 65,536ths of a turn, the shorter way
-/// round; 0 where one of them is on it. The parts of a way make up the whole of it.
+/// Returns the angle about the stool's axis from one point to another, the shorter way round, in 65,536ths of
+/// a turn; 0 if one of them is on the axis. The angles of a path's parts add up to the angle of the whole.
 pub(crate) fn turn_about_stool(from: Vec3, to: Vec3) -> i32 {
     let bearing = |point: Vec3| {
         let Vec3 { x, z, .. } = point - STOOL_TOP;
@@ -49,7 +49,7 @@ pub struct StoolFrame {
 }
 
 impl StoolFrame {
-    /// The frame of a grid of `grid_side`^3 voxels. The turn is counter-clockwise as seen from above.
+    /// Creates the frame of a grid of `grid_side`^3 voxels. The turn is counter-clockwise as seen from above.
     #[must_use]
     pub fn new(turn_65536ths: u16, grid_side: usize) -> Self {
         let radians = f32::from(turn_65536ths) * (core::f32::consts::TAU / 65_536.0);
@@ -60,7 +60,7 @@ impl StoolFrame {
         }
     }
 
-    /// Side of a voxel, in metres.
+    /// Returns the side of a voxel, in metres.
     #[must_use]
     pub const fn voxel_metres(&self) -> f32 {
         self.voxel_metres

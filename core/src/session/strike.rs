@@ -1,4 +1,4 @@
-//! What is done before a bit follows its hand: a float is laid on the stone, a blow splits a flake off.
+//! Actions before a bit follows its hand: laying a float on the stone, and splitting off a flake by a blow.
 
 use crate::edit::brush::{Brush, BrushPiece};
 use crate::edit::flake::find_flake;
@@ -14,12 +14,12 @@ use crate::volume::range::Range;
 use crate::volume::size::{Grid, Size};
 use crate::volume::voxel_box::VoxelBox;
 
-/// What was done before a bit's way.
+/// The result of the actions before a bit's movement.
 #[derive(Clone, Copy, Default, Debug)]
 pub(super) struct PreparedBit {
-    /// Its work.
+    /// Work done.
     pub(super) work: u32,
-    /// What splitting a flake off did, if one was.
+    /// The report of splitting off a flake, if one was split off.
     pub(super) split: Option<EditReport>,
 }
 
@@ -27,8 +27,8 @@ impl<const N: usize, const K: usize> World<N, K>
 where
     Grid<N>: Size,
 {
-    /// Notes the plane of a float that begins to work, or splits a flake off where a chisel that does is struck and
-    /// the hand's `share` of the tick's work is enough.
+    /// Stores the plane of a float that begins to work, or splits off a flake if a chisel is struck and the
+    /// hand's `share` of the tick's work suffices.
     pub(super) fn lay_or_strike(
         &mut self,
         hand: usize,
@@ -55,7 +55,7 @@ where
         PreparedBit { work, split: Some(self.split_off(hand, flake)) }
     }
 
-    /// Takes a flake out as a whole, but for the mask and what closure brings back, and tells of it.
+    /// Removes a whole flake, except for the mask and what closure restores, and reports an event.
     fn split_off(&mut self, hand: usize, flake: BrushPiece) -> EditReport {
         let brush = Brush::from(flake);
         let carve = EditOperation::Carve { depth: ANY_DEPTH };

@@ -1,4 +1,4 @@
-//! A hand's tool in a tick: its bit follows the hand as far as the volume lets it, and edits.
+//! A hand's tool in a tick: its bit follows the hand as far as the volume allows, and edits.
 
 use crate::edit::contact::{Contact, FreezeResult, Obstacle, WayBudget};
 use crate::edit::grid_bit::GridBit;
@@ -20,32 +20,32 @@ use crate::volume::size::{Grid, Size};
 /// The bit that a hand uses in a tick.
 pub(super) struct RunningBit<'a> {
     pub(super) bit: ToolBit,
-    /// Its lengths at the size that it has.
+    /// Its table entry at its current size.
     pub(super) spec: &'a ToolBitSpec,
     pub(super) grid_bit: &'a GridBit,
-    /// What it edits: the bit, and its reach.
+    /// Its brush: the bit enlarged by its reach.
     pub(super) brush: &'a GridBit,
     is_new_pull: bool,
-    /// Whether a file works lightly.
+    /// `true` if a file works lightly.
     pub(super) is_light: bool,
-    /// Of this tick.
+    /// The dither seed of this tick.
     dither: Option<DitherSeed>,
-    /// Whether its blow has split a flake off: it doesn't chip.
+    /// `true` if its blow has split off a flake: then it doesn't also chip.
     has_split: bool,
-    /// What a float takes off.
+    /// The half-space that a float removes.
     pub(super) above_float: HalfSpace,
 }
 
-/// A seed of smoothing's dither, while a file runs and isn't finishing.
+/// A seed of smoothing's dither, present while a file runs and isn't finishing.
 #[derive(Clone, Copy)]
 pub(super) struct DitherSeed(u64);
 
-/// What became of a way toward a pose of the trail.
+/// The outcome of a movement toward a pose of the trail.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum WayEnd {
     /// The pose was reached.
     Passed,
-    /// The bit gets no nearer to it, or closure brought back most of the bite.
+    /// The bit gets no nearer to the pose, or closure restored most of the bite.
     Stuck,
     /// The next bite may lead nearer.
     GoesOn,
@@ -53,18 +53,18 @@ enum WayEnd {
     Waits,
 }
 
-/// The way of a bit toward a pose.
+/// The movement of a bit toward a pose.
 struct BitWay {
-    /// Where it led.
+    /// The result of the movement.
     freeze: FreezeResult,
-    /// The pose from which an edit is swept to the end of the way, which is the end itself where the bit
-    /// jumped or wasn't swept yet. `None` while the bit catches up: nothing is edited.
+    /// The pose from which an edit is swept to the end of the movement. It is the end itself if the bit
+    /// jumped or wasn't swept yet. `None` while the bit catches up: then nothing is edited.
     sweep_start: Option<Pose>,
 }
 
 impl BitWay {
-    /// What became of the way from `last` toward `target`, with the report of the edit along it, if one was
-    /// made.
+    /// Returns the outcome of the movement from `last` toward `target`. `report` is the report of the edit
+    /// along it, if there was an edit.
     fn end(&self, bit: &GridBit, last: &Pose, target: &Pose, report: Option<EditReport>) -> WayEnd {
         match (self.freeze.ran_out, self.freeze.blocked, report) {
             (true, ..) | (_, true, None) => WayEnd::Waits,
@@ -80,8 +80,9 @@ impl BitWay {
 }
 
 impl RunningBit<'_> {
-    /// Where an edit that ends at a pose is dithered: inside the brush as it stands there, so that the next edit,
-    /// which is swept from there, goes over all of it again. Its own rim is the last to leave.
+    /// Returns the dithered region of an edit that ends at a pose: inside the brush at that pose, so that the
+    /// next edit, which is swept from there, covers all of it again. Excludes the brush's rim, which leaves
+    /// last.
     pub(super) fn dither_at(&self, pose: &Pose) -> Option<Dither> {
         let DitherSeed(seed) = self.dither?;
         let inside = self.brush.shrunk_by(DITHER_RIM_VOXELS * SUBUNITS_PER_VOXEL)?;
@@ -93,15 +94,15 @@ impl<const N: usize, const K: usize> World<N, K>
 where
     Grid<N>: Size,
 {
-    /// Whether a hand has a tool to step: it holds one and is tracked, in a sculpting session.
+    /// Returns `true` if a hand has a tool to step: it holds a tool and is tracked, in a sculpting session.
     pub(crate) fn is_tool_in_use(&self, hand: usize) -> bool {
         let is_sculpting = self.state.session == SessionState::Sculpting;
         is_sculpting && self.state.hands[hand].tracked && self.held_tool(hand).is_some()
     }
 
-    /// Moves the bit of a held tool with its hand, as far as the volume lets it, and applies the edits if
-    /// the tool is running, all within its `share` of the tick's work. Returns what it spent. Nothing
-    /// happens without a tool in use.
+    /// Moves the bit of a held tool with its hand, as far as the volume allows, and applies the edits if the
+    /// tool is running, all within its `share` of the tick's work. Returns the work spent. Does nothing
+    /// without a tool in use.
     pub(crate) fn step_tool(&mut self, hand: usize, presses: HandPresses, share: u32) -> u32 {
         let Some((tool, bit)) = self.held_tool(hand).filter(|_| self.is_tool_in_use(hand)) else {
             return 0;
@@ -147,7 +148,8 @@ where
             self.follow_hand(&running, &mut state, share)
         };
         let contact = self.obstacle().contact_at(&grid_bit, &state.frozen_pose);
-        // A bit that keeps up with its hand has cut its way free when the tick ends, and touches nothing any more.
+        // A bit that keeps up with its hand has cut itself free when the tick ends, and touches nothing any
+        // more.
         let felt = Contact { overlap: contact.overlap + report.removed + report.added, ..contact };
         state.haptic =
             haptic_amplitude(bit.spec(), &felt, is_running, state.trigger_ticks, speed_um);
@@ -165,9 +167,9 @@ where
         prepared.work + spent + spall_work
     }
 
-    /// Takes the bit along its trail, from one bite to the next, within its `share` of the tick's work: walk,
-    /// bite, walk on. Without a trail it walks to its hand, and edits there if it runs. Returns the work spent
-    /// and what the edits did together.
+    /// Moves the bit along its trail, from one bite to the next, within its `share` of the tick's work: walk,
+    /// bite, walk on. Without a trail it walks to its hand, and edits there if it runs. Returns the work
+    /// spent and the combined report of the edits.
     fn follow_hand(
         &mut self,
         running: &RunningBit<'_>,
@@ -218,8 +220,8 @@ where
         (share - left, total)
     }
 
-    /// Takes off the stone around a bit that touches the hidden figure, so that it shows: stone spalls where it is
-    /// worked down to what is harder. Only where `left` allows it. Returns the work spent and what the edit did.
+    /// Removes the stone around a bit that touches the hidden figure, so that the figure shows, if the work
+    /// `left` suffices. Returns the work spent and the report of the edit.
     fn spall_off_figure(
         &mut self,
         running: &RunningBit<'_>,
@@ -241,15 +243,16 @@ where
         (work, self.edit_along_path(&spalling, pose, pose))
     }
 
-    /// Whether a file may smooth in this tick: in every other one, when its hand is the second and has what the first
-    /// leaves of the tick's work, or more rarely where it works lightly.
+    /// Returns `true` if a file may smooth in this tick: in every other tick, or less often if it works
+    /// lightly. It is a tick in which its hand goes second and gets the work that the first hand left.
     const fn has_files_turn(&self, hand: usize, is_light: bool) -> bool {
         let period = if is_light { LIGHT_SMOOTHING_PERIOD } else { SMOOTHING_PERIOD };
         self.state.tick % period == 1 - hand as u64
     }
 
-    /// Moves a file to its hand, and smooths if it is its turn. A file that was released finishes where it was, within
-    /// its `share` of the tick's work. Returns the work spent and what the edit did.
+    /// Moves a file to its hand, and smooths if it is its turn. A released file finishes at its last
+    /// position. Stays within its `share` of the tick's work. Returns the work spent and the report of the
+    /// edit.
     fn follow_with_file(
         &mut self,
         running: &RunningBit<'_>,
@@ -273,7 +276,7 @@ where
         if !edits || !work.fits_bite(share) || way.sweep_start.is_none() {
             return (share - left, EditReport::default());
         }
-        // From where it edited last, unless that is more than the tick's work.
+        // Sweeps from the last edit, unless that would exceed the tick's work.
         let end = way.freeze.pose;
         let edit_work_from = |start: &Pose| work.of_edit(running.brush.path_steps(start, &end));
         let start = state.trail.poses().first().copied();
@@ -287,17 +290,17 @@ where
         (share - left, self.edit_along_path(running, &start, &end))
     }
 
-    /// What bits collide with.
+    /// Returns the obstacle that bits collide with.
     pub(super) fn obstacle(&self) -> Obstacle<'_, N, K> {
         let mask = self.state.masked.then_some(&self.mask);
         Obstacle { rows: self.volume.rows(), mask, is_mask_alone: false }
     }
 
-    /// The way of a bit from its last pose toward a target, both in the grid.
+    /// Moves a bit from its last pose toward a target, both in the grid.
     ///
-    /// The volume doesn't hold a nozzle or a file that runs, which would stick in its own paste, or between two
-    /// ridges that it is to even out; the mask does. One that was buried as it began to run jumps to its hand,
-    /// so that no paste is laid on the way there.
+    /// The volume doesn't stop a running nozzle or file, which would otherwise stick in its own paste, or
+    /// between two ridges that it should even out; the mask does. A bit that was buried when it began to run
+    /// jumps to its hand, so that no paste is applied on the way there.
     fn find_bit_way(
         &self,
         state: &HandState,

@@ -19,7 +19,7 @@ pub enum Tool {
     Rotary = 0,
     /// A pneumatic hammer.
     Impact = 1,
-    /// A gun that lays modelling paste.
+    /// A gun that applies modelling paste.
     FillGun = 2,
     /// A rasp that smooths.
     Rasp = 3,
@@ -51,7 +51,7 @@ pub enum ToolBit {
     Nozzle = 9,
     /// Rasp: a file that smooths.
     File = 10,
-    /// Rasp: a flat blade that works a plane.
+    /// Rasp: a flat blade that levels a surface to a plane.
     Float = 11,
     /// Impact: a blunt chisel that splits flakes off near an edge.
     PitchingChisel = 12,
@@ -66,12 +66,12 @@ pub enum BitAction {
     Fill,
     /// Removes bumps and fills pits.
     Smooth,
-    /// Removes what is above a plane and fills pits below it.
+    /// Removes stone above a plane and fills pits below it.
     Flatten,
 }
 
 impl BitAction {
-    /// Whether the bit is rubbed over the stone, and goes through it.
+    /// Returns `true` if the bit is rubbed over the stone, and passes through it.
     #[must_use]
     pub const fn is_rubbing(self) -> bool {
         matches!(self, BitAction::Smooth | BitAction::Flatten)
@@ -83,7 +83,7 @@ impl BitAction {
 pub enum BitShape {
     /// A ball.
     Ball {
-        /// In micrometres.
+        /// Radius in micrometres.
         radius_um: i32,
     },
     /// A box.
@@ -91,10 +91,10 @@ pub enum BitShape {
         /// Half extents in micrometres.
         half_extents_um: [i32; 3],
     },
-    /// A disc that works along its own plane, whose normal is x. It is two voxels thick, so that what it cuts off
-    /// is loose however it is held.
+    /// A disc that works along its own plane, whose normal is x. It is two voxels thick, so that the parts
+    /// that it separates are disconnected in any orientation.
     Disc {
-        /// In micrometres.
+        /// Radius in micrometres.
         radius_um: i32,
     },
 }
@@ -106,28 +106,28 @@ pub struct ToolBitSpec {
     pub name: &'static str,
     /// The tool that takes it.
     pub tool: Tool,
-    /// What it does.
+    /// Its action.
     pub action: BitAction,
     /// Its shape.
     pub shape: BitShape,
-    /// Greatest penetration into the material, and so the advance in an edit, in micrometres.
+    /// Maximum penetration into the material, and so the advance in an edit, in micrometres.
     pub bite_um: i32,
-    /// How far its edit reaches beyond its shape on every side, in micrometres.
+    /// Distance by which its edit extends beyond its shape along each axis, in micrometres.
     pub reach_um: [i32; 3],
-    /// The sizes that it comes in.
+    /// The range of its sizes.
     pub sizes: SizeRange,
-    /// How far a flake may reach that a blow of it splits off, in micrometres; 0 for a bit that splits none off.
+    /// Reach of the flakes that its blows split off, in micrometres; 0 for a bit that splits off none.
     pub flake_um: i32,
-    /// Ticks from one blow to the next; 1 edits on every tick.
+    /// Ticks from one blow to the next; 1 for an edit in every tick.
     pub bite_period: u8,
     /// Haptic amplitudes of successive ticks, 0 to 255, repeated while the tool runs.
     pub haptic_train: &'static [u8],
 }
 
 impl ToolBitSpec {
-    /// Whether the bit edits so many ticks after its trigger was pulled: in the first half of each period, as
-    /// one tick hasn't the work for what a quick hand asks of a blow. One that splits flakes off edits in the first
-    /// tick alone: where it split one, it doesn't chip at what is left.
+    /// Returns `true` if the bit edits this many ticks after its trigger was pulled: in the first half of
+    /// each period, as one tick hasn't enough work for the blow of a quick hand. A bit that splits off flakes
+    /// edits only in the first tick, so that it doesn't chip at the rest after a flake.
     #[must_use]
     pub const fn is_blow_at(&self, trigger_ticks: u16) -> bool {
         let period = self.bite_period as u16;
@@ -135,24 +135,25 @@ impl ToolBitSpec {
         trigger_ticks % period < ticks
     }
 
-    /// The bit in fixed-point grid units, for voxels of side `voxel_um` in micrometres.
+    /// Converts the bit to fixed-point grid units, for voxels of side `voxel_um` in micrometres.
     #[must_use]
     pub fn to_grid_bit(&self, voxel_um: f32) -> GridBit {
         self.grid_bit_grown_by([0; 3], voxel_um)
     }
 
-    /// What the bit edits, which is its shape and its reach, as [`ToolBitSpec::to_grid_bit`].
+    /// Converts the bit's brush, its shape enlarged by its reach, like [`ToolBitSpec::to_grid_bit`].
     #[must_use]
     pub fn to_grid_brush(&self, voxel_um: f32) -> GridBit {
         self.grid_bit_grown_by(self.reach_um, voxel_um)
     }
 
-    /// What spalls off a hidden figure that the bit touches, as [`ToolBitSpec::to_grid_bit`]: all within 34 mm of the
-    /// bit's centre, however deep it lies. `None` for a bit that doesn't carve, for a disc, which only parts stone, and
-    /// for one that is as large itself.
+    /// Returns the ball of stone that spalls off a hidden figure when the bit touches the figure, in the
+    /// units of [`ToolBitSpec::to_grid_bit`]: everything within 34 mm of the bit's centre, at any depth.
+    /// `None` for a bit that doesn't carve, for a disc, which only separates stone, and for a ball that is as
+    /// large itself.
     #[must_use]
     pub fn to_grid_spall(&self, voxel_um: f32) -> Option<GridBit> {
-        /// At 256 a tick has the work for no larger ball beside bites of the large ball.
+        /// At 256, a tick has no work for a larger ball beside bites of the large ball.
         const RADIUS_UM: i32 = 34_000;
         let ToolBitSpec { action, shape, .. } = *self;
         let is_large = matches!(shape, BitShape::Ball { radius_um } if radius_um >= RADIUS_UM);
@@ -185,7 +186,7 @@ impl Tool {
     /// All tools, by number.
     pub const ALL: [Tool; 4] = [Tool::Rotary, Tool::Impact, Tool::FillGun, Tool::Rasp];
 
-    /// The bit that is mounted at the start of a session.
+    /// Returns the bit that is mounted at the start of a session.
     #[must_use]
     pub const fn default_bit(self) -> ToolBit {
         match self {
@@ -226,25 +227,25 @@ impl ToolBit {
         ToolBit::PitchingChisel,
     ];
 
-    /// The bit of a number.
+    /// Returns the bit with this number.
     #[must_use]
     pub fn from_number(number: u8) -> Option<ToolBit> {
         ToolBit::ALL.get(usize::from(number)).copied()
     }
 
-    /// Its table entry.
+    /// Returns its table entry.
     #[must_use]
     pub const fn spec(self) -> &'static ToolBitSpec {
         &BITS[self as usize]
     }
 
-    /// The bit as it is in the table, as [`ToolBitSpec::to_grid_bit`].
+    /// Converts the bit in its natural size, like [`ToolBitSpec::to_grid_bit`].
     #[must_use]
     pub fn to_grid_bit(self, voxel_um: f32) -> GridBit {
         self.spec().to_grid_bit(voxel_um)
     }
 
-    /// How far a flake reaches that the bit splits off, as [`ToolBit::to_grid_bit`].
+    /// Returns the reach of the flakes that the bit splits off, in the units of [`ToolBit::to_grid_bit`].
     #[must_use]
     pub fn to_grid_flake_reach(self, voxel_um: f32) -> Option<i32> {
         let reach_um = self.spec().flake_um;
@@ -252,7 +253,7 @@ impl ToolBit {
     }
 }
 
-/// A length in fixed-point grid units, for voxels of side `voxel_um` in micrometres.
+/// Converts a length to fixed-point grid units, for voxels of side `voxel_um` in micrometres.
 fn subunits_from_um(length_um: i32, voxel_um: f32) -> i32 {
     libm::roundf(length_um as f32 * SUBUNITS_PER_VOXEL as f32 / voxel_um) as i32
 }

@@ -1,7 +1,7 @@
-//! The trail of a hand: the way that its running bit has yet to follow.
+//! The trail of a hand: the poses that its running bit has yet to follow.
 //!
-//! A bit cuts no faster than its bites allow, and a quick hand is ahead of it. What is cut is the hand's own
-//! way, pose by pose, not the chord from where the bit is to where the hand is.
+//! A bit cuts no faster than its bites allow, so a quick hand is ahead of it. The bit cuts along the hand's
+//! own path, pose by pose, not along the chord from its position to the hand's.
 
 use glam::{Quat, Vec3};
 
@@ -14,32 +14,32 @@ use crate::session::hand::read_pose;
 /// A queue of poses in the grid, one for each tick of the hand, the oldest first.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct HandTrail {
-    /// All zero beyond `count`.
+    /// All zero from `count` on.
     poses: [Pose; MAX_TRAIL_POSES],
     count: u8,
 }
 
-/// What fills the unused places.
+/// The value of unused elements.
 const NO_POSE: Pose = Pose { position: Vec3::ZERO, rotation: Quat::from_xyzw(0.0, 0.0, 0.0, 0.0) };
 
 impl HandTrail {
-    /// Nothing to follow; all zero bytes.
+    /// The empty trail; all zero bytes.
     pub const EMPTY: HandTrail = HandTrail { poses: [NO_POSE; MAX_TRAIL_POSES], count: 0 };
 
-    /// The poses that the bit has yet to reach, the oldest first.
+    /// Returns the poses that the bit has yet to reach, the oldest first.
     #[must_use]
     pub fn poses(&self) -> &[Pose] {
         &self.poses[..usize::from(self.count)]
     }
 
-    /// Whether the bit has caught up with its hand.
+    /// Returns `true` if the bit has caught up with its hand.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// Appends the newest pose of the hand. Beyond `most` poses the oldest go, which are at most
-    /// [`MAX_TRAIL_POSES`]. Returns how many went.
+    /// Appends the newest pose of the hand. Drops the oldest poses beyond `most`, which is clamped to
+    /// [`MAX_TRAIL_POSES`]. Returns the number of dropped poses.
     pub fn push_and_drop_beyond(&mut self, pose: Pose, most: usize) -> u32 {
         let most = most.clamp(1, MAX_TRAIL_POSES);
         let dropped = (usize::from(self.count) + 1).saturating_sub(most);
@@ -61,7 +61,7 @@ impl HandTrail {
         self.count -= dropped as u8;
     }
 
-    /// Length of a written trail.
+    /// Length of a serialised trail.
     pub(crate) const BYTES: usize = 1 + MAX_TRAIL_POSES * (VEC3_BYTES + QUAT_BYTES);
 
     pub(crate) fn write(&self, to: &mut ByteWriter<'_>) {
@@ -111,7 +111,7 @@ mod tests {
         let mut trail = HandTrail::EMPTY;
         let dropped = [0.0, 1.0, 2.0, 3.0, 4.0].map(|x| trail.push_and_drop_beyond(pose(x), 3));
         assert_eq!((dropped, first_and_last(&trail)), ([0, 0, 0, 1, 1], [2.0, 4.0]));
-        // A chisel that is exchanged for a burr may leave more than the burr's.
+        // A chisel that is exchanged for a burr may leave a longer trail than the burr's maximum.
         let mut trail = HandTrail::EMPTY;
         (0..9).for_each(|x| _ = trail.push_and_drop_beyond(pose(x as f32), 12));
         assert_eq!(trail.push_and_drop_beyond(pose(9.0), 6), 4);
@@ -136,7 +136,7 @@ mod tests {
         assert_eq!(to.len(), HandTrail::BYTES);
         let read = |bytes: &[u8]| HandTrail::read(&mut ByteReader::new(bytes));
         assert_eq!(read(&bytes), Ok(trail));
-        // Fewer or more poses than there are, and more than there may be.
+        // Fewer or more poses than the trail has, and more than its capacity.
         for count in [3, 5, 13, 255] {
             bytes[0] = count;
             assert!(read(&bytes).is_err(), "{count} poses");

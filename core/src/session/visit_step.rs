@@ -1,4 +1,4 @@
-//! The visit's part of a tick: what it is told, and what it decides, carried out.
+//! The visit's part of a tick: passes it the facts of the tick, and carries out its decisions.
 
 use crate::edit::operation::EditReport;
 use crate::session::events::WorldEvent;
@@ -14,14 +14,14 @@ impl<const N: usize, const K: usize> World<N, K>
 where
     Grid<N>: Size,
 {
-    /// Advances the visit by what this tick did, and starts or ends the session by what it decides.
+    /// Advances the visit by the facts of this tick, and starts or ends the session as it decides.
     pub(crate) fn advance_visit(
         &mut self,
         input: &VisitInput,
         last_stool: u16,
         starts: &StartVolumes<'_, N, K>,
     ) {
-        // Most worlds hold no visits, and every tick comes by here.
+        // Most worlds have no visits, so the common case is kept fast.
         let is_held = self.state.visit.phase() != VisitPhase::Closed;
         let facts = if is_held { self.tell_visit(last_stool) } else { VisitFacts::default() };
         let VisitDecision { start, finishes, puts_back, enters, warns } =
@@ -43,7 +43,7 @@ where
         }
     }
 
-    /// What this tick did, as far as a visit goes by it.
+    /// Returns the facts of this tick that matter to a visit.
     fn tell_visit(&self, last_stool: u16) -> VisitFacts {
         let edits = |action: fn(BitAction) -> bool| {
             self.events.iter().any(|event| match event {

@@ -1,4 +1,4 @@
-//! The workbench: where each tool and bit is, and how hands take, release and return them.
+//! The workbench: the places of tools and bits, and how hands take, release and return them.
 
 use glam::{Quat, Vec3};
 
@@ -12,7 +12,7 @@ use crate::session::tools::{Tool, ToolBit};
 /// Number of items: the tools, then the exchangeable bits.
 pub const BENCH_ITEMS: usize = 17;
 
-/// Greatest distance at which a hand can take an item, in metres.
+/// Maximum distance at which a hand can take an item, in metres.
 pub(crate) const GRAB_DISTANCE: f32 = 0.12;
 
 /// An item that can be taken.
@@ -20,18 +20,18 @@ pub(crate) const GRAB_DISTANCE: f32 = 0.12;
 pub enum BenchItem {
     /// A tool, with the bit that is mounted on it.
     Tool(Tool),
-    /// A bit to be mounted.
+    /// A bit that can be mounted.
     Bit(ToolBit),
 }
 
-/// Where an item is.
+/// The place of an item.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ToolPlace {
     /// At its home position on the bench.
     Home,
     /// In a hand (0 left, 1 right).
     Hand(u8),
-    /// On its tool.
+    /// Mounted on its tool.
     Mounted,
     /// Falling, for this many ticks so far.
     Falling(u16),
@@ -55,7 +55,7 @@ pub struct Workbench {
 }
 
 impl BenchItem {
-    /// The item of a number.
+    /// Returns the item with this number.
     #[must_use]
     pub fn from_number(number: usize) -> Option<BenchItem> {
         match number {
@@ -65,7 +65,7 @@ impl BenchItem {
         }
     }
 
-    /// Its number.
+    /// Returns its number.
     #[must_use]
     pub const fn number(self) -> usize {
         match self {
@@ -74,8 +74,9 @@ impl BenchItem {
         }
     }
 
-    /// Its home position in the room, in metres: tools in the front row, bits behind, the large ones last. All are
-    /// reached from the room's origin without a step, standing or seated, by small and by tall people.
+    /// Returns its home position in the room, in metres: tools in the front row, bits behind, the large ones
+    /// last. All are within reach from the room's origin without a step, standing or seated, for small and
+    /// tall people.
     #[must_use]
     pub fn home_position(self) -> Vec3 {
         let (x, z) = match self {
@@ -93,7 +94,7 @@ impl BenchItem {
 }
 
 impl Workbench {
-    /// The bench before any session; all zero bytes.
+    /// Creates the bench before any session; all zero bytes.
     #[must_use]
     pub(crate) const fn new() -> Self {
         let rotation = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0);
@@ -104,7 +105,7 @@ impl Workbench {
         }
     }
 
-    /// Puts every item home, as large as the table has it, and mounts each tool's default bit.
+    /// Puts every item at its home in its natural size, and mounts each tool's default bit.
     pub(crate) fn reset_items(&mut self) {
         *self = Self::new();
         for tool in Tool::ALL {
@@ -112,38 +113,38 @@ impl Workbench {
         }
     }
 
-    /// The place of an item.
+    /// Returns the place of an item.
     #[must_use]
     pub fn place_of(&self, item: BenchItem) -> ToolPlace {
         self.items[item.number()].place
     }
 
-    /// The bit on a tool.
+    /// Returns the bit mounted on a tool.
     #[must_use]
     pub fn mounted_bit(&self, tool: Tool) -> ToolBit {
         let on_it = |bit: &ToolBit| bit.spec().tool == tool && self.is_mounted(*bit);
         ToolBit::ALL.into_iter().find(on_it).unwrap_or(tool.default_bit())
     }
 
-    /// The tool in a hand.
+    /// Returns the tool in a hand.
     #[must_use]
     pub fn held_tool(&self, hand: usize) -> Option<Tool> {
         let place = ToolPlace::Hand(hand as u8);
         Tool::ALL.into_iter().find(|tool| self.place_of(BenchItem::Tool(*tool)) == place)
     }
 
-    /// The size of a bit, wherever it is.
+    /// Returns the size of a bit, wherever the bit is.
     #[must_use]
     pub const fn size_of(&self, bit: ToolBit) -> BitSize {
         self.sizes[bit as usize]
     }
 
-    /// Makes a bit larger by so many steps, or smaller, as far as it goes.
+    /// Enlarges or shrinks a bit by a number of steps, within its range.
     pub(crate) fn resize_bit(&mut self, bit: ToolBit, steps: i32) {
         self.sizes[bit as usize] = self.size_of(bit).resized_by(bit, steps);
     }
 
-    /// An item's pose in the room, in metres; `None` for one in a hand or on a tool.
+    /// Returns an item's pose in the room, in metres, or `None` if it is in a hand or on a tool.
     #[must_use]
     pub fn pose_of(&self, item: BenchItem) -> Option<RoomPose> {
         let thing = &self.items[item.number()];
@@ -154,8 +155,8 @@ impl Workbench {
         }
     }
 
-    /// The nearest item that a hand can take: a tool within [`GRAB_DISTANCE`] of its grip, or a bit for
-    /// the tool that it holds within that distance of its grip or the tool's tip.
+    /// Returns the nearest item that a hand can take: a tool within [`GRAB_DISTANCE`] of its grip, or a bit
+    /// for its held tool within that distance of its grip or the tool's tip.
     #[must_use]
     pub(crate) fn nearest_in_reach(&self, hand: usize, grip: Vec3, tip: Vec3) -> Option<BenchItem> {
         let held = self.held_tool(hand);
@@ -178,8 +179,8 @@ impl Workbench {
         nearest
     }
 
-    /// Puts a tool into a hand, or mounts a bit on the tool in that hand; what it replaces goes home.
-    /// Returns whether anything changed.
+    /// Puts a tool into a hand, or mounts a bit on the tool in that hand. The replaced item returns home.
+    /// Returns `true` if anything changed.
     pub(crate) fn try_take_item(&mut self, hand: usize, item: BenchItem) -> bool {
         match item {
             BenchItem::Tool(tool) => {
@@ -204,7 +205,7 @@ impl Workbench {
         true
     }
 
-    /// Puts the tools that the hands hold, `held`, each into the other hand.
+    /// Swaps the tools `held` by the hands.
     pub(crate) fn swap_held_tools(&mut self, held: [Option<Tool>; 2]) {
         for (hand, tool) in held.into_iter().enumerate() {
             if let Some(tool) = tool {
@@ -229,7 +230,7 @@ impl Workbench {
         Some(tool)
     }
 
-    /// Puts the held tool back home and returns which it was.
+    /// Puts the held tool back home and returns it.
     pub(crate) fn return_tool_home(&mut self, hand: usize) -> Option<Tool> {
         let tool = self.held_tool(hand)?;
         self.set_place(BenchItem::Tool(tool), ToolPlace::Home);
@@ -257,7 +258,7 @@ impl Workbench {
         }
     }
 
-    /// Length of a written bench: for each item its place, a count of ticks, and its pose; for each bit its size.
+    /// Length of a serialised bench: the place, tick count and pose of each item, and the size of each bit.
     pub(crate) const BYTES: usize =
         BENCH_ITEMS * (1 + 2 + VEC3_BYTES + QUAT_BYTES) + ToolBit::ALL.len();
 
@@ -301,7 +302,8 @@ impl Workbench {
         if bench.is_possible() { Ok(bench) } else { Err(bad) }
     }
 
-    /// Whether each item is where its kind can be, no hand holds two tools, and no tool two bits.
+    /// Returns `true` if each item is in a place valid for its kind, no hand holds two tools, and no tool has
+    /// two bits.
     fn is_possible(&self) -> bool {
         let place =
             |number: usize| BenchItem::from_number(number).map(|item| (item, self.place_of(item)));
@@ -330,10 +332,10 @@ impl Workbench {
 /// Height of the bench's top, in metres.
 pub const BENCH_TOP: f32 = 0.86;
 
-/// Where the bench's top lies in the room, along x and along z, in metres: at the visitor's right.
+/// The extent of the bench's top in the room, along x and along z, in metres: at the visitor's right.
 pub const BENCH_REACH: [[f32; 2]; 2] = [[0.3, 0.9], [-0.68, 0.32]];
 
-/// Whether a point lies over the bench, or under it.
+/// Returns `true` if a point is above or below the bench's top.
 #[must_use]
 pub fn is_over_bench(point: Vec3) -> bool {
     let [x, z] = BENCH_REACH;
@@ -343,7 +345,7 @@ pub fn is_over_bench(point: Vec3) -> bool {
 /// Acceleration of gravity, in metres per tick squared.
 const GRAVITY: f32 = 9.81 / (TICK_RATE * TICK_RATE) as f32;
 
-/// The height at which an item dropped at this position comes to rest.
+/// Returns the height at which an item dropped at this position comes to rest.
 fn rest_height_metres(position: Vec3) -> f32 {
     if is_over_bench(position) && position.y >= BENCH_TOP { BENCH_TOP } else { 0.03 }
 }

@@ -1,8 +1,8 @@
 //! The world: the complete state of a session, and the fixed time step that advances it.
 //!
-//! [`World::step`] runs, in order: session start, input of head and hands, stool and commands, grabbing
-//! of tools and sizes of bits, contact and edit of each hand, island search, fall of dropped tools, the visit. Only it and
-//! [`World::load`] change the state.
+//! [`World::step`] runs, in order: session start, input of head and hands, stool and commands, grabbing of
+//! tools and sizes of bits, contact and edit of each hand, island search, fall of dropped tools, the visit.
+//! Only `step` and [`World::load`] change the state.
 
 use glam::Vec3;
 use heapless::Vec;
@@ -52,12 +52,12 @@ where
     pub(crate) dirty: DirtyRects,
     /// Events of the last tick.
     pub(crate) events: Vec<WorldEvent, MAX_EVENTS>,
-    /// How much of the hidden figure is bared: follows from volume and mask.
+    /// The part of the hidden figure that is bared, derived from volume and mask.
     pub(crate) bared: BaredEnds,
-    /// Contacts of both hands in the last tick, valid where `has_contact`. Two fields, because `None` of
-    /// an `Option<Contact>` isn't all zero bytes.
+    /// Contacts of both hands in the last tick, valid where `has_contact` is `true`. Two fields, because
+    /// `None` of an `Option<Contact>` isn't all zero bytes.
     pub(crate) contacts: [Contact; 2],
-    /// Whether the hand's tool was stepped in the last tick.
+    /// `true` for each hand whose tool was stepped in the last tick.
     pub(crate) has_contact: [bool; 2],
 }
 
@@ -65,8 +65,8 @@ impl<const N: usize, const K: usize> World<N, K>
 where
     Grid<N>: Size,
 {
-    /// An empty world that waits for a session; all zero bytes. For a `static Mutex` or the
-    /// like: `Box::new` builds it on the stack first, which at 256 overflows.
+    /// Creates an empty world that waits for a session; all zero bytes. Use it in a `static Mutex` or
+    /// similar: `Box::new` builds it on the stack first, which overflows at 256.
     #[must_use]
     #[allow(clippy::new_without_default)] // a Default would hand the world about by value
     pub const fn new() -> Self {
@@ -85,8 +85,8 @@ where
         }
     }
 
-    /// Advances the world by one tick, 1/72 s. Start volumes are read only where `input` starts a
-    /// session.
+    /// Advances the world by one tick, 1/72 s. The start volumes are read only if `input` or the visit starts
+    /// a session.
     #[inline(never)]
     pub fn step(&mut self, input: &TickInput, starts: &StartVolumes<'_, N, K>) {
         self.events.clear();
@@ -118,8 +118,8 @@ where
         self.state.tick = self.state.tick.wrapping_add(1);
     }
 
-    /// Stool, commands, and what hands take, let go of and resize. Returns the columns that undo or redo swapped. A
-    /// pull that a swap of the hands has ended is no press any more.
+    /// Applies stool, commands, and the hands' grabbing, releasing and resizing. Returns the number of
+    /// columns that undo or redo swapped. Swapping the hands clears their trigger presses.
     fn apply_inputs_of_sculpting(
         &mut self,
         input: &TickInput,
@@ -135,7 +135,7 @@ where
         rewound
     }
 
-    /// Lets what is unsupported fall, while the visit has hands off.
+    /// Continues the island search while the visit keeps hands off.
     fn settle_without_hands(&mut self) {
         self.state.hands.iter_mut().for_each(HandState::drop_trail);
         let mut ledger = TickLedger::open(N, K, 0, self.islands.is_removal_due());
@@ -143,8 +143,8 @@ where
         self.advance_island_search(ledger.island_row_visits());
     }
 
-    /// What the hands' tools and the island search do, within what is left of a tick's work. Hands begin in turn, so that
-    /// neither always finds less than the other.
+    /// Runs the hands' tools and the island search within the remaining work of a tick. The hands take turns
+    /// in going first, so that neither always gets less than the other.
     fn share_out_work(&mut self, presses: [HandPresses; 2], rewound_columns: u32, done: u32) {
         let is_removal_due = self.islands.is_removal_due();
         let mut ledger = TickLedger::open(N, K, rewound_columns, is_removal_due);
@@ -165,62 +165,62 @@ where
         self.state.tick
     }
 
-    /// The visit that the session belongs to, if visits are held.
+    /// Returns the visit that the session belongs to; its phase is `Closed` if there are no visits.
     #[must_use]
     pub const fn visit(&self) -> &Visit {
         &self.state.visit
     }
 
-    /// The phase of the session.
+    /// Returns the phase of the session.
     #[must_use]
     pub const fn session_state(&self) -> SessionState {
         self.state.session
     }
 
-    /// How the session started.
+    /// Returns the mode in which the session started.
     #[must_use]
     pub const fn mode(&self) -> SessionMode {
         self.state.mode
     }
 
-    /// Whether edits are mirrored.
+    /// Returns `true` if edits are mirrored.
     #[must_use]
     pub const fn is_mirrored(&self) -> bool {
         self.state.symmetry
     }
 
-    /// The volume.
+    /// Returns the volume.
     #[must_use]
     pub const fn volume(&self) -> &Volume<N, K> {
         &self.volume
     }
 
-    /// The voxels that can't be removed; empty but in the constrained mode.
+    /// Returns the voxels that can't be removed; empty except in the constrained mode.
     #[must_use]
     pub const fn mask(&self) -> &RangeMaps<N, K> {
         &self.mask
     }
 
-    /// How much of the hidden figure is bared. Its ends are counted in the three ticks after a session's first; until
-    /// then there are none.
+    /// Returns the bared part of the hidden figure. Its ends are counted in the three ticks after a session's
+    /// first; until then the result is empty.
     #[must_use]
     pub const fn bared_ends(&self) -> BaredEnds {
         if self.is_figure_counted() { self.bared } else { BaredEnds::NONE }
     }
 
-    /// Whether no unsupported stone is looked for, and no edit calls for a search.
+    /// Returns `true` if no island search is running or requested.
     #[must_use]
     pub const fn is_settled(&self) -> bool {
         !self.islands.is_busy()
     }
 
-    /// What happened in the last tick.
+    /// Returns the events of the last tick.
     #[must_use]
     pub fn events(&self) -> &[WorldEvent] {
         &self.events
     }
 
-    /// What a hand's edits of the last tick did, together: the sum of its [`WorldEvent::Edited`].
+    /// Returns the combined report of a hand's edits in the last tick: the sum of its [`WorldEvent::Edited`].
     #[must_use]
     pub fn edit_report(&self, hand: usize) -> EditReport {
         let reports = self.events.iter().filter_map(|event| match event {
@@ -230,53 +230,53 @@ where
         reports.fold(EditReport::default(), |sum, report| sum.sum_with(*report))
     }
 
-    /// The rectangles of each axis map that changed in the last tick.
+    /// Returns the rectangles of each axis map that changed in the last tick.
     #[must_use]
     pub const fn dirty_rects(&self) -> &DirtyRects {
         &self.dirty
     }
 
-    /// The numbers of strokes that can be undone and redone.
+    /// Returns the numbers of strokes that can be undone and redone.
     #[must_use]
     pub fn undo_counts(&self) -> UndoCounts {
         self.undo.undo_counts()
     }
 
-    /// The transform between the room and the grid on its stool.
+    /// Returns the transform between the room and the grid on its stool.
     #[must_use]
     pub fn stool_frame(&self) -> StoolFrame {
         StoolFrame::new(self.state.stool, N)
     }
 
-    /// The bench and the places of all tools and bits.
+    /// Returns the bench and the places of all tools and bits.
     #[must_use]
     pub const fn workbench(&self) -> &Workbench {
         &self.state.bench
     }
 
-    /// The state of a hand: 0 left, 1 right.
+    /// Returns the state of a hand: 0 left, 1 right.
     #[must_use]
     pub const fn hand_state(&self, hand: usize) -> &HandState {
         &self.state.hands[hand & 1]
     }
 
-    /// The tool a hand holds and the bit on it.
+    /// Returns the tool in a hand and the bit on it.
     #[must_use]
     pub fn held_tool(&self, hand: usize) -> Option<(Tool, ToolBit)> {
         let tool = self.state.bench.held_tool(hand)?;
         Some((tool, self.state.bench.mounted_bit(tool)))
     }
 
-    /// The bit that a hand holds, of the size that it has.
+    /// Returns the table entry of the held bit at its current size.
     #[must_use]
     pub fn held_bit_spec(&self, hand: usize) -> Option<ToolBitSpec> {
         let (_, bit) = self.held_tool(hand)?;
         Some(bit.spec_at(self.state.bench.size_of(bit)))
     }
 
-    /// The input of a tracked hand that holds its bit at `bit_pose`, in the grid, while nothing is in its
-    /// way: the inverse of what [`World::step`] does with a grip's pose. Without a tool it is the grip
-    /// that is there.
+    /// Returns the input of a tracked hand that holds its bit at `bit_pose`, in the grid, with nothing in its
+    /// way: the inverse of how [`World::step`] interprets a grip's pose. Without a tool, `bit_pose` is the
+    /// pose of the grip.
     #[must_use]
     pub fn hand_with_bit_at(&self, hand: usize, bit_pose: &Pose) -> HandInput {
         let length = self.held_tool(hand).map_or(0.0, |(tool, _)| tool.length_um() as f32 * 1e-6);
@@ -285,11 +285,11 @@ where
         HandInput { aim: grip, grip, tracked: true, ..HandInput::default() }
     }
 
-    /// Whether a stroke is under way: a hand of a sculpting session runs the tool that it holds, or its bit
-    /// finishes the way of the last pull. What both
-    /// hands edit from the first tick that ends with `true` belongs to one undo entry, whichever triggers
-    /// are pulled and released and whatever bits are exchanged meanwhile. The entry is complete in the
-    /// first tick that ends with `false`, but for islands that fall later, and in one of an undo or redo.
+    /// Returns `true` while a stroke is in progress: a hand of a sculpting session runs the tool that it
+    /// holds, or its bit finishes the trail of the last pull. All edits of both hands from the first tick
+    /// that ends with `true` belong to one undo entry, whichever triggers are pulled and released and
+    /// whatever bits are exchanged meanwhile. The entry is complete in the first tick that ends with `false`,
+    /// except for islands that fall later, and in a tick with an undo or redo.
     #[must_use]
     pub fn is_stroke_open(&self) -> bool {
         let runs = |hand: usize| {
@@ -298,20 +298,21 @@ where
         self.state.session == SessionState::Sculpting && (runs(0) || runs(1))
     }
 
-    /// The contact of the held bit in the last tick; `None` where no tool was stepped.
+    /// Returns the contact of the held bit in the last tick, or `None` if no tool was stepped.
     #[must_use]
     pub fn hand_contact(&self, hand: usize) -> Option<Contact> {
         self.has_contact[hand & 1].then_some(self.contacts[hand & 1])
     }
 
-    /// The length of the string on which running bits are drawn behind their hands, in millimetres; 0 without one.
+    /// Returns the length of the string on which running bits are pulled behind their hands, in millimetres;
+    /// 0 without a string.
     #[must_use]
     pub const fn string_mm(&self) -> u8 {
         self.state.string_mm
     }
 
-    /// The offset of the held bit from where its hand has it, as the volume holds it back and a string draws it; in
-    /// metres, in the room.
+    /// Returns the offset of the held bit from its position in the hand, caused by the volume and by the
+    /// string; in metres, in the room.
     #[must_use]
     pub fn push_out_metres(&self, hand: usize) -> Vec3 {
         let (state, frame) = (self.hand_state(hand), self.stool_frame());

@@ -1,101 +1,101 @@
-//! What a tick tells a visit: whether the headset is worn and used, and a command.
+//! The input of a visit in a tick: presence and use of the headset, and a command.
 
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::session::input::SessionMode;
 use crate::visit::plan::PlanSetting;
 
-/// User presence, as the runtime tells it.
+/// User presence, as reported by the runtime.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 #[repr(u8)]
 pub enum Presence {
-    /// It tells nothing: then use counts as wearing.
+    /// The runtime doesn't report presence: then use counts as wearing.
     #[default]
     Unknown = 0,
     /// The headset is on a head.
     Worn = 1,
-    /// It is off.
+    /// The headset is off the head.
     Off = 2,
 }
 
-/// What a visitor presses on a panel.
+/// An action that a visitor presses on a panel.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PanelAction {
-    /// Goes on, with what stands.
+    /// Continues with the current selection.
     Confirm,
-    /// The language of this number.
+    /// Selects the language with this number.
     Language(u8),
-    /// The hand that works: 0 left, 1 right.
+    /// Selects the working hand: 0 left, 1 right.
     WorkingHand(u8),
-    /// Standing, or seated.
+    /// Selects seated (`true`) or standing (`false`).
     Seated(bool),
-    /// How the session starts.
+    /// Selects the mode of the session.
     Start(SessionMode),
-    /// The step of the guided first cut, or all that are left.
+    /// Skips the current step of the guided first cut, or all remaining steps.
     Skip {
-        /// All of them.
+        /// `true` to skip all remaining steps.
         all: bool,
     },
-    /// The sculpture is ready.
+    /// Finishes the sculpture.
     Finish,
-    /// All tools back on the bench.
+    /// Puts all tools back on the bench.
     PutBack,
 }
 
-/// What the staff asks for, after its PIN or at the booth.
+/// A command of the staff, given after entering its PIN or at the booth.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[repr(u8)]
 pub enum StaffCommand {
-    /// A minute more.
+    /// Adds a minute to the clock.
     Extend = 0,
-    /// Hands off, now.
+    /// Ends sculpting now.
     End = 1,
-    /// The visitor has gone: what was sculpted is kept, the next one is welcome.
+    /// Ends the visit of a visitor who has gone: the sculpture is kept, and the next visitor can start.
     Reset = 2,
 }
 
-/// A command of a tick. One a tick: shells queue them.
+/// A command to the visit, at most one a tick: shells queue them.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum VisitCommand {
-    /// Nothing.
+    /// No command.
     #[default]
     None,
-    /// Visits begin: to attract. The plan is the default one.
+    /// Opens visits, starting in the attract phase with the default plan.
     Open,
-    /// Visits end; a session under way goes on by itself.
+    /// Closes visits. A running session continues.
     Close,
     /// Sets a value of the plan.
     Set {
-        /// Which.
+        /// The setting.
         setting: PlanSetting,
         /// Seconds, or 0 or 1.
         value: u16,
     },
-    /// Sets how a session starts where nothing is chosen.
+    /// Sets the default session mode, for visitors who choose nothing.
     SetStart(SessionMode),
     /// A panel was pressed by a mouse or a finger.
     Press(PanelAction),
-    /// The staff's.
+    /// A command of the staff.
     Staff(StaffCommand),
-    /// The program slept, or didn't run, for so many seconds in which nobody used the headset.
+    /// The program slept or didn't run for this many seconds, in which the headset wasn't used.
     Away {
-        /// Seconds, as many as fit.
+        /// Seconds, saturated.
         seconds: u16,
     },
-    /// The finished sculpture is kept.
+    /// The finished sculpture has been stored.
     Exported,
-    /// The badge to show: its number's bits.
+    /// Sets the badge to show.
     Badge {
-        /// [`BadgeNumber`](crate::badge::BadgeNumber) as 27 bits.
+        /// The [`BadgeNumber`](crate::badge::BadgeNumber) as 27 bits.
         number: u32,
     },
 }
 
-/// What a tick tells a visit.
+/// The input of a visit in a tick.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct VisitInput {
-    /// Whether the headset is worn.
+    /// User presence.
     pub presence: Presence,
-    /// Whether it is used: moved, or its controls.
+    /// `true` if the headset was moved or its controls were used.
     pub is_used: bool,
     /// A command.
     pub command: VisitCommand,
@@ -193,7 +193,7 @@ impl VisitCommand {
 }
 
 impl VisitInput {
-    /// Length of a written input in bytes.
+    /// Length of a serialised input in bytes.
     pub(crate) const BYTES: usize = 1 + VisitCommand::BYTES;
 
     pub(crate) fn write(&self, to: &mut ByteWriter<'_>) {
@@ -259,7 +259,7 @@ mod tests {
             input.write(&mut ByteWriter::new(&mut bytes));
             assert_eq!(VisitInput::read(&mut ByteReader::new(&bytes)), Ok(input));
         }
-        // What is read is written as it was.
+        // Every input that can be read is written back unchanged.
         for kind in 0..=255 {
             for rest in [[0, 0, 0, 0], [1, 0, 0, 0], [2, 3, 0, 0], [0, 0, 0, 1], [255; 4]] {
                 let [a, b, c, d] = rest;

@@ -5,44 +5,46 @@ use crate::visit::input::{PanelAction, StaffCommand, VisitCommand, VisitInput};
 use crate::visit::phase::{GuideStep, VisitPhase};
 use crate::visit::plan::{PlanSetting, VisitPlan};
 
-/// Ticks that the staff adds to a visit's clock.
+/// Ticks that a staff extension adds to a visit's clock.
 pub const EXTENSION_TICKS: u32 = 60 * TICK_RATE;
 
-/// Seconds left at which the visitor is told, the most first.
+/// Remaining seconds at which the visitor is warned, in descending order.
 pub const WARNING_SECONDS: [u16; 3] = [120, 30, 10];
 
-/// Ticks after the least of hands off in which what floats must have fallen.
+/// Maximum ticks beyond the minimum of hands off to wait for unsupported stone to fall.
 const SETTLE_TICKS: u32 = 15 * TICK_RATE;
 
-/// A visit: where it stands, its clock, and what the visitor chose.
+/// A visit: its phase, its clock, and the visitor's choices.
 ///
-/// From each phase, what comes first of:
+/// Transitions from each phase; the first condition that becomes true applies:
 ///
-/// | phase | goes on to | when |
+/// | phase | next phase | condition |
 /// |---|---|---|
-/// | attract | welcome | the headset is worn, after it was not |
-/// | welcome | choice | confirmed, or its time is over |
+/// | attract | welcome | the headset is worn by a new visitor |
+/// | welcome | choice | confirmed, or timed out |
 /// | | attract | gone |
-/// | choice | guided | confirmed, or its time is over |
+/// | choice | guided | confirmed, or timed out |
 /// | | attract | gone |
-/// | guided | sculpting | all steps are done or skipped, or its time is over |
-/// | guided, sculpting | hands off | ready, by the staff, the clock is at its end; gone with a cut; idle without a clock |
-/// | | attract | gone, or idle without a clock, before the first cut |
-/// | hands off | export | its time is over and nothing floats any more, if anything was sculpted |
-/// | | thanks | the same, if nothing was |
-/// | | attract | the staff's reset, if nothing was |
-/// | | sculpting | the staff gives a minute more, unless the visitor has gone |
-/// | export | badge | the sculpture is kept, or its time is over |
+/// | guided | sculpting | all steps are done or skipped, or timed out |
+/// | guided, sculpting | hands off | finished, ended by the staff, or the clock is at zero |
+/// | | hands off | after a cut: gone, or idle without a clock |
+/// | | attract | before the first cut: gone, or idle without a clock |
+/// | hands off | export | timed out and no island search is pending, if anything was sculpted |
+/// | | thanks | the same, if nothing was sculpted |
+/// | | attract | the staff's reset, if nothing was sculpted |
+/// | | sculpting | the staff extends the time, unless the visitor has gone |
+/// | export | badge | the sculpture is stored, or timed out |
 /// | | thanks | the same, without badges |
-/// | | handover | the same, where the visitor has gone |
-/// | badge | thanks | confirmed after its least time, or its most is over |
+/// | | handover | the same, if the visitor has gone |
+/// | badge | thanks | confirmed after the minimum time, or the maximum is over |
 /// | | attract | gone |
-/// | thanks | handover | its time is over |
+/// | thanks | handover | timed out |
 /// | | attract | gone |
-/// | handover | welcome | the headset is worn, after it was not |
-/// | | attract | its time is over |
+/// | handover | welcome | the headset is worn by a new visitor |
+/// | | attract | timed out |
 ///
-/// *Gone* is off the head, or still, for as long as the phase allows. The staff's reset is as if the visitor had gone.
+/// *Gone* means that the headset was off the head, or not used, for as long as the phase allows. A staff
+/// reset has the same effect as a visitor who has gone.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Visit {
     pub(super) phase: VisitPhase,
@@ -51,49 +53,50 @@ pub struct Visit {
     pub(super) phase_ticks: u32,
     /// Ticks since the headset came off; 0 while it is worn.
     pub(super) off_ticks: u32,
-    /// Ticks since it was used.
+    /// Ticks since the headset was used.
     pub(super) idle_ticks: u32,
-    /// Ticks left of the clock.
+    /// Remaining ticks of the clock.
     pub(super) clock_ticks: u32,
     pub(super) is_clock_running: bool,
-    /// Anything was edited.
+    /// `true` if anything was edited.
     pub(super) is_sculpted: bool,
-    /// The visitor went before the end.
+    /// `true` if the visitor left before the end.
     pub(super) is_left: bool,
-    /// Nobody had the headset since this phase began.
+    /// `true` if the headset was off or unused since this phase began, so that its next wearer is a new
+    /// visitor.
     pub(super) was_released: bool,
-    /// How the session starts, as it stands.
+    /// The mode in which the session starts, as currently selected.
     pub(super) start: SessionMode,
     pub(super) language: u8,
     pub(super) working_hand: u8,
     pub(super) is_seated: bool,
-    /// The badge's number plus one; 0 for none.
+    /// The badge's number plus one; 0 if none is set.
     pub(super) badge: u32,
     pub(super) plan: VisitPlan,
 }
 
-/// What a tick did, as far as a visit goes by it.
+/// The facts of a tick that matter to a visit.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub(crate) struct VisitFacts {
-    /// A hand holds a tool.
+    /// `true` if a hand holds a tool.
     pub(crate) holds_tool: bool,
-    /// A bit touches the stone.
+    /// `true` if a bit touches the stone.
     pub(crate) touches: bool,
-    /// Stone was cut.
+    /// `true` if stone was cut.
     pub(crate) cuts: bool,
-    /// Anything was edited: cut, smoothed or laid on.
+    /// `true` if anything was edited: cut, smoothed or filled.
     pub(crate) edits: bool,
-    /// The rasp smoothed.
+    /// `true` if the rasp smoothed.
     pub(crate) smooths: bool,
-    /// A stroke was undone.
+    /// `true` if a stroke was undone.
     pub(crate) undoes: bool,
-    /// The stool was turned.
+    /// `true` if the stool was turned.
     pub(crate) turns_stool: bool,
-    /// No unsupported stone is looked for, and none is known.
+    /// `true` if no island search is running or requested.
     pub(crate) is_settled: bool,
 }
 
-/// What a visit has the world do after a tick.
+/// The actions that a visit requests of the world after a tick.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub(crate) struct VisitDecision {
     /// Starts a session, unless [`SessionMode::None`].
@@ -102,14 +105,14 @@ pub(crate) struct VisitDecision {
     pub(crate) finishes: bool,
     /// Puts all tools back on the bench.
     pub(crate) puts_back: bool,
-    /// The phase is another one.
+    /// The newly entered phase, if it changed.
     pub(crate) enters: Option<VisitPhase>,
-    /// So many seconds are left, of [`WARNING_SECONDS`].
+    /// The remaining seconds, if they reached one of [`WARNING_SECONDS`].
     pub(crate) warns: Option<u16>,
 }
 
 impl Visit {
-    /// No visit.
+    /// Creates the state without visits.
     pub(crate) const fn new() -> Self {
         Visit {
             phase: VisitPhase::Closed,
@@ -155,7 +158,7 @@ impl Visit {
         if input.command == VisitCommand::Staff(StaffCommand::Extend) {
             self.clock_ticks = self.clock_ticks.saturating_add(EXTENSION_TICKS);
         }
-        // Hands are off: what the staff ends now goes on without its visitor.
+        // In hands off, a staff reset marks the visitor as gone; the sculpture is still exported.
         let is_reset = input.command == VisitCommand::Staff(StaffCommand::Reset);
         self.is_left |= is_reset && self.phase == VisitPhase::HandsOff;
         let next = self.next_phase(input, facts);
@@ -170,12 +173,12 @@ impl Visit {
         *self = Visit { plan: VisitPlan::new(), ..Visit::new() };
         let mut decision = VisitDecision::default();
         self.enter(VisitPhase::Attract, &mut decision);
-        // Who wears it already is the first visitor.
+        // A person who already wears the headset is the first visitor.
         self.was_released = true;
         decision
     }
 
-    /// Runs the clock of a session that has one. Returns the seconds left where the visitor is to be told.
+    /// Advances the clock of a session that has one. Returns the remaining seconds when a warning is due.
     fn run_clock(&mut self) -> Option<u16> {
         let runs = matches!(self.phase, VisitPhase::Guided | VisitPhase::Sculpting)
             && self.is_clock_running
@@ -231,7 +234,7 @@ impl Visit {
         }
     }
 
-    /// The phase after this tick: the table above.
+    /// Returns the phase after this tick, by the table above.
     fn next_phase(&self, input: &VisitInput, facts: &VisitFacts) -> VisitPhase {
         let is_confirmed = input.command == VisitCommand::Press(PanelAction::Confirm);
         let is_over = |setting| self.phase_ticks >= self.plan.ticks(setting);
@@ -335,7 +338,8 @@ impl Visit {
             VisitPhase::Export => decision.finishes = true,
             _ => {}
         }
-        // Who wears it after a visitor has left is another one, whatever is still to be done for that visitor's sculpture.
+        // A wearer after the visitor has left is a new visitor, even while the old visitor's sculpture is
+        // still processed.
         self.was_released = self.off_ticks > 0 || self.is_left && self.was_released;
         (self.phase, self.phase_ticks) = (phase, 0);
         decision.enters = Some(phase);

@@ -1,10 +1,10 @@
-//! A visit to an exhibition, from the headset put on to the badge in hand: a state machine that decides what comes
-//! next, and when.
+//! A visit to an exhibition, from putting on the headset to receiving the badge: a state machine of phases.
 //!
-//! Takes, each tick, whether the headset is worn and used, a command of panel, staff or shell, and what the tick did;
-//! gives when sessions start and sculptures are final. It counts ticks and knows no clock, no language and no picture:
-//! shells draw [`VisitPhase`]s and translate numbers. A [`World`](crate::World) steps it; without
-//! [`VisitCommand::Open`] there are no visits, and sessions start and end by the shell's inputs alone.
+//! Inputs of each tick: is the headset worn and used, a command of panel, staff or shell, and the facts of
+//! the tick. Outputs: when sessions start and sculptures are final. The machine counts ticks and is
+//! independent of clocks, languages and pictures: shells draw [`VisitPhase`]s and translate numbers. A
+//! [`World`](crate::World) steps it. Without [`VisitCommand::Open`] there are no visits, and only the shell's
+//! inputs start and end sessions.
 
 mod input;
 mod machine;

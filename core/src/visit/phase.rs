@@ -1,48 +1,48 @@
 //! The phases of a visit, and the steps of its guided part.
 
-/// Where a visit stands. [`Visit`](crate::visit::Visit) has the table of what follows what.
+/// The phase of a visit. [`Visit`](crate::visit::Visit) has the table of transitions.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[repr(u8)]
 pub enum VisitPhase {
-    /// There are no visits: sessions start and end by the shell's inputs alone.
+    /// There are no visits: only the shell's inputs start and end sessions.
     Closed = 0,
-    /// Nobody wears the headset: a stone is carved for those who look.
+    /// The headset isn't worn: a stone is carved as a demonstration for onlookers.
     Attract = 1,
-    /// Language, hand, standing or seated.
+    /// The visitor selects language, working hand, and standing or seated.
     Welcome = 2,
-    /// The choice of a start.
+    /// The visitor selects how to start.
     Choice = 3,
     /// The guided first cut.
     Guided = 4,
-    /// Sculpting, with a clock unless there is none.
+    /// Sculpting, with a clock unless the plan has none.
     Sculpting = 5,
-    /// The time is up, or the visitor is ready: nothing is edited any more, and what floats falls.
+    /// The time is up, or the visitor has finished: editing is disabled, and unsupported stone falls.
     HandsOff = 6,
-    /// The sculpture is final, and is being kept.
+    /// The sculpture is final and is being stored.
     Export = 7,
     /// The badge is shown.
     Badge = 8,
-    /// The sculpture on its own, to be walked round.
+    /// The sculpture is shown alone, so that the visitor can walk round it.
     Thanks = 9,
-    /// The staff is told that the headset is ready for the next visitor.
+    /// The staff is notified that the headset is ready for the next visitor.
     Handover = 10,
 }
 
-/// A step of the guided first cut. Each ends when it is done.
+/// A step of the guided first cut. Each step ends when its action is done.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[repr(u8)]
 pub enum GuideStep {
-    /// A tool is taken.
+    /// Take a tool.
     TakeTool = 0,
-    /// Its bit touches the stone.
+    /// Touch the stone with its bit.
     Touch = 1,
-    /// It cuts.
+    /// Cut the stone.
     Cut = 2,
-    /// The rasp smooths.
+    /// Smooth with the rasp.
     Smooth = 3,
-    /// A stroke is undone.
+    /// Undo a stroke.
     Undo = 4,
-    /// The stool is turned.
+    /// Turn the stool.
     TurnStool = 5,
     /// All steps are done.
     Done = 6,
@@ -68,7 +68,7 @@ impl VisitPhase {
         VisitPhase::ALL.get(usize::from(number)).copied()
     }
 
-    /// Whether hands take tools and edit.
+    /// Returns `true` if hands may take tools and edit.
     #[must_use]
     pub const fn lets_hands_work(self) -> bool {
         matches!(
@@ -94,7 +94,7 @@ impl GuideStep {
         GuideStep::ALL.get(usize::from(number)).copied()
     }
 
-    /// The step after it; the last one stays.
+    /// Returns the next step, or the last step again at the end.
     #[must_use]
     pub const fn next(self) -> Self {
         let next = self as usize + 1;

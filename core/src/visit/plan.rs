@@ -1,50 +1,50 @@
-//! What an exhibition sets of its visits: times and what is offered.
+//! The settings of an exhibition's visits: times and offered features.
 
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::session::input::{SessionMode, TICK_RATE};
 
-/// A time or a choice of a [`VisitPlan`].
+/// A time or an option of a [`VisitPlan`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[repr(u8)]
 pub enum PlanSetting {
-    /// Seconds of the welcome, after which what stands is taken.
+    /// Timeout of the welcome in seconds, after which the current selection is used.
     Welcome = 0,
-    /// Seconds of the choice of a start, after which what stands is taken.
+    /// Timeout of the choice of a start in seconds, after which the current selection is used.
     Choice = 1,
-    /// Seconds of the guided first cut at most.
+    /// Maximum duration of the guided first cut in seconds.
     Guided = 2,
-    /// Seconds of sculpting, from the first cut or the end of the guided part on; 0 for no end.
+    /// Duration of sculpting in seconds, from the first cut or the end of the guided part on; 0 for no limit.
     Length = 3,
-    /// Seconds without use after which sculpting without an end is over.
+    /// Idle timeout in seconds of sculpting without a time limit.
     Idle = 4,
-    /// Seconds off the head before the first cut after which the visitor has gone.
+    /// Seconds off the head before the first cut after which the visitor counts as gone.
     OffBeforeCut = 5,
-    /// Seconds off the head while sculpting after which the visitor has gone, and left a sculpture.
+    /// Seconds off the head while sculpting after which the visitor counts as gone, leaving a sculpture.
     OffSculpting = 6,
-    /// Seconds off the head with the badge shown or later after which the visitor has gone.
+    /// Seconds off the head in later phases after which the visitor counts as gone.
     OffAfter = 7,
-    /// Seconds of hands off at least, before the sculpture is final.
+    /// Minimum duration of hands off in seconds, before the sculpture is final.
     HandsOff = 8,
-    /// Seconds after which a sculpture that is still being exported is left to the background.
+    /// Timeout of the export in seconds, after which it continues in the background.
     Export = 9,
-    /// Seconds for which a badge is shown at least.
+    /// Minimum time in seconds for which a badge is shown.
     BadgeLeast = 10,
-    /// Seconds for which a badge is shown at most.
+    /// Maximum time in seconds for which a badge is shown.
     BadgeMost = 11,
-    /// Seconds of thanks at most.
+    /// Maximum duration of the thanks in seconds.
     Thanks = 12,
-    /// Seconds for which the staff is told that the headset is ready.
+    /// Duration in seconds of the notice to the staff that the headset is ready.
     Handover = 13,
-    /// Whether badges are given: 1, or 0.
+    /// 1 if badges are issued, else 0.
     Badges = 14,
 }
 
-/// The settings of visits, in seconds. All that a visit does with time follows from them and from its inputs.
+/// The settings of visits, in seconds. All timing of a visit depends only on these and on its inputs.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct VisitPlan {
-    /// By [`PlanSetting`].
+    /// The values, indexed by [`PlanSetting`].
     values: [u16; PlanSetting::ALL.len()],
-    /// How a session starts where the visitor chooses nothing.
+    /// The session mode for a visitor who chooses nothing.
     start: SessionMode,
 }
 
@@ -68,13 +68,13 @@ impl PlanSetting {
         PlanSetting::Badges,
     ];
 
-    /// The setting of a number.
+    /// Returns the setting with this number.
     #[must_use]
     pub fn from_number(number: u8) -> Option<Self> {
         PlanSetting::ALL.get(usize::from(number)).copied()
     }
 
-    /// The value where nobody sets another: seconds, or 0 or 1.
+    /// Returns the default value: seconds, or 0 or 1.
     #[must_use]
     pub const fn default_value(self) -> u16 {
         match self {
@@ -95,7 +95,7 @@ impl PlanSetting {
 }
 
 impl VisitPlan {
-    /// All settings by default, and free form where nothing is chosen.
+    /// Creates a plan with default settings, and the free-form mode as the default start.
     #[must_use]
     pub const fn new() -> Self {
         let mut values = [0; PlanSetting::ALL.len()];
@@ -107,12 +107,12 @@ impl VisitPlan {
         VisitPlan { values, start: SessionMode::FreeForm }
     }
 
-    /// No plan: all zero bytes, as an empty world's.
+    /// Creates an empty plan: all zero bytes, as in an empty world.
     pub(super) const fn none() -> Self {
         VisitPlan { values: [0; PlanSetting::ALL.len()], start: SessionMode::None }
     }
 
-    /// The value of a setting.
+    /// Returns the value of a setting.
     #[must_use]
     pub const fn value(&self, setting: PlanSetting) -> u16 {
         self.values[setting as usize]
@@ -123,26 +123,26 @@ impl VisitPlan {
         self.values[setting as usize] = value;
     }
 
-    /// How a session starts where nothing is chosen.
+    /// Returns the session mode for a visitor who chooses nothing.
     #[must_use]
     pub const fn start(&self) -> SessionMode {
         self.start
     }
 
-    /// Sets how a session starts where nothing is chosen; none is no way to start.
+    /// Sets the session mode for a visitor who chooses nothing. Ignores [`SessionMode::None`].
     pub fn set_start(&mut self, start: SessionMode) {
         if start != SessionMode::None {
             self.start = start;
         }
     }
 
-    /// The ticks of a setting's seconds.
+    /// Returns a setting's seconds as ticks.
     #[must_use]
     pub const fn ticks(&self, setting: PlanSetting) -> u32 {
         self.value(setting) as u32 * TICK_RATE
     }
 
-    /// Length of a written plan in bytes.
+    /// Length of a serialised plan in bytes.
     pub(super) const BYTES: usize = 2 * PlanSetting::ALL.len() + SessionMode::BYTES;
 
     pub(super) fn write(&self, to: &mut ByteWriter<'_>) {

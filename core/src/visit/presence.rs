@@ -1,4 +1,4 @@
-//! Who is there: for how long the headset has been off or unused, and what follows from that.
+//! Presence detection: how long the headset has been off or unused, and the consequences.
 
 use crate::session::input::TICK_RATE;
 use crate::visit::input::{Presence, StaffCommand, VisitCommand, VisitInput};
@@ -6,15 +6,16 @@ use crate::visit::machine::Visit;
 use crate::visit::phase::VisitPhase;
 use crate::visit::plan::PlanSetting;
 
-/// Ticks for which a visitor may stand still before that counts as having gone.
+/// Ticks without movement, in addition to the phase's limit, before a visitor counts as gone.
 const STILL_TICKS: u32 = 5 * TICK_RATE;
 
-/// Ticks without use after which whoever uses a headset that tells no presence is another visitor.
+/// Ticks without use after which the next user of a headset without presence detection counts as a new
+/// visitor.
 const RELEASED_TICKS: u32 = 10 * TICK_RATE;
 
 impl Visit {
-    /// Ticks until the visitor counts as gone if the headset stays as unused as it is; None where nothing follows from
-    /// that: nobody is there, or hands are off.
+    /// Returns the ticks until the visitor counts as gone if the headset remains unused, or `None` if that
+    /// has no effect in this phase: there is no visitor, or hands are off.
     #[must_use]
     pub fn ticks_until_gone(&self) -> Option<u32> {
         let follows = match self.phase {
@@ -28,7 +29,7 @@ impl Visit {
         follows.then(|| self.ticks_until_off_for_long().min(idle))
     }
 
-    /// Counts how long the phase lasts, and for how long nobody has worn or used the headset.
+    /// Counts the duration of the phase, and how long the headset hasn't been worn or used.
     pub(super) fn pass_time(&mut self, input: &VisitInput) {
         let away = match input.command {
             VisitCommand::Away { seconds } => u32::from(seconds) * TICK_RATE,
@@ -44,13 +45,14 @@ impl Visit {
         self.was_released |= input.presence == Presence::Off || self.idle_ticks >= RELEASED_TICKS;
     }
 
-    /// Whether the visitor has gone: the headset was off, or still, for as long as this phase allows.
+    /// Returns `true` if the visitor has gone: the headset was off or unused for as long as this phase
+    /// allows.
     pub(super) fn is_gone(&self, input: &VisitInput) -> bool {
         let is_reset = input.command == VisitCommand::Staff(StaffCommand::Reset);
         is_reset || self.ticks_until_off_for_long() == 0
     }
 
-    /// Ticks until it was off, or still, for as long as this phase allows.
+    /// Returns the ticks until the headset was off or unused for as long as this phase allows.
     fn ticks_until_off_for_long(&self) -> u32 {
         let allowed = match self.phase {
             VisitPhase::Welcome | VisitPhase::Choice => PlanSetting::OffBeforeCut,
@@ -68,19 +70,19 @@ impl Visit {
         }
     }
 
-    /// Whether nobody has used it for as long as sculpting without a clock allows.
+    /// Returns `true` if the headset was unused for as long as sculpting without a clock allows.
     pub(super) fn is_idle_for_long(&self) -> bool {
         self.ticks_until_idle_for_long() == Some(0)
     }
 
-    /// Ticks until that; None where there is a clock, or nothing is being sculpted.
+    /// Returns the ticks until then, or `None` if there is a clock, or if the phase isn't sculpting.
     fn ticks_until_idle_for_long(&self) -> Option<u32> {
         let is_sculpting = matches!(self.phase, VisitPhase::Guided | VisitPhase::Sculpting);
         let allowed = self.plan.ticks(PlanSetting::Idle).max(1);
         (is_sculpting && !self.has_clock()).then(|| allowed.saturating_sub(self.idle_ticks))
     }
 
-    /// Whether somebody wears the headset who didn't when this phase began.
+    /// Returns `true` if a new visitor wears the headset, who didn't wear it when this phase began.
     pub(super) const fn is_next_visitor(&self, input: &VisitInput) -> bool {
         let is_here = match input.presence {
             Presence::Worn => true,

@@ -1,4 +1,4 @@
-//! What is told of a visit, and its bytes in a saved world.
+//! The accessors of a visit, and its serialisation in a saved world.
 
 use crate::codec::bytes::{BadBytes, ByteReader, ByteWriter};
 use crate::session::input::{SessionMode, TICK_RATE};
@@ -7,86 +7,86 @@ use crate::visit::phase::{GuideStep, VisitPhase};
 use crate::visit::plan::{PlanSetting, VisitPlan};
 
 impl Visit {
-    /// Where it stands.
+    /// Returns the current phase.
     #[must_use]
     pub const fn phase(&self) -> VisitPhase {
         self.phase
     }
 
-    /// The step of the guided first cut.
+    /// Returns the step of the guided first cut.
     #[must_use]
     pub const fn guide_step(&self) -> GuideStep {
         self.guide
     }
 
-    /// Ticks in this phase.
+    /// Returns the ticks since this phase began.
     #[must_use]
     pub const fn phase_ticks(&self) -> u32 {
         self.phase_ticks
     }
 
-    /// Ticks since the headset was used.
+    /// Returns the ticks since the headset was used.
     #[must_use]
     pub const fn idle_ticks(&self) -> u32 {
         self.idle_ticks
     }
 
-    /// The seconds left of a session that has a clock, rounded up.
+    /// Returns the remaining seconds of a session that has a clock, rounded up.
     #[must_use]
     pub fn seconds_left(&self) -> Option<u32> {
         let has_clock = self.plan.value(PlanSetting::Length) > 0;
         has_clock.then(|| self.clock_ticks.div_ceil(TICK_RATE))
     }
 
-    /// Whether anything was edited.
+    /// Returns `true` if anything was edited.
     #[must_use]
     pub const fn is_sculpted(&self) -> bool {
         self.is_sculpted
     }
 
-    /// Whether the visitor went before the end.
+    /// Returns `true` if the visitor left before the end.
     #[must_use]
     pub const fn is_left(&self) -> bool {
         self.is_left
     }
 
-    /// How the session starts, as it stands.
+    /// Returns the mode in which the session starts, as currently selected.
     #[must_use]
     pub const fn start(&self) -> SessionMode {
         self.start
     }
 
-    /// The number of the language; 0 is the exhibition's first.
+    /// Returns the number of the language; 0 is the exhibition's first.
     #[must_use]
     pub const fn language(&self) -> u8 {
         self.language
     }
 
-    /// The hand that works: 0 left, 1 right.
+    /// Returns the working hand: 0 left, 1 right.
     #[must_use]
     pub const fn working_hand(&self) -> u8 {
         self.working_hand
     }
 
-    /// Whether the visitor is seated.
+    /// Returns `true` if the visitor is seated.
     #[must_use]
     pub const fn is_seated(&self) -> bool {
         self.is_seated
     }
 
-    /// The number of the badge, 27 bits, once the shell has given one.
+    /// Returns the number of the badge, 27 bits, once the shell has set one.
     #[must_use]
     pub const fn badge(&self) -> Option<u32> {
         self.badge.checked_sub(1)
     }
 
-    /// The plan.
+    /// Returns the plan.
     #[must_use]
     pub const fn plan(&self) -> &VisitPlan {
         &self.plan
     }
 
-    /// Length of a written visit in bytes.
+    /// Length of a serialised visit in bytes.
     pub(crate) const BYTES: usize = 2 + 4 * 4 + 1 + SessionMode::BYTES + 1 + 4 + VisitPlan::BYTES;
 
     pub(crate) fn write(&self, to: &mut ByteWriter<'_>) {

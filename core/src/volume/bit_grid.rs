@@ -23,16 +23,16 @@ impl<const N: usize> BitGrid<N>
 where
     Grid<N>: Size,
 {
-    /// No voxel. For a `static`, as [`World::new`](crate::World::new).
+    /// Creates an empty grid. For a `static`, as [`World::new`](crate::World::new).
     #[must_use]
     #[allow(clippy::new_without_default)] // a Default would be moved by value
     pub const fn new() -> Self {
         BitGrid { rows: [[<Grid<N> as Size>::Row::EMPTY; N]; N] }
     }
 
-    /// Removes every voxel, in place.
+    /// Removes every voxel.
     pub fn clear(&mut self) {
-        // Not `fill`: what empty rows have is left, and they are most.
+        // Not `fill`: most rows are already empty and aren't written.
         for row in self.rows.as_flattened_mut() {
             if !row.is_empty() {
                 *row = <Grid<N> as Size>::Row::EMPTY;
@@ -40,25 +40,25 @@ where
         }
     }
 
-    /// Becomes a copy of `other`, in place.
+    /// Copies `other` into `self`.
     pub fn copy_from(&mut self, other: &Self) {
         self.rows.copy_from_slice(&other.rows);
     }
 
-    /// The row at (y, z).
+    /// Returns the row at (y, z).
     #[must_use]
     #[inline]
     pub fn row(&self, y: usize, z: usize) -> <Grid<N> as Size>::Row {
         self.rows[y][z]
     }
 
-    /// The row at (y, z), mutable.
+    /// Returns the row at (y, z) for changes.
     #[inline]
     pub fn row_mut(&mut self, y: usize, z: usize) -> &mut <Grid<N> as Size>::Row {
         &mut self.rows[y][z]
     }
 
-    /// Words `first_word..first_word + WORDS` of every row.
+    /// Returns words `first_word..first_word + WORDS` of every row.
     #[must_use]
     #[inline]
     pub(crate) const fn row_strip<const WORDS: usize>(
@@ -68,40 +68,40 @@ where
         RowStrip { grid: self, first_word }
     }
 
-    /// The N rows of layer y, by z.
+    /// Returns the N rows of layer y, by z.
     #[must_use]
     #[inline]
     pub fn layer(&self, y: usize) -> &[<Grid<N> as Size>::Row; N] {
         &self.rows[y]
     }
 
-    /// The N rows of layer y, by z, mutable.
+    /// Returns the N rows of layer y, by z, for changes.
     #[inline]
     pub fn layer_mut(&mut self, y: usize) -> &mut [<Grid<N> as Size>::Row; N] {
         &mut self.rows[y]
     }
 
-    /// Whether a voxel is set.
+    /// Returns `true` if a voxel is set.
     #[must_use]
     #[inline]
     pub fn contains(&self, [x, y, z]: [usize; 3]) -> bool {
         self.rows[y][z].contains(x)
     }
 
-    /// Number of voxels set.
+    /// Returns the number of voxels set.
     #[must_use]
     #[inline(never)]
     pub fn count_voxels(&self) -> u64 {
         self.rows.as_flattened().iter().map(|row| u64::from(row.count_ones())).sum()
     }
 
-    /// Becomes the intersection of the three range maps.
+    /// Sets the grid to the intersection of the three range maps.
     #[inline(never)]
     pub fn set_from_maps<const K: usize>(&mut self, maps: &RangeMaps<N, K>) {
         self.set_rows_from_maps(maps, [Range::new(0, N - 1); 2]);
     }
 
-    /// Makes rows the intersection of the three range maps: those whose y and z lie in these ranges.
+    /// Sets the rows whose y and z lie in these ranges to the intersection of the three range maps.
     ///
     /// A scan conversion by parity: each range of the Y and Z maps toggles its column's bit at its
     /// first voxel and just past its last; a prefix exclusive-or along the columns turns the toggles
@@ -142,9 +142,9 @@ where
         }
     }
 
-    /// Writes the range maps of these voxels' closure, of columns that had no gaps before: their tight
-    /// hulls without the longest K - 1 empty runs inside each. The grid itself is unchanged;
-    /// [`BitGrid::set_from_maps`] of the maps is the closure.
+    /// Writes the range maps of these voxels' closure, for columns that had no gaps before: their tight hulls
+    /// without the longest K - 1 empty runs in each. The grid itself is unchanged; [`BitGrid::set_from_maps`]
+    /// of the maps gives the closure.
     #[inline(never)]
     pub fn write_closure<const K: usize>(&self, maps: &mut RangeMaps<N, K>) {
         if K > 1 {
@@ -153,7 +153,7 @@ where
         self.write_closure_holding_gaps(maps);
     }
 
-    /// The same of columns that had those of `maps`, which hold all these voxels.
+    /// Writes the closure, for columns that had the gaps of `maps`, which must hold all these voxels.
     pub(crate) fn write_closure_holding_gaps<const K: usize>(&self, maps: &mut RangeMaps<N, K>) {
         for y in 0..N {
             for (row, column) in self.rows[y].iter().zip(maps.line_mut(Axis::X, y)) {
@@ -166,7 +166,7 @@ where
         }
     }
 
-    /// The same for a line of N columns along `axis`. `row_at(i)` holds voxel `i` of each of these columns.
+    /// Closes a line of N columns along `axis`. `row_at(i)` holds voxel `i` of each of these columns.
     fn close_line<const K: usize>(
         maps: &mut RangeMaps<N, K>,
         axis: Axis,
@@ -231,7 +231,7 @@ where
     }
 }
 
-/// The same few words of every row of a grid: small edits read only these.
+/// A strip of a few words of every row of a grid: small edits read only these.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RowStrip<'a, const N: usize, const WORDS: usize>
 where
@@ -245,7 +245,7 @@ impl<const N: usize, const WORDS: usize> RowStrip<'_, N, WORDS>
 where
     Grid<N>: Size,
 {
-    /// The strip's words of the row at (y, z).
+    /// Returns the strip's words of the row at (y, z).
     #[must_use]
     #[inline]
     pub(crate) fn row(&self, y: usize, z: usize) -> BitRow<WORDS> {
@@ -253,8 +253,8 @@ where
     }
 }
 
-/// Visits rows, each with the cross section of a line's columns at its position: the first one's is `first`, and so on.
-/// `toggles` is scratch, empty before and after.
+/// Visits rows together with the cross section of a line's columns at each row's position. The first row is
+/// at position `first`. `toggles` is scratch, empty before and after.
 #[inline]
 fn visit_cross_sections<'a, const N: usize, const K: usize>(
     line: &[Column<K>; N],
@@ -274,7 +274,8 @@ fn visit_cross_sections<'a, const N: usize, const K: usize>(
         for (i, column) in columns.iter().enumerate() {
             let mut toggle_ends = |range: Range| {
                 let end = range.last() + 1;
-                // An empty range begins at 255, behind its end: toggled twice there, it is none.
+                // An empty range begins at 255, behind its end: both toggles fall on the same place and
+                // cancel.
                 for position in [range.first().min(end), end] {
                     let toggled = toggles[position].word(word) ^ 1 << i;
                     toggles[position].set_word(word, toggled);

@@ -1,4 +1,4 @@
-//! Upkeep and checks of a volume inside a box, for changes that don't come from an edit.
+//! Updates and checks of a volume inside a box, for changes that don't come from an edit.
 
 use crate::volume::editable::Volume;
 use crate::volume::line_scan::HoleScan;
@@ -12,10 +12,10 @@ impl<const N: usize, const K: usize> Volume<N, K>
 where
     Grid<N>: Size,
 {
-    /// Rebuilds the bit rows after [`Volume::maps_and_digest_leaving_bit_rows`], where only voxels of
-    /// columns inside the box changed.
+    /// Rebuilds the bit rows after [`Volume::maps_and_digest_leaving_bit_rows`], if only voxels inside the
+    /// box changed.
     pub(crate) fn rebuild_rows_in(&mut self, changed: VoxelBox) {
-        // Voxel by voxel for few, all columns of a line at once for many.
+        // Few voxels are rebuilt one by one, many by whole lines.
         let [x, y, z] = changed.ranges();
         if changed.count_voxels() > N * N {
             return self.rebuild_rows_of([y, z]);
@@ -27,7 +27,7 @@ where
         }
     }
 
-    /// The first column through the box with a range that isn't tight.
+    /// Returns the first column through the box with a range that isn't tight.
     pub(crate) fn first_loose_column_in(&self, voxels: VoxelBox) -> Option<(Axis, ColumnAddress)> {
         columns_through(voxels).find(|&(axis, at)| {
             let column = self.maps().column(axis, at);
@@ -35,7 +35,7 @@ where
         })
     }
 
-    /// The first column through the box that isn't saturated.
+    /// Returns the first column through the box that isn't saturated.
     pub(crate) fn first_unsaturated_column_in(
         &self,
         voxels: VoxelBox,
@@ -43,7 +43,7 @@ where
         if K == 1 {
             return None;
         }
-        // Few columns have an empty voxel between occupied ones; the others are saturated.
+        // Few columns have an empty voxel between occupied ones; all others are saturated.
         let mut line_scanned = None;
         let mut holes = <Grid<N> as Size>::Row::EMPTY;
         columns_through(voxels).find(|&(axis, at @ (line, place))| {
@@ -58,7 +58,7 @@ where
         })
     }
 
-    /// The columns of a line that have an empty voxel between occupied ones.
+    /// Returns the columns of a line that have an empty voxel between occupied ones.
     fn columns_with_holes(&self, axis: Axis, line: usize) -> <Grid<N> as Size>::Row {
         let mut scan = HoleScan::NONE;
         match axis {
@@ -75,7 +75,7 @@ where
         scan.found
     }
 
-    /// The first row through the box that lacks a voxel of the mask inside it.
+    /// Returns the first row through the box in which a voxel of the mask inside the box is empty.
     pub(crate) fn first_row_without_its_part_of(
         &self,
         mask: &RangeMaps<N, K>,
@@ -90,7 +90,7 @@ where
     }
 }
 
-/// The columns through a box, axis by axis and line by line.
+/// Iterates over the columns through a box, axis by axis and line by line.
 fn columns_through(voxels: VoxelBox) -> impl Iterator<Item = (Axis, ColumnAddress)> {
     let [x, y, z] = voxels.ranges();
     let sides = [(Axis::X, y, z), (Axis::Y, z, x), (Axis::Z, y, x)];
@@ -99,7 +99,7 @@ fn columns_through(voxels: VoxelBox) -> impl Iterator<Item = (Axis, ColumnAddres
         .flat_map(|(axis, lines, places)| rows_of(lines, places).map(move |at| (axis, at)))
 }
 
-/// The pairs of two ranges, the first slowest.
+/// Iterates over the pairs of two ranges; the second varies fastest.
 fn rows_of(first: Range, second: Range) -> impl Iterator<Item = (usize, usize)> {
     (first.first()..first.last() + 1)
         .flat_map(move |i| (second.first()..second.last() + 1).map(move |k| (i, k)))

@@ -1,19 +1,20 @@
-//! The box filter on bit rows: how many voxels of the cube around each voxel are occupied, in bit-sliced counters,
-//! as many voxels at a time as a row has.
+//! The box filter on bit rows: counts the occupied voxels in the cube around each voxel, in bit-sliced
+//! counters that process all voxels of a row at once.
 //!
-//! One axis after the other: along y the counts of a row go up with the layers, by the row that comes into the
-//! filter's reach and the one that leaves it; then along x, within the row; then along z, by the rows of a layer.
+//! The filter runs along one axis after another: along y, the counts of a row are updated from layer to layer
+//! by the row that enters the filter's reach and the row that leaves it; then along x, within the row; then
+//! along z, over the rows of a layer.
 
 use crate::limits::MAX_SMOOTHING_RADIUS;
 use crate::volume::row::{BitRow, BitSet};
 
-/// Counts of a row's voxels: bit i of plane p is bit p of the count of voxel i.
+/// Bit-sliced counts of a row's voxels: bit i of plane p is bit p of the count of voxel i.
 pub(crate) type Planes<R, const P: usize> = [R; P];
 
 /// Bits of a count along an axis: 15 voxels at most.
 pub(crate) const LINE_PLANES: usize = 4;
 
-/// Bits of a count in a run of counts along an axis: 8 x 15 voxels at most.
+/// Bits of the sum of a run of counts along an axis: 8 x 15 voxels at most.
 const RUN_PLANES: usize = 7;
 
 /// Bits of a count in a square: 15 x 15 voxels at most.
@@ -29,30 +30,30 @@ pub(crate) struct BoxFilter {
 }
 
 impl BoxFilter {
-    /// A filter of a radius of 0, 1, 3 or 7, or else of the next lower of them: its runs are added up by doubling.
+    /// Creates a filter. The radius is rounded down to 0, 1, 3 or 7, as runs are added up by doubling.
     pub(crate) const fn new(radius: usize) -> Self {
         let most = MAX_SMOOTHING_RADIUS;
         let radius = if radius < most { radius } else { most };
         BoxFilter { radius: (1 << (radius + 1).ilog2()) - 1 }
     }
 
-    /// How far it reaches from its middle.
+    /// Returns the filter's reach to each side of its middle.
     pub(crate) const fn radius(self) -> usize {
         self.radius
     }
 
-    /// Voxels along a side.
+    /// Returns the voxels along a side.
     pub(crate) const fn side(self) -> u32 {
         2 * self.radius as u32 + 1
     }
 
-    /// Voxels of a layer.
+    /// Returns the voxels of a layer.
     pub(crate) const fn layer_voxels(self) -> u32 {
         self.side() * self.side()
     }
 
-    /// The counts of squares along y and x, from those along y: of the run that begins with a voxel, and of the one
-    /// that ends with it, less the voxel's own, which is in both.
+    /// Returns the counts of squares along y and x, from the counts along y: the sum of the run that begins
+    /// with a voxel and the run that ends with it, minus the voxel's own count, which is in both.
     fn square_counts<const W: usize>(
         self,
         along_y: &Planes<BitRow<W>, LINE_PLANES>,
@@ -63,7 +64,7 @@ impl BoxFilter {
         counts
     }
 
-    /// The counts of `radius` + 1 voxels together: of each voxel, and of those that `shift` brings to its place.
+    /// Returns the sum of `radius` + 1 counts: each voxel's own and those that `shift` brings to its place.
     #[inline]
     fn run_counts<const W: usize>(
         self,
@@ -85,11 +86,11 @@ impl BoxFilter {
     }
 }
 
-/// The sums of one row of a layer after the other: those of the last (2 `radius` + 1) rows that were given.
+/// A running sum over the rows of a layer: the sums of the last (2 `radius` + 1) rows given.
 #[derive(Debug)]
 pub(crate) struct RowSums<const W: usize> {
     filter: BoxFilter,
-    /// The counts in squares of those rows, each in the place of the one that it followed.
+    /// The counts in squares of those rows, in a ring buffer.
     squares: [SquareCounts<W>; 2 * MAX_SMOOTHING_RADIUS + 1],
     next: usize,
     sums: Planes<BitRow<W>, SUM_PLANES>,
@@ -98,7 +99,7 @@ pub(crate) struct RowSums<const W: usize> {
 /// The counts in squares of a row.
 #[derive(Clone, Copy, Debug)]
 struct SquareCounts<const W: usize> {
-    /// Of no meaning where all are 0.
+    /// Undefined if all counts are 0.
     counts: Planes<BitRow<W>, SQUARE_PLANES>,
     has_none: bool,
 }
@@ -115,7 +116,7 @@ impl<const W: usize> RowSums<W> {
         }
     }
 
-    /// Goes on by a row, whose counts along y are given. Returns the sums of the row `radius` before it.
+    /// Advances by a row, given its counts along y. Returns the sums of the row `radius` rows earlier.
     pub(crate) fn advance(
         &mut self,
         along_y: &Planes<BitRow<W>, LINE_PLANES>,
@@ -134,7 +135,8 @@ impl<const W: usize> RowSums<W> {
     }
 }
 
-/// The counts of runs of twice the length, of which `shift` brings the other half. `Q` is `P` + 1, which holds them.
+/// Returns the counts of runs of twice the length; `shift` brings the other half. `Q` is `P` + 1, enough to
+/// hold them.
 #[inline]
 fn double_run<const W: usize, const P: usize, const Q: usize>(
     counts: &Planes<BitRow<W>, P>,
@@ -145,7 +147,7 @@ fn double_run<const W: usize, const P: usize, const Q: usize>(
     run
 }
 
-/// The same counts in more planes.
+/// Copies counts into more planes.
 #[inline]
 fn widen_planes<const W: usize, const P: usize, const Q: usize>(
     counts: Planes<BitRow<W>, P>,
@@ -155,7 +157,7 @@ fn widen_planes<const W: usize, const P: usize, const Q: usize>(
     wide
 }
 
-/// Adds counts, each to that of the same voxel. A sum beyond the planes loses its highest bits.
+/// Adds counts voxel by voxel. A sum beyond the planes loses its highest bits.
 #[inline]
 pub(crate) fn add_counts<R: BitSet, const P: usize, const Q: usize>(
     to: &mut Planes<R, P>,
@@ -175,7 +177,7 @@ pub(crate) fn add_counts<R: BitSet, const P: usize, const Q: usize>(
     }
 }
 
-/// Subtracts counts that are at most as large.
+/// Subtracts counts that are at most as large as those subtracted from.
 #[inline]
 pub(crate) fn subtract_counts<R: BitSet, const P: usize, const Q: usize>(
     from: &mut Planes<R, P>,
@@ -195,12 +197,12 @@ pub(crate) fn subtract_counts<R: BitSet, const P: usize, const Q: usize>(
     }
 }
 
-/// The same count for every voxel.
+/// Returns counts that are the same for every voxel.
 pub(crate) fn equal_counts<R: BitSet, const P: usize>(count: u32) -> Planes<R, P> {
     core::array::from_fn(|i| if count >> i & 1 != 0 { !R::EMPTY } else { R::EMPTY })
 }
 
-/// The voxels whose count is greater than a number.
+/// Returns the voxels whose count is greater than a number.
 #[inline]
 pub(crate) fn counts_above<R: BitSet, const P: usize>(counts: &Planes<R, P>, number: u32) -> R {
     let (mut above, mut equal) = (R::EMPTY, !R::EMPTY);
@@ -215,7 +217,7 @@ pub(crate) fn counts_above<R: BitSet, const P: usize>(counts: &Planes<R, P>, num
     above
 }
 
-/// The count of one voxel.
+/// Returns the count of one voxel.
 pub(crate) fn count_at<R: BitSet, const P: usize>(counts: &Planes<R, P>, voxel: usize) -> u32 {
     counts.iter().rev().fold(0, |count, plane| count << 1 | u32::from(plane.contains(voxel)))
 }
@@ -227,7 +229,7 @@ mod tests {
     use super::*;
     use crate::codec::digest::mix_bits;
 
-    /// A layer of rows of 128 voxels, of which 40 are in the grid; of no pattern.
+    /// Returns a pseudo-random layer of rows of 128 voxels, 40 of them in the grid.
     fn row_at(z: isize) -> BitRow<2> {
         match z {
             0..40 => BitRow([mix_bits(z as u64), mix_bits(!z as u64) | mix_bits(z as u64 + 99)]),
@@ -239,7 +241,7 @@ mod tests {
     fn sums_are_those_of_counting() {
         for radius in [0, 1, 3, 7] {
             let filter = BoxFilter::new(radius);
-            // All rows along y are alike.
+            // All rows along y are equal.
             let counts = |z| {
                 array::from_fn(|i| match filter.side() >> i & 1 {
                     0 => BitRow::EMPTY,

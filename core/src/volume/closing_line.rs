@@ -1,5 +1,5 @@
-//! The closure rule for a line of columns after an edit: only columns that the edit touched are looked at,
-//! all of them at once as far as bit operations go.
+//! The closure rule for a line of columns after an edit. It processes only columns that the edit touched, as
+//! far as possible all at once with bit operations.
 
 use crate::volume::closure::ChosenGaps;
 use crate::volume::line_scan::{HoleScan, close_columns};
@@ -8,30 +8,30 @@ use crate::volume::range_maps::{Column, find_columns};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
-/// A line of columns after an edit, whose hulls are known and whose gaps aren't.
+/// A line of columns after an edit, with known hulls and gaps still to be computed.
 pub(crate) struct ClosingLine<'a, const K: usize> {
-    /// The line as it was.
+    /// The line before the edit.
     pub(crate) before: &'a [Column<K>],
-    /// The line to complete: each changed column as it was, but for the ends of its hull and without the
-    /// intervals beyond them.
+    /// The line to complete: each changed column as before the edit, except for the new ends of its hull and
+    /// the intervals beyond them, which are removed.
     pub(crate) after: &'a mut [Column<K>],
-    /// The positions at which voxels changed.
+    /// The positions of the changed voxels.
     pub(crate) changed: Range,
-    /// Whether voxels were only removed.
+    /// `true` if voxels were only removed.
     pub(crate) removed_only: bool,
 }
 
-/// The columns `among` of a line that have gaps.
+/// Returns the columns `among` of a line that have gaps.
 #[inline]
 pub(crate) fn find_gapped<R: BitSet, const K: usize>(line: &[Column<K>], among: R) -> R {
-    // All but the first interval.
+    // Every interval except the first.
     if K == 1 { R::EMPTY } else { find_columns(line, among, |column| column >> 16 != 0) }
 }
 
 impl<const K: usize> ClosingLine<'_, K> {
-    /// Completes the columns `among`, in which voxels changed, by the closure rule. `gapped` are those of
-    /// them that had gaps. `row(i)` holds voxel `i` of each column, exact. Returns the columns whose gaps
-    /// changed, and others perhaps where voxels were added.
+    /// Completes the columns `among`, in which voxels changed, by the closure rule. `gapped` are the columns
+    /// among them that had gaps. `row(i)` holds voxel `i` of each column, exact. Returns the columns whose
+    /// gaps changed, and possibly others if voxels were added.
     #[inline]
     pub(crate) fn close_gaps<const N: usize, R: BitSet>(
         mut self,
@@ -74,8 +74,8 @@ impl<const K: usize> ClosingLine<'_, K> {
         widened | filled | split | lost
     }
 
-    /// Completes columns that are to be searched as a whole: where there are several, all of them at once. Most
-    /// from which an island fell are one interval now.
+    /// Completes columns that must be searched as a whole; several columns are scanned at once. Most columns
+    /// that lost an island have one interval now.
     #[inline]
     fn close_lost<const N: usize, R: BitSet>(&mut self, lost: R, row: impl Fn(usize) -> R)
     where
@@ -107,7 +107,7 @@ impl<const K: usize> ClosingLine<'_, K> {
     fn widen_gaps<R: BitSet>(&mut self, gapped: R, row: impl Fn(usize) -> R) -> TouchedGaps<R> {
         let (mut widened, mut lost) = (R::EMPTY, R::EMPTY);
         for place in gapped.iter_ones() {
-            // Where there is an interval less, its gap is gone from the hull.
+            // With fewer intervals, a gap was cut off with an end of the hull.
             let is_full = self.before[place].is_full() & self.after[place].is_full();
             lost.insert_if(!is_full, place);
         }
@@ -138,7 +138,7 @@ impl<const K: usize> ClosingLine<'_, K> {
         TouchedGaps { widened, filled: R::EMPTY, lost }
     }
 
-    /// Tells what became of gaps where voxels were added. Those that were filled aren't changed yet.
+    /// Finds the gaps to update where voxels were added. The `filled` columns aren't changed yet.
     #[inline]
     fn find_touched_gaps<R: BitSet>(&self, gapped: R, row: impl Fn(usize) -> R) -> TouchedGaps<R> {
         let (mut filled, mut lost) = (R::EMPTY, R::EMPTY);
@@ -152,8 +152,8 @@ impl<const K: usize> ClosingLine<'_, K> {
         TouchedGaps { widened: R::EMPTY, filled, lost }
     }
 
-    /// The column at `place`, which had no gaps, with the one hole that it has now at the positions
-    /// `scanned`. `None` where there are more.
+    /// Returns the column at `place`, which had no gaps, with its only hole at the positions `scanned`, or
+    /// `None` if there are more holes.
     #[inline]
     fn split_once<R: BitSet>(
         &self,
@@ -170,7 +170,8 @@ impl<const K: usize> ClosingLine<'_, K> {
         Some(column)
     }
 
-    /// The positions outside which columns that had no gaps have no empty voxel inside their hull.
+    /// Returns the only positions at which columns that had no gaps can have an empty voxel inside their
+    /// hull.
     #[inline]
     fn positions_of_holes<R: BitSet>(&self, columns: R) -> Range {
         if self.removed_only {
@@ -186,7 +187,7 @@ impl<const K: usize> ClosingLine<'_, K> {
     }
 }
 
-/// Those of the columns `solid`, which had no gaps, that have holes at the positions `scanned`.
+/// Returns the columns among `solid`, which had no gaps, that have holes at the positions `scanned`.
 #[inline]
 fn find_split<const N: usize, R: BitSet>(solid: R, scanned: Range, row: impl Fn(usize) -> R) -> R
 where
@@ -202,18 +203,18 @@ where
     holes.found
 }
 
-/// What became of the gaps of columns, but for those that are as they were.
+/// The changes to the gaps of columns. Unchanged columns are in none of the rows.
 struct TouchedGaps<R> {
     /// Columns whose gaps are wider now.
     widened: R,
     /// Columns in whose gaps voxels were added.
     filled: R,
-    /// Columns that are to be searched as a whole, as a gap went or met another, or there is room for one
-    /// more.
+    /// Columns that must be searched as a whole, as a gap vanished or met another, or as there is room for
+    /// one more.
     lost: R,
 }
 
-/// The voxels `rows` of the column at `place` of a line, as a row along the column.
+/// Returns the voxels `rows` of the column at `place` of a line, as a row along the column.
 #[inline]
 fn gather_column<R: BitSet, C: BitSet>(rows: Range, place: usize, row: impl Fn(usize) -> R) -> C {
     let mut voxels = C::EMPTY;
@@ -225,24 +226,25 @@ fn gather_column<R: BitSet, C: BitSet>(rows: Range, place: usize, row: impl Fn(u
     voxels
 }
 
-/// Up to 64 voxels of the column at `place` of a line, bit 0 the first.
+/// Returns up to 64 voxels of the column at `place` of a line; bit 0 is the first.
 #[inline]
 fn gather_bits<R: BitSet>(
     (first, last): (usize, usize),
     place: usize,
     row: impl Fn(usize) -> R,
 ) -> u64 {
-    // From the top down: each step needs the one before, so that rows aren't made vectors.
+    // From the top down: each step needs the previous one, which keeps the compiler from vectorising the
+    // rows.
     (first..last + 1).rev().fold(0, |bits, i| bits << 1 | u64::from(row(i).contains(place)))
 }
 
-/// Positions that a search reads at once, to branch less.
+/// Positions that a search reads at once, to reduce branches.
 const SEARCH_STEP: usize = 8;
 
-/// Columns that it takes to make a scan of the line cheaper than a look at each.
+/// Number of columns from which scanning the line is cheaper than searching each column.
 const LEAST_SCANNED: u32 = 4;
 
-/// The last voxel of the column at `place` in an interval.
+/// Returns the last voxel of the column at `place` in an interval.
 #[inline]
 fn find_last_voxel<R: BitSet>(
     interval: Range,
@@ -261,7 +263,7 @@ fn find_last_voxel<R: BitSet>(
     None
 }
 
-/// The first voxel, likewise.
+/// Returns the first voxel of the column at `place` in an interval.
 #[inline]
 fn find_first_voxel<R: BitSet>(
     interval: Range,
@@ -280,8 +282,8 @@ fn find_first_voxel<R: BitSet>(
     None
 }
 
-/// The empty voxels of the column at `place` from position `first` to `last`, if they are one run and the
-/// positions are 64 or fewer.
+/// Returns the empty voxels of the column at `place` from `first` to `last`, if they are one run and there
+/// are at most 64 positions.
 #[inline]
 fn find_only_hole_within_64<R: BitSet>(
     (first, last): (usize, usize),

@@ -1,5 +1,4 @@
-//! The closure rule for one column. The rule, and what follows from it, stands at
-//! [`Volume`](crate::Volume).
+//! The closure rule for one column. [`Volume`](crate::Volume) documents the rule and its consequences.
 
 use core::cmp::Reverse;
 
@@ -8,8 +7,8 @@ use crate::volume::range_maps::Column;
 use crate::volume::row::BitSet;
 
 impl<const K: usize> Column<K> {
-    /// The column of the exact voxels `voxels`, which had the intervals of `before`, by the closure
-    /// rule. Every end of an interval is a voxel of `voxels`.
+    /// Returns the closure of the exact voxels `voxels`, by the closure rule. `before` is the column before
+    /// the edit. Every end of an interval is a voxel of `voxels`.
     #[must_use]
     #[inline]
     pub fn closed_over<R: BitSet>(voxels: R, before: &Self) -> Self {
@@ -21,7 +20,8 @@ impl<const K: usize> Column<K> {
             .unwrap_or_else(|| Self::with_chosen_gaps(voxels, hull, before))
     }
 
-    /// The column of `hull` whose intervals are the runs of `voxels`; `None` if those are more than K.
+    /// Returns the column of `hull` whose intervals are the runs of `voxels`, or `None` if there are more
+    /// than K runs.
     #[inline(never)] // runs are rarely more than one
     fn from_runs<R: BitSet>(voxels: &R, hull: Range) -> Option<Self> {
         let (mut column, mut rest) = (Self::from_range(hull), *voxels);
@@ -39,21 +39,21 @@ impl<const K: usize> Column<K> {
         Some(column)
     }
 
-    /// The voxels between the first interval and the last that no interval holds, as a row.
+    /// Returns the voxels in the gaps between the first and the last interval, as a row.
     #[must_use]
     #[inline]
     pub fn gaps<R: BitSet>(&self) -> R {
         self.hull().to_row::<R>() & !self.to_row::<R>()
     }
 
-    /// Whether the column has more than one interval.
+    /// Returns `true` if the column has more than one interval.
     #[must_use]
     #[inline]
     pub fn has_gaps(&self) -> bool {
         K > 1 && !self.range(1).is_empty()
     }
 
-    /// Whether a run of empty voxels holds one of a gap.
+    /// Returns `true` if a run of empty voxels holds a voxel of one of the column's gaps.
     #[inline]
     pub(crate) fn has_gap_overlapping(&self, run: Range) -> bool {
         (1..K).any(|i| {
@@ -62,19 +62,19 @@ impl<const K: usize> Column<K> {
         })
     }
 
-    /// Whether there is no room for another gap.
+    /// Returns `true` if the column has no room for another gap.
     #[inline]
     pub(crate) fn is_full(&self) -> bool {
         !self.range(K - 1).is_empty()
     }
 
-    /// The index of the last interval that isn't empty.
+    /// Returns the index of the last interval that isn't empty.
     #[inline]
     fn last_index(&self) -> usize {
         self.ranges().iter().rposition(|interval| !interval.is_empty()).unwrap_or(0)
     }
 
-    /// Moves the first end of the hull. Intervals that lie below it are dropped, but for the last of all.
+    /// Moves the first end of the hull. Drops intervals that lie below it, but keeps at least one.
     #[inline]
     pub(crate) fn set_hull_first(&mut self, first: usize) {
         while self.has_gaps() && self.range(0).last() < first {
@@ -86,7 +86,7 @@ impl<const K: usize> Column<K> {
         self.set_range(0, self.range(0).with_first(first));
     }
 
-    /// Moves the last end of the hull. Intervals that lie above it are dropped, but for the first.
+    /// Moves the last end of the hull. Drops intervals that lie above it, but keeps at least one.
     #[inline]
     pub(crate) fn set_hull_last(&mut self, last: usize) {
         let mut index = self.last_index();
@@ -97,7 +97,7 @@ impl<const K: usize> Column<K> {
         self.set_range(index, self.range(index).with_last(last));
     }
 
-    /// Whether both voxels beside each gap are occupied.
+    /// Returns `true` if both voxels beside each gap are occupied.
     #[inline]
     pub(crate) fn do_gap_ends_stand(&self, is_occupied: impl Fn(usize) -> bool) -> bool {
         (1..K).fold(true, |all, i| {
@@ -105,7 +105,7 @@ impl<const K: usize> Column<K> {
         })
     }
 
-    /// Whether no voxel of a gap is occupied at the positions `among`.
+    /// Returns `true` if no voxel of a gap is occupied at the positions `among`.
     #[inline]
     pub(crate) fn are_gaps_empty(&self, among: Range, is_occupied: impl Fn(usize) -> bool) -> bool {
         (1..K).all(|i| {
@@ -114,7 +114,7 @@ impl<const K: usize> Column<K> {
         })
     }
 
-    /// The column of `hull` with gaps chosen among the runs of empty voxels.
+    /// Returns the column of `hull` with gaps chosen among the runs of empty voxels.
     fn with_chosen_gaps<R: BitSet>(voxels: R, hull: Range, before: &Self) -> Self {
         let gaps = before.gaps::<R>();
         let stand = before.is_full() && before.do_gap_ends_stand(|i| voxels.contains(i));
@@ -135,16 +135,16 @@ impl<const K: usize> Column<K> {
     }
 }
 
-/// The runs that become a column's gaps: the first K - 1 in the rule's order, of all that were inserted.
+/// The runs that become a column's gaps: the first K - 1 of all inserted runs, in the closure rule's order.
 #[derive(Clone, Copy)]
 pub(crate) struct ChosenGaps<const K: usize> {
-    /// In that order. The last is never one.
+    /// The runs in that order. The last element is always empty.
     ranks: [GapRank; K],
 }
 
-/// A run as a number, the greater the earlier it is in the closure rule's order: from the highest byte on,
-/// whether it holds a voxel of a gap that the column had before, its length, and the complement of its
-/// first voxel. 0 is none.
+/// The rank of a run as a number; a greater number comes earlier in the closure rule's order. From the
+/// highest byte on: a flag, 1 if the run holds a voxel of a gap that the column had before, its length, and
+/// the complement of its first voxel. 0 means no run.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct GapRank(u32);
 
@@ -170,12 +170,12 @@ impl<const K: usize> ChosenGaps<K> {
     /// No runs.
     pub(crate) const NONE: Self = ChosenGaps { ranks: [GapRank::NONE; K] };
 
-    /// Whether there is no room for another.
+    /// Returns `true` if there is no room for another run.
     pub(crate) fn is_full(&self) -> bool {
         self.ranks[..K - 1].iter().all(|rank| *rank != GapRank::NONE)
     }
 
-    /// Inserts a run, and drops the last where there are K then.
+    /// Inserts a run, and drops the last one if there are K then.
     #[inline]
     pub(crate) fn insert(&mut self, run: Range, is_held: bool) {
         let mut rank = GapRank::new(run, is_held);
@@ -194,12 +194,12 @@ impl<const K: usize> ChosenGaps<K> {
         }
     }
 
-    /// The column of a hull with these gaps.
+    /// Returns the column of a hull with these gaps.
     #[inline]
     pub(crate) fn into_column(mut self, hull: Range) -> Column<K> {
         let mut column = Column::from_range(hull);
         let gaps = &mut self.ranks[..K - 1];
-        // The lowest first, and what is none last.
+        // The lowest gap first, empty ranks last.
         gaps.sort_unstable_by_key(|gap| Reverse(gap.0 & 0xff));
         for (i, gap) in gaps.iter().enumerate() {
             if *gap != GapRank::NONE {
@@ -234,7 +234,7 @@ mod tests {
         let voxels = row("..#.##..#...##..#");
         assert_eq!(drawn(Column::closed_over(voxels, &Column::EMPTY)), [(2, 16)]);
         assert_eq!(drawn(Column::closed_over(voxels, &Column::EMPTY)), [(2, 8), (12, 16)]);
-        // Of the two runs of two, the lower.
+        // The lower of the two runs of two.
         let after = Column::closed_over(voxels, &Column::EMPTY);
         assert_eq!(drawn(after), [(2, 5), (8, 8), (12, 16)]);
     }
@@ -243,20 +243,20 @@ mod tests {
     fn a_held_gap_comes_before_a_longer_one() {
         let before = Column::new([Range::new(2, 3), Range::new(5, 20)]);
         assert_eq!(drawn(Column::closed_over(row("..##.##......##"), &before)), [(2, 3), (5, 14)]);
-        // It grows.
+        // The gap grows.
         assert_eq!(drawn(Column::closed_over(row("..#..##......##"), &before)), [(2, 2), (5, 14)]);
-        // Split: the longer part.
+        // The gap is split: the longer part is kept.
         let before = Column::new([Range::new(0, 2), Range::new(9, 20)]);
         assert_eq!(
             drawn(Column::closed_over(row("###.#....####...#"), &before)),
             [(0, 4), (9, 16)]
         );
-        // Outside the hull it is none: the whole column is searched.
+        // A gap outside the hull no longer counts: the whole column is searched.
         assert_eq!(
             drawn(Column::closed_over(row(".........####...#"), &before)),
             [(9, 12), (16, 16)]
         );
-        // Two that become one leave room.
+        // Two gaps that become one leave room for another.
         let before = Column::new([Range::new(0, 2), Range::new(5, 5), Range::new(7, 12)]);
         let after = Column::closed_over(row("###.....####.#"), &before);
         assert_eq!(drawn(after), [(0, 2), (8, 11), (13, 13)]);
@@ -275,22 +275,22 @@ mod tests {
         column = before;
         column.set_hull_first(13);
         assert_eq!(drawn(column), [(13, 20), NONE, NONE]);
-        // One interval stays, wherever its ends go.
+        // One interval remains, wherever its ends move.
         column.set_hull_last(8);
         column.set_hull_first(7);
         assert_eq!(drawn(column), [(7, 8), NONE, NONE]);
         column.set_hull_first(30);
         column.set_hull_last(31);
         assert_eq!(drawn(column), [(30, 31), NONE, NONE]);
-        // One of a single voxel is none that lies beyond.
+        // An interval of a single voxel at the end doesn't lie beyond it.
         column = before;
         column.set_hull_first(3);
         column.set_hull_last(5);
         assert_eq!(drawn(column), [(3, 3), (5, 5), NONE]);
     }
 
-    /// All columns of eight voxels with up to three intervals, all stretches of them and all sets of voxels: what
-    /// is asked of gaps position by position is what their rows say.
+    /// All columns of eight voxels with up to three intervals, all stretches of them and all sets of voxels:
+    /// the tests of gaps position by position agree with the tests by rows.
     #[test]
     fn gaps_are_asked_position_by_position_as_row_by_row() {
         let set = |bits: u64| {
@@ -310,7 +310,7 @@ mod tests {
                 let is_one = !(gaps & among).is_empty();
                 assert_eq!(column.has_gap_overlapping(run), is_one, "{column:?}, {run:?}");
             }
-            // The others are asked of a column that has all its gaps.
+            // The other tests need a column that has all its gaps.
             for now in (0..256).map(set).filter(|_| column.is_full()) {
                 let is_occupied = |i: usize| now.contains(i);
                 let beside = (gaps.shifted_up() | gaps.shifted_down()) & voxels;

@@ -12,21 +12,21 @@ use crate::volume::size::{Grid, Size};
 /// place).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ColumnRect {
-    /// Least line and place.
+    /// The least line and place.
     pub first: (u8, u8),
-    /// Greatest line and place.
+    /// The greatest line and place.
     pub last: (u8, u8),
 }
 
 impl ColumnRect {
-    /// One column.
+    /// Creates the rectangle of one column.
     #[must_use]
     pub const fn of_column((line, place): ColumnAddress) -> Self {
         let at = (line as u8, place as u8);
         ColumnRect { first: at, last: at }
     }
 
-    /// The smallest rectangle that contains both.
+    /// Returns the smallest rectangle that contains both.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         ColumnRect {
@@ -35,14 +35,14 @@ impl ColumnRect {
         }
     }
 
-    /// Number of columns inside.
+    /// Returns the number of columns inside.
     #[must_use]
     pub fn area(self) -> u32 {
         let side = |lo: u8, hi: u8| u32::from(hi) - u32::from(lo) + 1;
         side(self.first.0, self.last.0) * side(self.first.1, self.last.1)
     }
 
-    /// Whether a column is inside.
+    /// Returns `true` if a column is inside.
     #[must_use]
     pub fn contains(self, (line, place): ColumnAddress) -> bool {
         let inside = |lo: u8, at: usize, hi: u8| usize::from(lo) <= at && at <= usize::from(hi);
@@ -50,9 +50,9 @@ impl ColumnRect {
     }
 }
 
-/// The dirty rectangles of the three range maps. An edit's changes to a map are one rectangle, their
-/// bounds. Rectangles of several edits are merged where that doesn't increase their area, and, when the
-/// capacity is exceeded, where it increases the area least.
+/// The dirty rectangles of the three range maps. Each edit adds one rectangle to each map, the bounds of its
+/// changes. Rectangles of several edits are merged if that doesn't increase their area, or, when the capacity
+/// is exceeded, where it increases the area least.
 #[derive(Debug)]
 pub struct DirtyRects {
     edit_bounds: [Option<ColumnRect>; 3],
@@ -60,7 +60,7 @@ pub struct DirtyRects {
 }
 
 impl DirtyRects {
-    /// Nothing dirty.
+    /// Creates an empty set of rectangles.
     #[must_use]
     #[allow(clippy::new_without_default)] // `const fn new` is the one way these are made
     pub const fn new() -> Self {
@@ -95,7 +95,7 @@ impl DirtyRects {
         }
     }
 
-    /// Ends the current edit: its bounds become a rectangle of each map.
+    /// Ends the current edit: its bounds become one rectangle in each map.
     pub fn end_edit(&mut self) {
         for (open, rects) in self.edit_bounds.iter_mut().zip(&mut self.rects) {
             if let Some(rect) = open.take() {
@@ -116,13 +116,13 @@ impl DirtyRects {
         }
     }
 
-    /// The rectangles of one map, without the current edit's. They may overlap.
+    /// Returns the rectangles of one map, without the current edit's. They may overlap.
     #[must_use]
     pub fn rects(&self, axis: Axis) -> &[ColumnRect] {
         &self.rects[axis as usize]
     }
 
-    /// Whether no column changed.
+    /// Returns `true` if no column changed.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.rects.iter().all(Vec::is_empty)
@@ -165,8 +165,8 @@ impl<const K: usize> SwapJournal<K> for DirtyRects {
     }
 }
 
-/// Adds a rectangle, and merges any two whose union is no larger than the sum of their areas. So the
-/// areas of no pair sum to more than the bounds of all, and those of eight to at most four times that.
+/// Adds a rectangle, and merges any two whose union is no larger than the sum of their areas. So the areas of
+/// no pair sum to more than the bounds of all, and those of eight to at most four times that.
 fn push_merged(rects: &mut Vec<ColumnRect, MAX_DIRTY_RECTS, u8>, mut rect: ColumnRect) {
     let growth = |a: &ColumnRect, b: ColumnRect| i64::from(a.union(b).area()) - i64::from(a.area());
     while let Some(least) = find_least_growth(rects, |r| growth(r, rect)) {
@@ -175,14 +175,14 @@ fn push_merged(rects: &mut Vec<ColumnRect, MAX_DIRTY_RECTS, u8>, mut rect: Colum
         }
         rect = rect.union(rects.swap_remove(least.index));
     }
-    // Cannot fail: a full list was merged into.
+    // Cannot fail: a full list was merged first.
     let _ = rects.push(rect);
 }
 
-/// The rectangle of a list that would grow least.
+/// The rectangle of a list that would grow least when merged.
 struct LeastGrowth {
     index: usize,
-    /// Columns that it would gain.
+    /// The number of columns that it would gain.
     growth: i64,
 }
 

@@ -1,4 +1,4 @@
-//! The editable volume: range maps and bit rows in sync, every changed column journalled.
+//! The editable volume: keeps range maps and bit rows in sync and journals every changed column.
 
 use crate::codec::digest::DIGEST_KEYS;
 use crate::volume::bit_grid::BitGrid;
@@ -13,35 +13,37 @@ use crate::volume::size::{Grid, Size};
 /// running digest.
 ///
 /// # The closure rule
-/// Columns of K intervals have K - 1 gaps between them. Let V be the volume, e the exact voxels after an
-/// edit. In each column in which e differs from V: the tight hull of e, without the first K - 1 of its
-/// *runs*, the maximal sequences of empty voxels inside that hull, in this order: those that hold a voxel
-/// of a gap that the column had before, then the longer, then the lower. The new volume V' is what all
-/// three maps hold. K = 1 is the rule of the paper (section 3.2): the tight hulls, and their intersection.
+/// Columns of K intervals have K - 1 gaps between them. Let V be the volume, and e the exact voxels after an
+/// edit. The *runs* of a column are the maximal sequences of empty voxels inside the tight hull of e. Each
+/// column in which e differs from V becomes that hull without its first K - 1 runs, in this order: runs that
+/// hold a voxel of one of the column's previous gaps come first, then longer runs, then lower ones. The new
+/// volume V' is the set of voxels that all three maps hold. K = 1 is the rule of the paper (section 3.2): the
+/// tight hulls, and their intersection.
 ///
-/// What follows from it, each a property test in the project's tests:
+/// Consequences, each a property test in the project's tests:
 ///
 /// 1. *Nothing of e is lost*: e is within V'. A column that e changed holds all of e, as runs are empty
 ///    in e; in any other column e is V, which it holds.
 /// 2. *Every interval is tight*: its ends are voxels of V'. By construction they are voxels of e, or of V
 ///    in a column in which e is V.
-/// 3. *Every column is saturated*: one with fewer than K - 1 gaps has no other empty voxel inside its
-///    hull. The column took all runs of e, and by (1) V' has no empty voxel that e hasn't. Therefore the
-///    rule leaves a column alone in which e doesn't differ from V, and maps change exactly when V does.
-/// 4. *A carve (e within V) adds nothing*, so what it leaves behind lies in its brush. A voxel outside V
-///    was outside the hull of a column, and hulls of e only shrink; or in a gap, which is empty in e and
-///    therefore lies in one run, of which there are at most as many as there were gaps: all are held.
-/// 5. *A fill (V within e) adds outside its brush only along its beams*: what a column excluded that the
-///    brush doesn't cross, it excludes still.
+/// 3. *Every column is saturated*: a column with fewer than K - 1 gaps has no other empty voxel inside its
+///    hull. The column took all runs of e, and by (1) every empty voxel of V' is empty in e. Therefore the
+///    rule leaves columns unchanged in which e doesn't differ from V, and maps change exactly when V does.
+/// 4. *A carve (e within V) adds nothing*, so every voxel that it fails to remove lies in its brush. A voxel
+///    outside V was outside the hull of a column, and hulls of e only shrink; or it was in a gap, which is
+///    empty in e and therefore lies in one run. There are at most as many such runs as there were gaps, so
+///    all are held.
+/// 5. *A fill (V within e) adds outside its brush only along its beams*: columns that don't cross the brush
+///    still exclude every voxel that they excluded.
 /// 6. *The order of columns doesn't matter*: each depends on e and on its own gaps.
-/// 7. *A second island pass changes nothing.* A pass carves V to the supported voxels S, and S is within
-///    V' within V, so what V' supports is S again. The runs of S are as before, and the gaps that were
-///    chosen come first now.
+/// 7. *A second island pass changes nothing.* A pass carves V to the supported voxels S, and S is within V'
+///    within V, so the supported voxels of V' are S again. The runs of S are the same as before, and the gaps
+///    that were chosen now come first.
 ///
-/// Three things that hold for K = 1 don't for more: the maps are no function of V, as which gaps are held
-/// is history; closure isn't monotone, as a larger carve may leave a voxel that a smaller one wouldn't;
-/// and a mirrored edit of a mirrored volume may break the mirror, as of two runs of equal length the
-/// lower is held.
+/// Three properties that hold for K = 1 fail for more: the maps aren't a function of V, as the held gaps
+/// depend on history; closure isn't monotone, as a larger carve may leave a voxel that a smaller one
+/// wouldn't; and a mirrored edit of a mirrored volume may break the symmetry, as the lower of two runs of
+/// equal length is held.
 #[derive(Debug)]
 pub struct Volume<const N: usize, const K: usize = 1>
 where
@@ -56,21 +58,21 @@ impl<const N: usize, const K: usize> Volume<N, K>
 where
     Grid<N>: Size,
 {
-    /// The empty volume. For a `static`, as [`World::new`](crate::World::new).
+    /// Creates an empty volume. For a `static`, as [`World::new`](crate::World::new).
     #[must_use]
     #[allow(clippy::new_without_default)] // a Default would be moved by value
     pub const fn new() -> Self {
         Volume { maps: RangeMaps::new(), rows: BitGrid::new(), digest: 0 }
     }
 
-    /// Becomes the volume of these range maps, which must be tight and saturated.
+    /// Sets the volume to these range maps, which must be tight and saturated.
     #[inline(never)]
     pub fn set_maps(&mut self, maps: &RangeMaps<N, K>) {
         self.digest = copy_and_digest_maps(maps, &mut self.maps);
         self.rebuild_rows();
     }
 
-    /// Becomes the closure of the voxels that `fill_empty` sets in an empty grid.
+    /// Sets the volume to the closure of the voxels that `fill_empty` sets in an empty grid.
     pub fn set_voxels(&mut self, fill_empty: impl FnOnce(&mut BitGrid<N>)) {
         self.rows.clear();
         fill_empty(&mut self.rows);
@@ -84,36 +86,36 @@ where
         self.rows.set_from_maps(&self.maps);
     }
 
-    /// The same of those rows whose y and z lie in these ranges, where no other row changed.
+    /// Rebuilds only the bit rows whose y and z lie in these ranges. No other row may have changed.
     pub(crate) fn rebuild_rows_of(&mut self, y_and_z: [Range; 2]) {
         self.rows.set_rows_from_maps(&self.maps, y_and_z);
     }
 
-    /// The range maps.
+    /// Returns the range maps.
     #[must_use]
     pub const fn maps(&self) -> &RangeMaps<N, K> {
         &self.maps
     }
 
-    /// The bit rows.
+    /// Returns the bit rows.
     #[must_use]
     pub const fn rows(&self) -> &BitGrid<N> {
         &self.rows
     }
 
-    /// The bit rows, mutable. The caller updates the range maps afterwards.
+    /// Returns the bit rows for changes. The caller must update the range maps afterwards.
     pub(crate) fn rows_mut(&mut self) -> &mut BitGrid<N> {
         &mut self.rows
     }
 
-    /// The [`maps_digest`](crate::internals::maps_digest) of the range maps, updated incrementally.
+    /// Returns the [`maps_digest`](crate::internals::maps_digest) of the range maps, updated incrementally.
     #[must_use]
     pub const fn digest(&self) -> u64 {
         self.digest
     }
 
-    /// Replaces the columns at `places` of a line by those of `new`, and journals them. Each must
-    /// differ from the old one.
+    /// Replaces the columns at `places` of a line by the columns of `new`, and journals them. Each new column
+    /// must differ from the old one.
     #[inline]
     pub(crate) fn replace_columns(
         &mut self,
@@ -141,47 +143,47 @@ where
         self.digest = self.digest.wrapping_add(sum.wrapping_mul(line_key(axis, line)));
     }
 
-    /// The maps, to swap columns without journalling them, and the digest, which is to change with them. The
-    /// bit rows are stale until [`Volume::rebuild_rows`].
+    /// Returns the maps, to swap columns without journalling them, and the digest, which the caller must
+    /// update with them. The bit rows are stale until [`Volume::rebuild_rows`].
     #[inline]
     pub(crate) fn maps_and_digest_leaving_bit_rows(&mut self) -> (&mut RangeMaps<N, K>, &mut u64) {
         (&mut self.maps, &mut self.digest)
     }
 
-    /// Whether every range is tight: both its end voxels are occupied. Always true after an edit; a
-    /// check for range maps of unknown origin.
+    /// Returns `true` if every range is tight: both its end voxels are occupied. Always true after an edit;
+    /// use it to check range maps of unknown origin.
     #[must_use]
     #[inline(never)]
     pub fn are_ranges_tight(&self) -> bool {
         self.first_loose_column().is_none()
     }
 
-    /// The first column with a range that isn't tight.
+    /// Returns the first column with a range that isn't tight.
     pub(crate) fn first_loose_column(&self) -> Option<(Axis, ColumnAddress)> {
         self.maps.first_loose_column(|voxel| self.rows.contains(voxel))
     }
 
-    /// Whether every column is saturated: with room for another gap it has no empty voxel inside its
-    /// intervals. Always true after an edit, and for columns of one interval.
+    /// Returns `true` if every column is saturated: if it has room for another gap, it has no empty voxel
+    /// inside its intervals. Always true after an edit, and for columns of one interval.
     #[must_use]
     #[inline(never)]
     pub fn is_saturated(&self) -> bool {
         self.first_unsaturated_column().is_none()
     }
 
-    /// The first column that isn't saturated.
+    /// Returns the first column that isn't saturated.
     pub(crate) fn first_unsaturated_column(&self) -> Option<(Axis, ColumnAddress)> {
         self.maps.first_unsaturated_column(|voxel| self.rows.contains(voxel))
     }
 
-    /// Number of occupied voxels.
+    /// Returns the number of occupied voxels.
     #[must_use]
     #[inline(never)]
     pub fn count_voxels(&self) -> u64 {
         self.rows.count_voxels()
     }
 
-    /// Whether the ground layer y = 0 holds a voxel.
+    /// Returns `true` if the ground layer y = 0 holds a voxel.
     #[must_use]
     pub fn touches_ground(&self) -> bool {
         self.rows.layer(0).iter().any(|row| !row.is_empty())

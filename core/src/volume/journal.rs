@@ -1,14 +1,15 @@
-//! The observer interface of an edit: it sees each column before it changes.
+//! The observer interface of an edit, called before each column changes.
 
 use crate::volume::range_maps::{Axis, Column, ColumnAddress, RowAddress};
 use crate::volume::size::{Grid, Size};
 
-/// An observer of each change that an edit makes, before it is made.
+/// An observer of each change of an edit, called before the change.
 pub trait Journal<const N: usize, const K: usize = 1>
 where
     Grid<N>: Size,
 {
-    /// The columns at `places` of a line are about to be replaced: the line as it is, and as it becomes.
+    /// Records that the columns at `places` of a line are about to be replaced. Takes the old and the new
+    /// line.
     fn record_columns(
         &mut self,
         axis: Axis,
@@ -16,7 +17,7 @@ where
         places: <Grid<N> as Size>::Row,
         old_and_new: (&[Column<K>; N], &[Column<K>; N]),
     );
-    /// `voxels` of row (y, z) are about to be occupied that were empty when the edit began.
+    /// Records that `voxels` of row (y, z) are about to become occupied that were empty when the edit began.
     fn record_added(&mut self, row: RowAddress, voxels: <Grid<N> as Size>::Row);
 }
 
@@ -36,9 +37,9 @@ where
     fn record_added(&mut self, _: RowAddress, _: <Grid<N> as Size>::Row) {}
 }
 
-/// An observer of the columns that an undo or a redo swaps, before they are.
+/// An observer of the columns that an undo or a redo swaps, called before the swap.
 pub trait SwapJournal<const K: usize = 1> {
-    /// A run of columns from `first` on is about to become `new`; some may not differ.
+    /// Records that a run of columns from `first` on is about to become `new`. Some of them may not differ.
     fn record_swap(
         &mut self,
         axis: Axis,
@@ -46,6 +47,6 @@ pub trait SwapJournal<const K: usize = 1> {
         old: &[Column<K>],
         new: &[Column<K>],
     );
-    /// All were recorded.
+    /// Called after the last column was recorded.
     fn end_swaps(&mut self);
 }

@@ -1,4 +1,4 @@
-//! Scans along whole lines of columns, all of them at once: which have holes, and what closure makes of them.
+//! Scans along all columns of a line at once: finds columns with holes, and applies the closure rule.
 
 use crate::volume::closure::ChosenGaps;
 use crate::volume::range::Range;
@@ -6,22 +6,22 @@ use crate::volume::range_maps::Column;
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
-/// A search along the columns of a line for those with an empty voxel between occupied ones.
+/// A search along the columns of a line for columns with an empty voxel between occupied ones.
 #[derive(Clone, Copy, Debug)]
 pub struct HoleScan<R> {
-    /// The columns that have one, so far.
+    /// The columns in which such a hole was found so far.
     pub found: R,
-    /// The columns that have an occupied voxel.
+    /// The columns in which an occupied voxel was found so far.
     entered: R,
-    /// The voxels before.
+    /// The previous voxel of each column.
     row: R,
 }
 
 impl<R: BitSet> HoleScan<R> {
-    /// No voxel so far.
+    /// A scan before its first voxel.
     pub const NONE: Self = HoleScan { found: R::EMPTY, entered: R::EMPTY, row: R::EMPTY };
 
-    /// Passes on to the next voxel of each column.
+    /// Advances to the next voxel of each column.
     #[inline(always)]
     pub fn pass(&mut self, row: R) {
         self.found |= row & self.entered & !self.row;
@@ -30,8 +30,8 @@ impl<R: BitSet> HoleScan<R> {
     }
 }
 
-/// Replaces the columns of a line by those of the exact voxels `rows`, by the closure rule: each row has one
-/// voxel of every column, the rows are in order along the columns.
+/// Replaces the columns of a line by the columns of the exact voxels `rows`, by the closure rule. Each row
+/// has one voxel of every column; the rows are in order along the columns.
 pub(crate) fn close_line<const N: usize, const K: usize>(
     line: &mut [Column<K>; N],
     rows: impl Iterator<Item = <Grid<N> as Size>::Row>,
@@ -44,8 +44,9 @@ pub(crate) fn close_line<const N: usize, const K: usize>(
     }
 }
 
-/// Sets the columns `among` of the line `after` to those of their exact voxels, by the closure rule: `row(i)` has
-/// voxel `i` of each column, and all are at the positions `span`. `before` is the line as it was.
+/// Sets the columns `among` of the line `after` to the columns of their exact voxels, by the closure rule.
+/// `row(i)` has voxel `i` of each column; all voxels are at the positions `span`. `before` is the line before
+/// the edit.
 pub(crate) fn close_columns<const N: usize, const K: usize, R: BitSet>(
     before: &[Column<K>],
     after: &mut [Column<K>],
@@ -62,7 +63,8 @@ pub(crate) fn close_columns<const N: usize, const K: usize, R: BitSet>(
     }
 }
 
-/// Scans columns that were `before` along `rows`, the first of which is at the position `first`.
+/// Scans a line along `rows`, the first of which is at the position `first`. `before` is the line before the
+/// edit.
 #[inline]
 fn scan_columns<const N: usize, const K: usize, R: BitSet>(
     before: &[Column<K>],
@@ -93,10 +95,10 @@ where
     scanned
 }
 
-/// What a scan met of a column so far.
+/// The state of a column during a scan.
 #[derive(Clone, Copy)]
 struct ScannedColumn<const K: usize> {
-    /// From the first voxel to the last of the runs that have ended.
+    /// The range from the first voxel to the last of the runs that have ended.
     hull: Range,
     gaps: ChosenGaps<K>,
 }
@@ -104,7 +106,7 @@ struct ScannedColumn<const K: usize> {
 impl<const K: usize> ScannedColumn<K> {
     const NONE: Self = ScannedColumn { hull: Range::EMPTY, gaps: ChosenGaps::NONE };
 
-    /// A run of voxels begins at `first`, in a column that was `before`.
+    /// Begins a run of voxels at `first`. `before` is the column before the edit.
     #[inline]
     fn begin_run(&mut self, first: usize, before: &Column<K>) {
         if self.hull.is_empty() {

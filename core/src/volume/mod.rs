@@ -1,8 +1,7 @@
 //! Volumes: a grid of N^3 voxels as three range maps and as bit rows, kept in step.
 //!
-//! Takes sets of voxels and replaced columns; gives membership, neighbourhoods, tight maps, their
-//! digest, and the rectangles of columns that changed.
-//! Doesn't know brushes, tools, sessions, files or time.
+//! Inputs: sets of voxels and replaced columns. Outputs: membership, neighbourhoods, tight maps, their
+//! digest, and the rectangles of changed columns. Independent of brushes, tools, sessions, files and time.
 
 pub(crate) mod bit_grid;
 mod box_check;

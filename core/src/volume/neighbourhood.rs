@@ -1,8 +1,8 @@
 //! Binary morphology on bit rows: erosion and dilation by six-neighbour steps.
 //!
-//! Each function gives the result for the voxels `among` of a row of a [`RowStrip`]. These must be as
-//! far as the neighbourhood reaches from an end of the strip that isn't an end of the grid, since the
-//! words beyond aren't read.
+//! Each function computes the voxels `among` of a row of a [`RowStrip`]. These must be farther than the
+//! neighbourhood's reach from an end of the strip, unless the strip ends with the grid, as the words beyond
+//! aren't read.
 
 use crate::limits::SHELL_DEPTH;
 use crate::volume::bit_grid::RowStrip;
@@ -10,8 +10,8 @@ use crate::volume::range_maps::RowAddress;
 use crate::volume::row::{BitRow, BitSet};
 use crate::volume::size::{Grid, Size};
 
-/// Erosion: of the voxels `among` of row (y, z), those with no empty voxel within `depth`
-/// six-neighbour steps. Everything outside the grid is empty. `depth` is at most [`SHELL_DEPTH`].
+/// Erosion: returns the voxels `among` of row (y, z) that have no empty voxel within `depth` six-neighbour
+/// steps. Everything outside the grid is empty. `depth` is at most [`SHELL_DEPTH`].
 ///
 /// A row at distance d in (y, z) contributes its own erosion along x by `depth - d`. Rows of equal
 /// distance are combined first, so each step along x is done once for all of them.
@@ -35,10 +35,10 @@ where
     }
 }
 
-/// Erosion of row (y, z) by a constant depth, so that the loops unroll.
+/// Erodes row (y, z) by a constant depth, so that the loops unroll.
 ///
-/// Its own erosion along x comes first: beside a slot across x, where a blade works, it leaves nothing of what is
-/// asked for.
+/// The row's own erosion along x comes first: beside a slot across x, where a blade works, it often leaves no
+/// voxels, which ends the work early.
 #[inline(never)] // the compiler makes a mess of the loops that it would be inlined into
 fn erode_by<const N: usize, const W: usize, const DEPTH: usize>(
     rows: RowStrip<'_, N, W>,
@@ -75,8 +75,8 @@ where
     row & among
 }
 
-/// Dilation: of the voxels `among` of row (y, z), those with an occupied voxel, or the ground below
-/// y = 0, within `depth` six-neighbour steps. Computed as [`eroded_row`] is.
+/// Dilation: returns the voxels `among` of row (y, z) that have an occupied voxel, or the ground below y = 0,
+/// within `depth` six-neighbour steps. Computed like [`eroded_row`].
 #[must_use]
 pub(crate) fn dilated_row_with_ground<const N: usize, const W: usize>(
     rows: RowStrip<'_, N, W>,

@@ -31,7 +31,7 @@ impl Axis {
     /// All three, in the order of the maps.
     pub const ALL: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
 
-    /// The address of the column of this axis through a voxel.
+    /// Returns the address of this axis' column through a voxel.
     ///
     /// Lines are laid out so that the bits of a row run along a line of the Y and Z maps, and a column
     /// of the X map has the address of its bit row.
@@ -46,7 +46,7 @@ impl Axis {
         }
     }
 
-    /// The voxel at index `i` along the column of this axis at `(line, place)`.
+    /// Returns the voxel at index `i` along the column of this axis at `(line, place)`.
     #[must_use]
     #[inline]
     pub const fn voxel_at(self, (line, place): ColumnAddress, i: usize) -> [usize; 3] {
@@ -58,7 +58,7 @@ impl Axis {
     }
 }
 
-/// Up to `K` disjoint intervals of one column, lowest first, empty ones last.
+/// Up to `K` disjoint intervals of one column, lowest first, followed by empty ones.
 ///
 /// An interval is stored as one integer, its [`Range::to_bytes`]. Rustc checks every element of a static's
 /// initial value, and checks arrays of integers seven times as fast as arrays of structs.
@@ -70,14 +70,14 @@ impl<const K: usize> Column<K> {
     /// A column without voxels.
     pub const EMPTY: Self = Column([0; K]);
 
-    /// A column of these intervals, which must be disjoint, lowest first, empty ones last.
+    /// Creates a column of these intervals, which must be disjoint and in ascending order, empty ones last.
     #[must_use]
     #[inline]
     pub fn new(ranges: [Range; K]) -> Self {
         Column(ranges.map(Range::to_number))
     }
 
-    /// A column of one interval, or of none where that is empty.
+    /// Creates a column of one interval, or an empty column if `range` is empty.
     #[must_use]
     #[inline]
     pub const fn from_range(range: Range) -> Self {
@@ -86,56 +86,58 @@ impl<const K: usize> Column<K> {
         column
     }
 
-    /// All intervals, empty ones last.
+    /// Returns all intervals, the empty ones last.
     #[must_use]
     #[inline]
     pub fn ranges(self) -> [Range; K] {
         self.0.map(Range::from_number)
     }
 
-    /// Interval `i`, below K.
+    /// Returns interval `i`, which must be below K.
     #[must_use]
     #[inline]
     pub const fn range(&self, i: usize) -> Range {
         Range::from_number(self.0[i])
     }
 
-    /// Replaces interval `i`, below K. The caller must keep the intervals disjoint and in order.
+    /// Replaces interval `i`, which must be below K. The caller must keep the intervals disjoint and in
+    /// order.
     #[inline]
     pub const fn set_range(&mut self, i: usize, range: Range) {
         self.0[i] = range.to_number();
     }
 
-    /// The intervals that aren't empty, lowest first.
+    /// Returns the intervals that aren't empty, lowest first.
     #[inline]
     pub fn intervals(self) -> impl Iterator<Item = Range> {
         let held = (0..K).take_while(move |i| self.0[*i] != 0);
         held.map(move |i| self.range(i))
     }
 
-    /// The intervals' bytes as stored, each as [`Range::to_bytes`].
+    /// Returns the intervals' bytes as stored, each as [`Range::to_bytes`].
     #[must_use]
     #[inline]
     pub fn to_bytes(self) -> [[u8; 2]; K] {
         self.0.map(u16::to_le_bytes)
     }
 
-    /// The inverse of [`Column::to_bytes`], for bytes that it made or [`Column::from_bytes`] took.
+    /// The inverse of [`Column::to_bytes`]. The bytes must come from it or have been accepted by
+    /// [`Column::from_bytes`].
     #[must_use]
     #[inline]
     pub(crate) fn from_checked_bytes(bytes: [[u8; 2]; K]) -> Self {
         Column(bytes.map(u16::from_le_bytes))
     }
 
-    /// The intervals' numbers as stored.
+    /// Returns the intervals' numbers as stored.
     #[inline]
     pub(crate) const fn numbers(&self) -> &[u16; K] {
         &self.0
     }
 
-    /// The inverse of [`Column::to_bytes`]. `None` for bytes that no column in a grid of `grid_side` voxels
-    /// a side has: an invalid range, intervals that overlap or touch or aren't in ascending order, or one
-    /// behind an empty one.
+    /// The inverse of [`Column::to_bytes`]. Returns `None` for bytes that are invalid in a grid of
+    /// `grid_side` voxels a side: an invalid range, intervals that overlap, touch or aren't in ascending
+    /// order, or a non-empty interval after an empty one.
     #[must_use]
     pub fn from_bytes(bytes: [[u8; 2]; K], grid_side: usize) -> Option<Self> {
         let mut column = Self::EMPTY;
@@ -152,14 +154,14 @@ impl<const K: usize> Column<K> {
         Some(column)
     }
 
-    /// Whether voxel `i` is in one of the intervals.
+    /// Returns `true` if voxel `i` is in one of the intervals.
     #[must_use]
     #[inline]
     pub fn contains(&self, i: usize) -> bool {
         self.ranges().iter().any(|range| range.contains(i))
     }
 
-    /// The voxels inside as a row.
+    /// Converts the column to a row with its voxels set.
     #[must_use]
     #[inline]
     pub fn to_row<R: BitSet>(&self) -> R {
@@ -171,7 +173,7 @@ impl<const K: usize> Column<K> {
         }
     }
 
-    /// The range from the first occupied voxel to the last.
+    /// Returns the range from the first occupied voxel to the last.
     #[must_use]
     #[inline]
     pub fn hull(&self) -> Range {
@@ -180,12 +182,12 @@ impl<const K: usize> Column<K> {
 }
 
 impl<const K: usize> Column<K> {
-    /// Whether every interval is tight: both its end voxels are occupied.
+    /// Returns `true` if every interval is tight: both its end voxels are occupied.
     pub(crate) fn is_tight(&self, is_occupied: impl Fn(usize) -> bool) -> bool {
         self.intervals().all(|range| is_occupied(range.first()) && is_occupied(range.last()))
     }
 
-    /// Whether the column has no room for another gap, or no other empty voxel inside its hull.
+    /// Returns `true` if the column has no room for another gap, or no other empty voxel inside its hull.
     pub(crate) fn is_saturated(&self, is_occupied: impl Fn(usize) -> bool) -> bool {
         let solid = |range: Range| (range.first()..range.last() + 1).all(&is_occupied);
         K == 1 || self.is_full() || self.intervals().all(solid)
@@ -201,9 +203,9 @@ impl<const K: usize> fmt::Debug for Column<K> {
 /// Places of columns that reach beyond an interval; see [`RangeMaps::columns_beyond`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ColumnsBeyond<R> {
-    /// Columns that begin below its first voxel.
+    /// Columns that begin below the interval's first voxel.
     pub below_first: R,
-    /// Columns that end above its last.
+    /// Columns that end above the interval's last voxel.
     pub above_last: R,
 }
 
@@ -216,32 +218,32 @@ pub struct RangeMaps<const N: usize, const K: usize = 1> {
 }
 
 impl<const N: usize, const K: usize> RangeMaps<N, K> {
-    /// The empty volume. For a `static`, as [`World::new`](crate::World::new).
+    /// Creates an empty volume. For a `static`, as [`World::new`](crate::World::new).
     #[must_use]
     #[allow(clippy::new_without_default)] // a Default would be moved by value
     pub const fn new() -> Self {
         RangeMaps { columns: [[[Column::EMPTY; N]; N]; 3] }
     }
 
-    /// Makes the volume empty, in place.
+    /// Makes the volume empty.
     pub fn clear(&mut self) {
         self.columns.as_flattened_mut().as_flattened_mut().fill(Column::EMPTY);
     }
 
-    /// Becomes the solid block, in place: every voxel is occupied.
+    /// Makes the volume a solid block: every voxel is occupied.
     pub fn fill_block(&mut self) {
         let column = Column::from_range(Range::new(0, N - 1));
         self.columns.as_flattened_mut().as_flattened_mut().fill(column);
     }
 
-    /// Becomes a copy of `other`, in place.
+    /// Copies `other` into `self`.
     pub fn copy_from(&mut self, other: &Self) {
         for (mine, its) in self.columns.iter_mut().zip(&other.columns) {
             mine.copy_from_slice(its);
         }
     }
 
-    /// One column.
+    /// Returns one column.
     #[must_use]
     #[inline]
     pub fn column(&self, axis: Axis, (line, place): ColumnAddress) -> Column<K> {
@@ -262,20 +264,21 @@ impl<const N: usize, const K: usize> RangeMaps<N, K> {
         self.columns[map][line][first..=last].copy_from_slice(columns);
     }
 
-    /// A line of N columns of a map.
+    /// Returns a line of N columns of a map.
     #[must_use]
     #[inline]
     pub fn line(&self, axis: Axis, line: usize) -> &[Column<K>; N] {
         &self.columns[axis as usize][line]
     }
 
-    /// A line of N columns of a map, mutable. The caller must keep the maps tight.
+    /// Returns a line of N columns of a map for changes. The caller must keep the maps tight.
     #[inline]
     pub(crate) fn line_mut(&mut self, axis: Axis, line: usize) -> &mut [Column<K>; N] {
         &mut self.columns[axis as usize][line]
     }
 
-    /// The first column for which `is_sought` holds, in the order of the maps, their lines and places.
+    /// Returns the first column for which `is_sought` returns `true`, in the order of the maps, their lines
+    /// and places.
     pub(crate) fn find_column(
         &self,
         mut is_sought: impl FnMut(Axis, ColumnAddress, &Column<K>) -> bool,
@@ -289,7 +292,7 @@ impl<const N: usize, const K: usize> RangeMaps<N, K> {
         })
     }
 
-    /// The first column with a range that isn't tight.
+    /// Returns the first column with a range that isn't tight.
     pub(crate) fn first_loose_column(
         &self,
         is_occupied: impl Fn([usize; 3]) -> bool,
@@ -297,7 +300,7 @@ impl<const N: usize, const K: usize> RangeMaps<N, K> {
         self.find_column(|axis, at, column| !column.is_tight(|i| is_occupied(axis.voxel_at(at, i))))
     }
 
-    /// The first column that isn't saturated.
+    /// Returns the first column that isn't saturated.
     pub(crate) fn first_unsaturated_column(
         &self,
         is_occupied: impl Fn([usize; 3]) -> bool,
@@ -310,7 +313,7 @@ impl<const N: usize, const K: usize> RangeMaps<N, K> {
         })
     }
 
-    /// Whether a voxel is occupied: all three of its columns contain it.
+    /// Returns `true` if a voxel is occupied: all three of its columns contain it.
     #[must_use]
     #[inline]
     pub fn contains(&self, voxel: [usize; 3]) -> bool {
@@ -319,10 +322,10 @@ impl<const N: usize, const K: usize> RangeMaps<N, K> {
         })
     }
 
-    /// Whether no column contains a voxel.
+    /// Returns `true` if no column contains a voxel.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        // A line at a time: without a way out after every column the compiler reads many at once.
+        // A line at a time: without an early exit after every column, the compiler can vectorise the loop.
         let empty = |line: &[Column<K>; N]| {
             let bits = |column: &Column<K>| column.0.iter().fold(0, |all, number| all | number);
             line.iter().fold(0, |all, column| all | bits(column)) == 0
@@ -335,7 +338,7 @@ impl<const N: usize, const K: usize> RangeMaps<N, K>
 where
     Grid<N>: Size,
 {
-    /// Of the voxels `among` of row (y, z), those that are occupied.
+    /// Returns the occupied voxels of row (y, z), restricted to `among`.
     #[must_use]
     #[inline]
     pub fn occupied_among(
@@ -357,16 +360,15 @@ impl<const N: usize, const K: usize> RangeMaps<N, K>
 where
     Grid<N>: Size,
 {
-    /// The places of a line's columns that aren't empty, as a row of bits.
+    /// Returns the places of a line's columns that aren't empty, as a row of bits.
     #[must_use]
     #[inline]
     pub fn occupied_columns(&self, axis: Axis, line: usize) -> <Grid<N> as Size>::Row {
-        // A column without voxels is the number 0.
+        // An empty column is the number 0.
         find_columns(self.line(axis, line), Grid::<N>::FULL, |column| column != 0)
     }
 
-    /// Of the columns of a line at `places`, those that begin below `first`, and those that end above
-    /// `last`.
+    /// Returns which columns of a line at `places` begin below `first`, and which end above `last`.
     #[must_use]
     #[inline]
     pub fn columns_beyond(
@@ -391,9 +393,10 @@ where
     }
 }
 
-/// The places among `places` of a line's columns for which `is_sought` holds, given [`column_number`].
+/// Returns the places among `places` of a line's columns for which `is_sought` holds, given
+/// [`column_number`].
 ///
-/// The compiler looks at many columns at once, as each is one number and there is no branch.
+/// The compiler vectorises the loop, as each column is one number and there is no branch.
 #[inline]
 pub(crate) fn find_columns<R: BitSet, const K: usize>(
     line: &[Column<K>],
@@ -416,10 +419,11 @@ pub(crate) fn find_columns<R: BitSet, const K: usize>(
     found
 }
 
-/// Gathers the low bits of eight bytes, which have no others, into one (a multiplication in place of `pext`).
+/// Gathers the low bits of eight bytes, whose other bits are 0, into one byte (a multiplication in place of
+/// `pext`).
 #[inline]
 fn gather_low_bits(bytes: [u8; 8]) -> u64 {
-    // Bit i x 8 times 2 to the 56 - i x 7 is bit 56 + i; no other product comes that high
-    // without falling off the end.
+    // Bit i x 8 times 2 to the 56 - i x 7 is bit 56 + i; no other product reaches the top byte without
+    // overflowing.
     u64::from_le_bytes(bytes).wrapping_mul(0x0102_0408_1020_4080) >> 56
 }

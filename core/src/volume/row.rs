@@ -33,18 +33,18 @@ pub trait BitSet:
     /// Machine words in a row.
     const WORDS: usize;
 
-    /// Bits `first..=last`, cut at the row's end; none when `first > last`.
+    /// Returns a row with bits `first..=last` set, cut at the row's end; empty if `first > last`.
     #[must_use]
     fn span(first: usize, last: usize) -> Self;
-    /// The voxels of a range, cut at the row's end, without a branch.
+    /// Returns a row with the voxels of a range set, cut at the row's end, without a branch.
     #[must_use]
     fn from_range(range: Range) -> Self;
-    /// Words `first_word..first_word + W` as a row of their own.
+    /// Returns words `first_word..first_word + W` as a row.
     #[must_use]
     fn word_span<const W: usize>(&self, first_word: usize) -> BitRow<W>;
     /// Replaces words `first_word..first_word + W`.
     fn set_word_span<const W: usize>(&mut self, first_word: usize, words: BitRow<W>);
-    /// A row that is empty but for words `first_word..first_word + W`.
+    /// Returns a row with the words `first_word..first_word + W` set and all others empty.
     #[must_use]
     #[inline]
     fn from_word_span<const W: usize>(first_word: usize, words: BitRow<W>) -> Self {
@@ -52,12 +52,12 @@ pub trait BitSet:
         row.set_word_span(first_word, words);
         row
     }
-    /// Word `i`, which holds the bits from `64 * i` on.
+    /// Returns word `i`, which holds the bits from `64 * i` on.
     #[must_use]
     fn word(&self, i: usize) -> u64;
     /// Replaces word `i`.
     fn set_word(&mut self, i: usize, word: u64);
-    /// Whether bit `i` is set.
+    /// Returns `true` if bit `i` is set.
     #[must_use]
     #[inline]
     fn contains(&self, i: usize) -> bool {
@@ -78,53 +78,53 @@ pub trait BitSet:
     fn toggle(&mut self, i: usize) {
         self.set_word(i / 64, self.word(i / 64) ^ 1 << (i % 64));
     }
-    /// Whether no bit is set.
+    /// Returns `true` if no bit is set.
     #[must_use]
     fn is_empty(&self) -> bool;
-    /// Number of bits set.
+    /// Returns the number of bits set.
     #[must_use]
     fn count_ones(&self) -> u32;
-    /// The lowest set bit.
+    /// Returns the lowest set bit.
     #[must_use]
     fn first(&self) -> Option<usize>;
-    /// The highest set bit.
+    /// Returns the highest set bit.
     #[must_use]
     fn last(&self) -> Option<usize>;
-    /// Every bit moved one place up (towards +x).
+    /// Returns the row with every bit moved one place up (towards +x).
     #[must_use]
     fn shifted_up(self) -> Self;
-    /// Every bit moved one place down (towards -x).
+    /// Returns the row with every bit moved one place down (towards -x).
     #[must_use]
     fn shifted_down(self) -> Self;
-    /// The mirror image of a row of `grid_side` voxels: bit i of the result is bit
-    /// `grid_side - 1 - i`.
+    /// Returns the mirror image of a row of `grid_side` voxels: bit i of the result is bit `grid_side - 1 -
+    /// i`.
     #[must_use]
     fn mirrored(self, grid_side: usize) -> Self;
-    /// Flood fill along the row: the maximal runs of `self` that contain at least one bit of `seeds`.
+    /// Flood fill along the row: returns the maximal runs of `self` that contain at least one bit of `seeds`.
     #[must_use]
     fn flood_from(self, seeds: Self) -> Self;
-    /// The row without its lowest maximal run.
+    /// Returns the row without its lowest maximal run.
     #[must_use]
     fn without_lowest_run(self) -> Self;
-    /// The set bits, lowest first.
+    /// Iterates over the set bits, lowest first.
     fn iter_ones(self) -> SetBits<Self> {
         SetBits::new(self)
     }
-    /// The runs of set bits, lowest first, split at word boundaries.
+    /// Iterates over the runs of set bits, lowest first, split at word boundaries.
     fn iter_runs_within_words(self) -> BitRuns<Self> {
         BitRuns::new(self)
     }
 }
 
 impl Range {
-    /// The smallest range that contains all set bits of a row.
+    /// Returns the smallest range that contains all set bits of a row.
     #[must_use]
     #[inline]
     pub fn hull_of<R: BitSet>(row: R) -> Self {
         row.first().zip(row.last()).map_or(Self::EMPTY, |(lo, hi)| Self::new(lo, hi))
     }
 
-    /// The voxels inside as a row.
+    /// Returns the voxels inside as a row.
     #[must_use]
     #[inline]
     pub fn to_row<R: BitSet>(self) -> R {
@@ -226,16 +226,16 @@ impl<const W: usize> BitSet for BitRow<W> {
         for (i, word) in words.iter_mut().enumerate() {
             *word = self.0[W - 1 - i].reverse_bits();
         }
-        // Fewer than 64 voxels sit in the low bits of one word, and come out in its high bits.
+        // Fewer than 64 voxels are in the low bits of one word, and end up in its high bits.
         if grid_side < 64 {
             words[0] >>= 64 - grid_side;
         }
         BitRow(words)
     }
 
-    /// Carry propagation: adding the seeds to the runs carries from the lowest seed of each run out of
-    /// its top, which clears the places between but for those of further seeds. The bits below a
-    /// lowest seed are then filled run by run.
+    /// Carry propagation: adding the seeds to the runs carries from the lowest seed of each run out of its
+    /// top, which clears the bits between except for further seeds. The bits below each lowest seed are then
+    /// filled run by run.
     #[inline]
     fn flood_from(self, seeds: Self) -> Self {
         let seeds = seeds & self;
@@ -254,7 +254,7 @@ impl<const W: usize> BitSet for BitRow<W> {
         found
     }
 
-    /// The lowest bit, added, carries out of the top of its run.
+    /// Adding the lowest bit carries out of the top of its run.
     #[inline]
     fn without_lowest_run(self) -> Self {
         let mut lowest = Self::EMPTY;
@@ -268,7 +268,7 @@ impl<const W: usize> BitSet for BitRow<W> {
 }
 
 impl<const W: usize> BitRow<W> {
-    /// By place, the mask of all bits below it.
+    /// The mask of all bits below a place, indexed by place.
     const BITS_BELOW: &[[u64; W]; 257] = &{
         let mut below = [[0; W]; 257];
         let mut place = 1;
@@ -283,7 +283,7 @@ impl<const W: usize> BitRow<W> {
         below
     };
 
-    /// `P` words of the row from any bit on, with zeros beyond its end.
+    /// Returns `P` words of the row from any bit on, with zeros beyond its end.
     #[inline]
     pub(crate) fn bits_from<const P: usize>(self, first: usize) -> BitRow<P> {
         let (word, places) = (first / 64, first as u32 % 64);
@@ -291,7 +291,7 @@ impl<const W: usize> BitRow<W> {
         BitRow(array::from_fn(|i| ((word_at(i + 1) << 64 | word_at(i)) >> places) as u64))
     }
 
-    /// The row of which [`BitRow::bits_from`] gives these from that bit on, which is empty elsewhere.
+    /// The inverse of [`BitRow::bits_from`]: returns a row with `bits` from that bit on, and zeros elsewhere.
     #[inline]
     pub(crate) fn from_bits_at<const P: usize>(bits: BitRow<P>, first: usize) -> Self {
         let (word, places) = (first / 64, first as u32 % 64);
@@ -307,7 +307,7 @@ impl<const W: usize> BitRow<W> {
         row
     }
 
-    /// Every bit moved up by fewer than 64 places.
+    /// Returns the row with every bit moved up by fewer than 64 places.
     #[inline]
     pub(crate) fn shifted_up_by(self, places: u32) -> Self {
         let mut words = [0; W];
@@ -320,7 +320,7 @@ impl<const W: usize> BitRow<W> {
         BitRow(words)
     }
 
-    /// Every bit moved down by fewer than 64 places.
+    /// Returns the row with every bit moved down by fewer than 64 places.
     #[inline]
     pub(crate) fn shifted_down_by(self, places: u32) -> Self {
         let mut words = [0; W];
@@ -333,7 +333,7 @@ impl<const W: usize> BitRow<W> {
         BitRow(words)
     }
 
-    /// The run of set bits that ends just below bit `end`.
+    /// Returns the run of set bits that ends just below bit `end`.
     #[inline]
     fn run_ending_before(self, end: usize) -> Self {
         let below = Self::span(0, end - 1);
@@ -342,7 +342,7 @@ impl<const W: usize> BitRow<W> {
     }
 }
 
-/// The sum of two rows as multiword integers, without the carry out of the top.
+/// Adds two rows as multiword integers, without the carry out of the top.
 #[inline]
 fn add_with_carry<const W: usize>(a: BitRow<W>, b: BitRow<W>) -> BitRow<W> {
     let mut sum = BitRow([0; W]);

@@ -1,4 +1,4 @@
-//! What is set in a row, bit by bit or run by run.
+//! Iterators over the set bits of a row and over its runs.
 
 use crate::volume::range::Range;
 use crate::volume::row::BitSet;
@@ -8,12 +8,12 @@ use crate::volume::row::BitSet;
 pub struct SetBits<R> {
     row: R,
     word: usize,
-    /// What is left of that word.
+    /// The bits of that word that weren't visited yet.
     bits: u64,
 }
 
 impl<R: BitSet> SetBits<R> {
-    /// All set bits of a row, lowest first.
+    /// Creates an iterator over all set bits of a row, lowest first.
     pub(super) fn new(row: R) -> Self {
         SetBits { row, word: 0, bits: row.word(0) }
     }
@@ -42,12 +42,12 @@ impl<R: BitSet> Iterator for SetBits<R> {
 pub struct BitRuns<R> {
     row: R,
     word: usize,
-    /// What is left of that word.
+    /// The bits of that word that weren't visited yet.
     bits: u64,
 }
 
 impl<R: BitSet> BitRuns<R> {
-    /// All runs of a row, lowest first.
+    /// Creates an iterator over all runs of a row, lowest first.
     pub(super) fn new(row: R) -> Self {
         BitRuns { row, word: 0, bits: row.word(0) }
     }

@@ -1,4 +1,4 @@
-//! The sizes a volume can have, and the bit row that belongs to each.
+//! The supported sizes of a volume, and the type of bit row for each.
 
 use crate::volume::row::{BitRow, BitSet};
 
@@ -13,7 +13,7 @@ pub struct Grid<const N: usize>;
 /// The supported grid sizes, each with its type of bit row. Sealed: 16, 32 and 64 are for tests, 128 is
 /// the default and 256 the high setting.
 ///
-/// A trait, because `[u64; N / 64]` isn't an array type in stable Rust.
+/// This is a trait because `[u64; N / 64]` isn't an array type in stable Rust.
 pub trait Size: sealed::Sealed {
     /// N bits, one for each voxel along x.
     type Row: BitSet;

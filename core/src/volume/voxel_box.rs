@@ -4,22 +4,22 @@ use crate::volume::range::Range;
 use crate::volume::range_maps::RowAddress;
 use crate::volume::row::BitSet;
 
-/// A box of voxels: its ranges along x, y and z, which are all empty where it holds none.
+/// A box of voxels: its ranges along x, y and z. In an empty box all three are empty.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct VoxelBox([Range; 3]);
 
 impl VoxelBox {
-    /// No voxel.
+    /// The empty box.
     pub const EMPTY: Self = VoxelBox([Range::EMPTY; 3]);
 
-    /// The box of these ranges along x, y and z; empty where one of them is.
+    /// Creates the box of these ranges along x, y and z. It is empty if one of them is.
     #[must_use]
     pub const fn new(ranges: [Range; 3]) -> Self {
         let [x, y, z] = ranges;
         if x.is_empty() || y.is_empty() || z.is_empty() { Self::EMPTY } else { VoxelBox(ranges) }
     }
 
-    /// The smallest box around the voxels of row (y, z).
+    /// Returns the smallest box around the voxels of row (y, z).
     pub(crate) fn around_row<R: BitSet>((y, z): RowAddress, voxels: R) -> Self {
         match (voxels.first(), voxels.last()) {
             (Some(first), Some(last)) => {
@@ -29,19 +29,19 @@ impl VoxelBox {
         }
     }
 
-    /// The ranges along x, y and z.
+    /// Returns the ranges along x, y and z.
     #[must_use]
     pub const fn ranges(self) -> [Range; 3] {
         self.0
     }
 
-    /// Whether no voxel is inside.
+    /// Returns `true` if no voxel is inside.
     #[must_use]
     pub const fn is_empty(self) -> bool {
         self.0[0].is_empty()
     }
 
-    /// Number of voxels inside.
+    /// Returns the number of voxels inside.
     pub(crate) const fn count_voxels(self) -> usize {
         if self.is_empty() {
             return 0;
@@ -50,7 +50,7 @@ impl VoxelBox {
         (x.last() - x.first() + 1) * (y.last() - y.first() + 1) * (z.last() - z.first() + 1)
     }
 
-    /// The smallest box that contains both.
+    /// Returns the smallest box that contains both.
     #[must_use]
     #[inline]
     pub const fn hull_with(self, other: Self) -> Self {

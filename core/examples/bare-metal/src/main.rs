@@ -1,6 +1,6 @@
-//! Replays a recorded session on bare metal: a Cortex-M4F with 4 MiB of memory, no operating system and
-//! no allocator. It prints the digest of the last tick by semihosting; `step_trace` beside it prints the
-//! same line on a host.
+//! Replays a recorded session on bare metal: a Cortex-M4F with 4 MiB of memory, no operating system and no
+//! allocator. It prints the digest of the last tick by semihosting; the `step_trace` example prints the same
+//! line on a host.
 //!
 //! `cargo build --release --target thumbv7em-none-eabihf`, and then
 //! `qemu-system-arm -machine mps2-an386 -nographic -semihosting-config enable=on,target=native -kernel
@@ -18,7 +18,7 @@ mod replay;
 
 #[entry]
 fn main() -> ! {
-    // `entry` hands these statics over as exclusive references.
+    // `entry` passes these statics as exclusive references.
     static mut WORLD: World<128> = World::new();
     static mut BLOCK: RangeMaps<128> = RangeMaps::new();
 

@@ -2,7 +2,7 @@
 
 use super::{BadgePart, cut, disc, line, oval, polygon};
 
-/// By number.
+/// The pictograms 0 to 12, in the order of their numbers.
 pub(super) const CREATURES: [&[BadgePart]; 13] =
     [OWL, CAT, FISH, SNAIL, BUTTERFLY, DUCK, RABBIT, SNAKE, TURTLE, SPIDER, WHALE, ELEPHANT, CRAB];
 

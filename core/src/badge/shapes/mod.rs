@@ -1,7 +1,7 @@
-//! The pictograms and rims as vector shapes, to be drawn at any size.
+//! The pictograms and rims as vector shapes, which can be drawn at any size.
 //!
-//! Takes a pictogram or a colour; gives its parts, in constants, and whether they ink a point. Doesn't know pixels:
-//! shells fill polygons or ask point by point, as they like.
+//! Inputs: a pictogram or a colour. Outputs: its parts as constants, and a test for points that they ink.
+//! Independent of pixels: shells either fill polygons or test point by point.
 
 mod creatures;
 mod nature;
@@ -14,41 +14,41 @@ use crate::badge::code::{BadgeColour, Pictogram};
 /// A point of the unit square, in 64ths of its side: x to the right, y down, 0 to 64.
 pub type BadgePoint = [i8; 2];
 
-/// Points that [`covers_point`] tells apart in a 64th of the square's side.
+/// Resolution of [`covers_point`]: steps in a 64th of the square's side.
 pub const POINT_STEPS: i32 = 16;
 
-/// A part of a pictogram. Parts are drawn one over the other, in their order.
+/// A part of a pictogram. Parts are drawn over each other, in order.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct BadgePart {
-    /// What it covers.
+    /// The area that it covers.
     pub shape: BadgeShape,
-    /// Whether it takes ink away instead: the ground shows.
+    /// `true` if it removes ink, so that the ground shows.
     pub is_hole: bool,
 }
 
 /// A filled shape in the unit square; lengths in 64ths of its side.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum BadgeShape {
-    /// A polygon whose edges don't cross; the last point is joined to the first.
+    /// A polygon whose edges don't cross; the last point is connected to the first.
     Polygon(&'static [BadgePoint]),
-    /// An ellipse along the axes.
+    /// An axis-aligned ellipse.
     Ellipse {
-        /// Its middle.
+        /// The centre.
         centre: BadgePoint,
         /// Half its width and height, at least 1.
         radii: [i8; 2],
     },
     /// Straight lines from point to point, with round ends and corners.
     Line {
-        /// At least two.
+        /// The points, at least two.
         points: &'static [BadgePoint],
-        /// Across.
+        /// The width of the line.
         width: i8,
     },
 }
 
 impl Pictogram {
-    /// What it is drawn of, in the ink of its badge's colour.
+    /// Returns its parts, drawn in the ink of its badge's colour.
     #[must_use]
     pub const fn parts(self) -> &'static [BadgePart] {
         PICTOGRAMS[self.number()]
@@ -56,8 +56,8 @@ impl Pictogram {
 }
 
 impl BadgeColour {
-    /// The ground of the badge, in sRGB. The colours differ in lightness too, and their rims tell them apart without
-    /// any colour.
+    /// Returns the ground colour of the badge, in sRGB. The colours also differ in lightness, and their rims
+    /// distinguish them without any colour.
     #[must_use]
     pub const fn ground(self) -> [u8; 3] {
         match self {
@@ -72,7 +72,8 @@ impl BadgeColour {
         }
     }
 
-    /// The ink of pictograms and rim on this ground, in sRGB: black or white, whichever is seen better.
+    /// Returns the ink of pictograms and rim on this ground, in sRGB: black or white, whichever has more
+    /// contrast.
     #[must_use]
     pub const fn ink(self) -> [u8; 3] {
         match self {
@@ -81,21 +82,21 @@ impl BadgeColour {
         }
     }
 
-    /// The pattern of its rim along the upper edge of a square around the pictograms, in the ink. The other edges are
-    /// quarter turns of it.
+    /// Returns the pattern of its rim along the upper edge of a square around the pictograms, drawn in the
+    /// ink. The other edges are rotated by quarter turns.
     #[must_use]
     pub const fn rim(self) -> &'static [BadgePart] {
         rims::RIMS[self as usize]
     }
 }
 
-/// Whether the parts ink a point of the unit square, in [`POINT_STEPS`] to a 64th of its side.
+/// Returns `true` if the parts ink a point of the unit square, in [`POINT_STEPS`] to a 64th of its side.
 #[must_use]
 pub fn covers_point(parts: &[BadgePart], point: [i32; 2]) -> bool {
     parts.iter().rev().find(|part| part.shape.contains(point)).is_some_and(|part| !part.is_hole)
 }
 
-/// The groups one after the other, by number.
+/// The pictograms of all groups, in the order of their numbers.
 const PICTOGRAMS: [&[BadgePart]; Pictogram::COUNT] = {
     let groups: [&[&[BadgePart]]; 4] =
         [&creatures::CREATURES, &nature::NATURE, &things::THINGS, &places::PLACES];
@@ -115,7 +116,7 @@ const PICTOGRAMS: [&[BadgePart]; Pictogram::COUNT] = {
 };
 
 impl BadgeShape {
-    /// Whether a point is in it or on its edge.
+    /// Returns `true` if a point is inside the shape or on its edge.
     fn contains(&self, point: [i32; 2]) -> bool {
         let point = point.map(i64::from);
         match *self {
@@ -139,7 +140,7 @@ fn to_steps(length: i8) -> i64 {
     i64::from(length) * i64::from(POINT_STEPS)
 }
 
-/// By the parity of the edges that a ray to the right crosses.
+/// Tests by the parity of the edges that a ray to the right crosses.
 fn is_in_polygon(corners: &[BadgePoint], [x, y]: [i64; 2]) -> bool {
     let mut is_inside = false;
     let mut from = corners.last().copied().unwrap_or([0; 2]).map(to_steps);
@@ -156,9 +157,9 @@ fn is_in_polygon(corners: &[BadgePoint], [x, y]: [i64; 2]) -> bool {
     is_inside
 }
 
-/// Whether a point is within half a width of a segment.
+/// Returns `true` if a point is within half a width of a segment.
 fn is_near_segment(ends: [BadgePoint; 2], width: i64, [x, y]: [i64; 2]) -> bool {
-    // Of points far outside the square nothing is inked, and products stay small.
+    // Points far outside the square are never inked; this keeps the products small.
     let far = to_steps(i8::MAX) * 4;
     if x.saturating_abs() > far || y.saturating_abs() > far {
         return false;
@@ -182,27 +183,27 @@ const fn ink(shape: BadgeShape) -> BadgePart {
     BadgePart { shape, is_hole: false }
 }
 
-/// A polygon of ink.
+/// Creates a polygon of ink.
 const fn polygon(corners: &'static [BadgePoint]) -> BadgePart {
     ink(BadgeShape::Polygon(corners))
 }
 
-/// An ellipse of ink.
+/// Creates an ellipse of ink.
 const fn oval(x: i8, y: i8, rx: i8, ry: i8) -> BadgePart {
     ink(BadgeShape::Ellipse { centre: [x, y], radii: [rx, ry] })
 }
 
-/// A disc of ink.
+/// Creates a disc of ink.
 const fn disc(x: i8, y: i8, radius: i8) -> BadgePart {
     oval(x, y, radius, radius)
 }
 
-/// A line of ink.
+/// Creates a line of ink.
 const fn line(width: i8, points: &'static [BadgePoint]) -> BadgePart {
     ink(BadgeShape::Line { points, width })
 }
 
-/// The same without ink.
+/// Returns the part as a hole, which removes ink.
 const fn cut(part: BadgePart) -> BadgePart {
     BadgePart { is_hole: true, ..part }
 }

@@ -1,9 +1,9 @@
-//! Tree, leaf, flower, mushroom, cactus, sun, moon, star, cloud, lightning, mountain, drop, fire, snowman; what one eats
-//! and drinks: apple, banana, cherry, carrot, cake, pizza, cup, bottle.
+//! Tree, leaf, flower, mushroom, cactus, sun, moon, star, cloud, lightning, mountain, drop, fire, snowman;
+//! food and drink: apple, banana, cherry, carrot, cake, pizza, cup, bottle.
 
 use super::{BadgePart, cut, disc, line, oval, polygon};
 
-/// By number, from 13 on.
+/// The pictograms from 13 on, in the order of their numbers.
 pub(super) const NATURE: [&[BadgePart]; 22] = [
     TREE, LEAF, FLOWER, MUSHROOM, CACTUS, SUN, MOON, STAR, CLOUD, LIGHTNING, MOUNTAIN, DROP, FIRE,
     SNOWMAN, APPLE, BANANA, CHERRY, CARROT, CAKE, PIZZA, CUP, BOTTLE,

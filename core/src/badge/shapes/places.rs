@@ -2,7 +2,7 @@
 
 use super::{BadgePart, cut, disc, line, oval, polygon};
 
-/// By number, from 53 on.
+/// The pictograms from 53 on, in the order of their numbers.
 pub(super) const PLACES: [&[BadgePart]; 11] =
     [HOUSE, CASTLE, BUS, SHIP, ROCKET, BICYCLE, AEROPLANE, FORK, CHAIR, HAND, GHOST];
 

@@ -1,9 +1,9 @@
-//! The rims of the eight colours, along the upper edge of the square: bar, dots, dashes, zigzag, two bars, teeth, comb,
-//! dashes and dots.
+//! The rims of the eight colours, along the upper edge of the square: bar, dots, dashes, zigzag, two bars,
+//! teeth, comb, dashes and dots.
 
 use super::{BadgePart, disc, line, polygon};
 
-/// By colour.
+/// The rims, in the order of the colours' numbers.
 pub(super) const RIMS: [&[BadgePart]; 8] =
     [BAR, DOTS, DASHES, ZIGZAG, TWO_BARS, TEETH, COMB, DASHES_AND_DOTS];
 

@@ -1,9 +1,9 @@
-//! Kite, anchor, bell, key, umbrella, crown, glasses, book, scissors, hammer, ladder, clock, bone, balloon, drum, guitar,
-//! heart, flag.
+//! Kite, anchor, bell, key, umbrella, crown, glasses, book, scissors, hammer, ladder, clock, bone, balloon,
+//! drum, guitar, heart, flag.
 
 use super::{BadgePart, cut, disc, line, oval, polygon};
 
-/// By number, from 35 on.
+/// The pictograms from 35 on, in the order of their numbers.
 pub(super) const THINGS: [&[BadgePart]; 18] = [
     KITE, ANCHOR, BELL, KEY, UMBRELLA, CROWN, GLASSES, BOOK, SCISSORS, HAMMER, LADDER, CLOCK, BONE,
     BALLOON, DRUM, GUITAR, HEART, FLAG,

@@ -1,11 +1,11 @@
-//! Ray crossings: where the rays through the columns' centres cross the mesh first and last, and in
-//! which direction.
+//! Ray crossings: the first and the last crossing of the mesh by the rays through the columns' centres, and
+//! their directions.
 //!
-//! Ties are broken by simulation of simplicity (Edelsbrunner and Muecke, 1990). Each ray counts as
-//! displaced by (e, e^2) for an infinitesimal e, the same for all triangles. So it meets no edge and no
-//! vertex, crosses a surface once where two triangles share an edge, and crosses surfaces that meet
-//! under it one after the other. No e appears in the code: where two values are equal, their slopes
-//! decide. Only coplanar triangles that overlap are crossed together; their directions are summed.
+//! Ties are broken by simulation of simplicity (Edelsbrunner and Muecke, 1990). Each ray counts as displaced
+//! by (e, e^2) for an infinitesimal e, the same for all triangles. So it meets no edge and no vertex, crosses
+//! a surface once at an edge that two triangles share, and crosses surfaces that coincide under it one after
+//! the other. No e appears in the code: if two values are equal, their slopes decide. Only overlapping
+//! coplanar triangles are crossed together; their directions are summed.
 
 use super::BAKE_UNITS_PER_VOXEL;
 use super::triangle::{GridTriangle, ProjectedEdge, other_axes};
@@ -19,21 +19,21 @@ use core::cmp::Ordering;
 struct RayCrossing {
     height: i64,
     slope: [i64; 2],
-    /// Positive; 0 where there is no crossing.
+    /// Positive; 0 if there is no crossing.
     scale: i64,
     /// Surfaces entered minus surfaces left here, in the direction of the axis.
     entered: i32,
 }
 
-/// The first and the last crossing of a column. All zero bytes: no crossing.
+/// The first and the last crossing of a column. All zero bytes mean no crossing.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ColumnCrossings {
     first: RayCrossing,
     last: RayCrossing,
 }
 
-/// By end of a column's ray, whether it is inside the mesh there: before its first crossing, after its
-/// last.
+/// For each end of a column's ray, `true` if the ray is inside the mesh there: before its first crossing, or
+/// after its last.
 #[derive(Clone, Copy)]
 pub(super) struct OpenEnds {
     pub(super) low: bool,
@@ -44,7 +44,7 @@ impl ColumnCrossings {
     pub(super) const NONE: ColumnCrossings =
         ColumnCrossings { first: RayCrossing::NONE, last: RayCrossing::NONE };
 
-    /// The ends at which the mesh has a hole.
+    /// Returns the ends at which the mesh has a hole.
     #[inline]
     pub(super) fn ends_at_holes(&self, is_mesh_inside_out: bool) -> OpenEnds {
         if is_mesh_inside_out {
@@ -68,7 +68,7 @@ impl ColumnCrossings {
 impl RayCrossing {
     const NONE: RayCrossing = RayCrossing { height: 0, slope: [0; 2], scale: 0, entered: 0 };
 
-    /// Order along the displaced ray.
+    /// Compares two crossings by their order along the displaced ray.
     #[inline]
     fn compare_along_ray(&self, other: &RayCrossing) -> Ordering {
         let by = |mine: i64, its: i64| {
@@ -80,8 +80,8 @@ impl RayCrossing {
             .then_with(|| by(self.slope[1], other.slope[1]))
     }
 
-    /// Is replaced by `other` where that lies farther out, or merged with it where they are equal.
-    /// `outward` is the order along the ray of a crossing farther out.
+    /// Replaces the crossing by `other` if that is farther out, or merges them if they are equal. `outward`
+    /// is the order along the ray of a crossing farther out.
     #[inline]
     fn merge_outermost(&mut self, other: RayCrossing, outward: Ordering) {
         let order = other.compare_along_ray(self);
@@ -96,7 +96,7 @@ impl RayCrossing {
     }
 }
 
-/// Adds the crossings of a triangle with the rays along `axis` to their columns, by
+/// Adds the crossings of a triangle with the rays along `axis` to their columns, indexed by
 /// [`Axis::column_address`].
 #[inline(always)]
 pub(super) fn add_triangle_crossings<const N: usize>(
@@ -141,7 +141,7 @@ pub(super) fn add_triangle_crossings<const N: usize>(
 }
 
 impl ProjectedEdge {
-    /// Whether a displaced point is on the inner side; `projected_area_sign` is the sign of the
+    /// Returns `true` if a displaced point is on the inner side. `projected_area_sign` is the sign of the
     /// projection's area, not 0.
     #[inline(always)]
     fn contains_displaced_point(&self, projected_area_sign: i64, [p_u, p_v]: [i64; 2]) -> bool {
@@ -156,21 +156,21 @@ impl ProjectedEdge {
 }
 
 impl GridTriangle {
-    /// The voxel along an axis at the height `height / scale`, which is one that the triangle has; on a face
-    /// the upper of two in the grid.
+    /// Returns the voxel along an axis at the height `height / scale`, which must be one of the triangle's
+    /// voxels; on a face, the upper of the two voxels in the grid.
     #[inline(always)]
     fn voxel_containing_height(&self, axis: usize, height: i64, scale: i64) -> usize {
         let (first, last) = (self.first[axis], self.last[axis]);
         match last - first {
             0 => first,
-            // The face between the two is where the origin is.
+            // The origin is on the face between the two.
             1 => first + usize::from(height >= scale * self.origin[axis]),
             _ => ((height / (scale * i64::from(BAKE_UNITS_PER_VOXEL))) as usize).min(last),
         }
     }
 }
 
-/// The centre of voxel `i` along an axis, in bake units.
+/// Returns the centre of voxel `i` along an axis, in bake units.
 #[inline]
 fn voxel_centre_bake_units(i: i32) -> i64 {
     i64::from(i * BAKE_UNITS_PER_VOXEL + BAKE_UNITS_PER_VOXEL / 2)

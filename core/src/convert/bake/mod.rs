@@ -1,21 +1,20 @@
 //! Conservative voxelization of a triangle stream into range maps, with holes in the mesh closed.
 //!
-//! Every voxel that a triangle touches is set in a bit grid (`triangle.rs` decides, exactly). Beside
-//! it, each column keeps the first and the last crossing of the ray through its centre. A column's
-//! range is the hull of its touched voxels. Where the first crossing leaves the mesh, the ray was
-//! inside before: the mesh has a hole there, and the range is extended to the low end of the box (to
-//! the high end where the last crossing enters). The other two axes bound it again, so a hole doesn't
-//! hollow the solid.
+//! Every voxel that a triangle touches is set in a bit grid (`triangle.rs` tests this exactly). In addition,
+//! each column stores the first and the last crossing of the ray through its centre. A column's range is the
+//! hull of its touched voxels. If the first crossing leaves the mesh, the ray was inside before: the mesh has
+//! a hole there, and the range is extended to the low end of the box (or to the high end if the last crossing
+//! enters). The other two axes bound it again, so a hole doesn't hollow the solid.
 //!
-//! A column of K intervals has gaps where its ray is outside the mesh between touched voxels
-//! (`winding.rs`): the longest K - 1 of such runs, of equally long ones the lowest.
+//! A column of K intervals has gaps where its ray is outside the mesh between touched voxels (`winding.rs`):
+//! the longest K - 1 of these runs; of equally long runs, the lowest.
 //!
-//! The volume V is the intersection of these columns, and its maps are what the closure rule makes of V in
-//! columns that had these gaps. V stays what it is: a baked gap is empty in V, so it lies outside a hull of V or
-//! in one of its empty runs, and of those there are at most K - 1, which come first in the rule's order.
-//! So a new column holds nothing that the baked one doesn't, and all of V. The maps are tight and saturated
-//! as after an edit, and to close them again changes nothing. The longest runs of V wouldn't do: where the
-//! other axes emptied a longer one, a baked gap would be filled.
+//! The volume V is the intersection of these columns. Its maps are the closure of V in columns that had these
+//! gaps. Closure doesn't change V: a baked gap is empty in V, so it lies outside a hull of V or in one of its
+//! empty runs. There are at most K - 1 of these runs, and they come first in the rule's order. So a new
+//! column contains all of V and nothing outside the baked column. The maps are tight and saturated as after
+//! an edit, and closing them again changes nothing. Choosing the longest runs of V instead would be wrong: if
+//! the other axes emptied a longer run, a baked gap would be filled.
 //!
 //! Sources: section 3.3 of the paper; Karabassi, Papaioannou and Theoharis (1999) for the range of
 //! a column; Schwarz and Seidel (2010) for the conservative test by plane and three projections.
@@ -43,21 +42,21 @@ pub const BAKE_UNITS_PER_VOXEL: i32 = 256;
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct OutsideBox;
 
-/// What a bake found about the mesh.
+/// The properties of the mesh that a bake found.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct BakeReport {
     /// Triangles added.
     pub triangles: u64,
-    /// Of these, the ones without area after snapping. They touch voxels but cross no ray.
+    /// Number of triangles without area after snapping. They touch voxels but cross no ray.
     pub degenerate: u64,
-    /// The signed volume was negative: the mesh was inside out, and its orientation was reversed.
+    /// `true` if the signed volume was negative: the mesh was inside out, and its orientation was reversed.
     pub flipped: bool,
-    /// Columns, of all three axes, that were extended to an end of the box because of a hole.
+    /// Number of columns, of all three axes, that were extended to an end of the box because of a hole.
     pub opened_columns: u32,
 }
 
-/// A bake in progress for a grid of N^3 voxels: into columns of one interval or, with [`ColumnWindings`], of any
-/// number. 4 MiB at 128 and 17 MiB at 256; with them 7 and 29.2 MiB.
+/// A bake in progress for a grid of N^3 voxels. Bakes into columns of one interval or, with
+/// [`ColumnWindings`], of any number. 4 MiB at 128 and 17 MiB at 256; with `ColumnWindings` 7 and 29.2 MiB.
 ///
 /// The order of the triangles does not matter.
 #[derive(Debug)]
@@ -68,8 +67,8 @@ where
     touched: BitGrid<N>,
     ends: [[[ColumnCrossings; N]; N]; 3],
     windings: W,
-    /// Six times the signed volume, in cubic units, summed over tetrahedra with their apex at the
-    /// centre of the box: there the missing part of an open mesh weighs least.
+    /// Six times the signed volume, in cubic units, summed over tetrahedra with their apex at the centre of
+    /// the box, where the missing part of an open mesh has the least effect.
     volume: i128,
     triangles: u64,
     degenerate: u64,
@@ -79,7 +78,7 @@ impl<const N: usize, W: Windings<N>> Baker<N, W>
 where
     Grid<N>: Size,
 {
-    /// No triangle yet. For static initialisers only.
+    /// Creates a baker without triangles. For static initialisers only.
     #[must_use]
     #[allow(clippy::new_without_default)] // a Default would hand the baker about by value
     pub const fn new() -> Self {
@@ -93,7 +92,7 @@ where
         }
     }
 
-    /// Removes every triangle, in place.
+    /// Removes every triangle.
     #[inline(never)]
     pub fn clear(&mut self) {
         self.touched.clear();
@@ -108,7 +107,7 @@ where
     /// triangle without area touches the voxels of its segment or point.
     ///
     /// # Errors
-    /// [`OutsideBox`] when a corner is outside `0..=256 N`; nothing is changed then.
+    /// [`OutsideBox`] if a corner is outside `0..=256 N`. Then nothing is changed.
     #[inline(never)]
     pub fn add_triangle(&mut self, corners_bake_units: [IVec3; 3]) -> Result<(), OutsideBox> {
         let triangle = GridTriangle::new_within_grid::<N>(corners_bake_units).ok_or(OutsideBox)?;
@@ -127,8 +126,8 @@ where
     }
 
     /// Writes the tight and saturated range maps of all triangles so far, and their voxels to `voxels`,
-    /// whatever both held before. More triangles may be added afterwards. Columns of several intervals
-    /// need a baker with [`ColumnWindings`]; another doesn't compile.
+    /// replacing the previous content of both. More triangles may be added afterwards. Columns of several
+    /// intervals need a baker with [`ColumnWindings`]; other bakers don't compile for them.
     #[inline(never)]
     pub fn write_maps<const K: usize>(
         &self,
@@ -149,7 +148,8 @@ where
         }
     }
 
-    /// Extends columns to the ends of the box at which the mesh has a hole, and returns their number.
+    /// Extends columns to the ends of the box at which the mesh has a hole. Returns the number of these
+    /// columns.
     fn extend_open_columns<const K: usize>(
         &self,
         flipped: bool,

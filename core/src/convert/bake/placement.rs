@@ -6,9 +6,9 @@ use glam::IVec3;
 /// The up axis of the mesh's coordinates, which are right-handed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum UpAxis {
-    /// As in the grid.
+    /// Y is up, as in the grid.
     Y,
-    /// As in most files for printing: (x, y, z) becomes (x, z, -y).
+    /// Z is up, as in most files for printing: (x, y, z) becomes (x, z, -y).
     Z,
 }
 
@@ -28,8 +28,8 @@ pub struct MeshPlacement {
 }
 
 impl MeshPlacement {
-    /// Fits a mesh with the bounds `min..=max`, in mesh units, into a grid of `grid_side` voxels a
-    /// side. `None` when a bound is not finite, a lower one is above its upper one, or the bounds hold
+    /// Fits a mesh with the bounds `min..=max`, in mesh units, into a grid of `grid_side` voxels a side.
+    /// Returns `None` if a bound is not finite, a lower bound is above its upper bound, or the bounds contain
     /// a single point.
     #[must_use]
     pub fn stand_bounds_on_floor(
@@ -45,7 +45,7 @@ impl MeshPlacement {
         let (a, b) = (up.to_grid_axes(min), up.to_grid_axes(max));
         let unit = f64::from(BAKE_UNITS_PER_VOXEL);
         let side = grid_side as f64 * unit;
-        // A voxel and a unit more: a vertex on a face touches the voxels on both sides.
+        // A voxel and a unit: a vertex on a face touches the voxels on both sides.
         let margin = unit + 1.0;
         let room = [side - 2.0 * margin, side - margin, side - 2.0 * margin];
         let mut scale = f64::INFINITY;
@@ -65,21 +65,21 @@ impl MeshPlacement {
         })
     }
 
-    /// Maps a point from mesh units to bake units, rounded to the nearest; a point outside the bounds
-    /// of the fit is clamped to the box.
+    /// Maps a point from mesh units to bake units, rounded to the nearest. A point outside the bounds of the
+    /// fit is clamped to the box.
     #[must_use]
     #[inline]
     pub fn snap_point(&self, point: [f32; 3]) -> IVec3 {
         let turned = self.up.to_grid_axes(point);
         let unit = |k: usize| {
             let at = (turned[k] - self.from[k]) * self.scale + self.onto[k];
-            // Truncation rounds half up, as what is kept is not negative.
+            // Truncation rounds half up, as the values kept aren't negative.
             if at > self.side { self.side as i32 } else { ((at + 0.5) as i32).max(0) }
         };
         IVec3::new(unit(0), unit(1), unit(2))
     }
 
-    /// Voxels per mesh unit.
+    /// Returns the number of voxels in a mesh unit.
     #[must_use]
     pub fn voxels_per_unit(&self) -> f64 {
         self.scale / f64::from(BAKE_UNITS_PER_VOXEL)

@@ -1,9 +1,8 @@
 //! Triangle and box overlap by the separating axis theorem: the voxels that a triangle touches.
 //!
-//! A triangle touches a voxel when they are separated by no face direction of the voxel, not by the
-//! triangle's plane, and by no edge of its projections along the axes. All of it is exact:
-//! coordinates are at most 2^16 units, so areas stay under 2^34 and heights times areas under
-//! 2^52.
+//! A triangle touches a voxel if they aren't separated by a face direction of the voxel, by the triangle's
+//! plane, or by an edge of its projections along the axes. The tests are exact: coordinates are at most 2^16
+//! units, so areas stay under 2^34 and heights times areas under 2^52.
 
 use super::BAKE_UNITS_PER_VOXEL;
 use crate::volume::bit_grid::BitGrid;
@@ -20,17 +19,17 @@ const VOXEL_SHIFT: u32 = BAKE_UNITS_PER_VOXEL.trailing_zeros();
 pub(super) struct GridTriangle {
     pub(super) origin: [i64; 3],
     pub(super) corners: [[i64; 3]; 3],
-    /// By axis, the voxels whose displaced centres lie in the bounds: `start..end`.
+    /// For each axis, the voxels whose displaced centres lie in the bounds: `start..end`.
     pub(super) centres: [[i32; 2]; 3],
-    /// By axis, the first and last voxel whose closed box meets the bounds.
+    /// For each axis, the first and last voxel whose closed box meets the bounds.
     pub(super) first: [usize; 3],
     pub(super) last: [usize; 3],
     /// Edge i goes from corner i to the next.
     edges: [[i64; 3]; 3],
-    /// By the axis of projection and by edge: see [`GridTriangle::projected_edges`].
+    /// Indexed by the axis of projection and by edge: see [`GridTriangle::projected_edges`].
     offsets: [[i64; 3]; 3],
-    /// The outward normal, of twice the area's length. Twice a projection's signed area is the component
-    /// along its axis.
+    /// The outward normal, with a length of twice the area. Its component along an axis is twice the signed
+    /// area of the projection along that axis.
     pub(super) normal: [i64; 3],
 }
 
@@ -43,7 +42,7 @@ pub(super) struct ProjectedEdge {
 }
 
 impl GridTriangle {
-    /// `None` when a corner is outside the box of the grid.
+    /// Creates the triangle, or returns `None` if a corner is outside the box of the grid.
     #[inline(always)]
     pub(super) fn new_within_grid<const N: usize>(points: [IVec3; 3]) -> Option<Self> {
         let [a, b, c] = points;
@@ -61,7 +60,7 @@ impl GridTriangle {
             offsets: [[0; 3]; 3],
             normal: [0; 3],
         };
-        // Written out by axis: the compiler leaves a loop of this size a loop.
+        // Written out by axis, as the compiler doesn't unroll a loop of this size.
         triangle.set_components_on_axis::<N>(0, points, low, high);
         triangle.set_components_on_axis::<N>(1, points, low, high);
         triangle.set_components_on_axis::<N>(2, points, low, high);
@@ -71,7 +70,7 @@ impl GridTriangle {
         Some(triangle)
     }
 
-    /// Fills in what depends on one axis alone.
+    /// Sets the fields that depend on a single axis.
     #[inline(always)]
     fn set_components_on_axis<const N: usize>(
         &mut self,
@@ -81,7 +80,7 @@ impl GridTriangle {
         high: IVec3,
     ) {
         let (low, high) = (low[axis], high[axis]);
-        // A face at both ends belongs to the voxels on either side.
+        // A face at either end belongs to the voxels on both sides.
         let first = ((low - 1) >> VOXEL_SHIFT).max(0);
         self.first[axis] = first as usize;
         self.last[axis] = (high as usize >> VOXEL_SHIFT).min(N - 1);
@@ -93,7 +92,7 @@ impl GridTriangle {
         [self.edges[0][axis], self.edges[1][axis], self.edges[2][axis]] = [b - a, c - b, a - c];
     }
 
-    /// Fills in the projection along `axis`: its edges' offsets and twice its signed area.
+    /// Sets the fields of the projection along `axis`: its edges' offsets and twice its signed area.
     #[inline(always)]
     fn set_projection(&mut self, axis: usize) {
         let [u, v] = other_axes(axis);
@@ -103,20 +102,20 @@ impl GridTriangle {
         self.normal[axis] = self.offsets[axis][0] + self.offsets[axis][1] + self.offsets[axis][2];
     }
 
-    /// Whether the triangle has no area.
+    /// Returns `true` if the triangle has no area.
     #[inline(always)]
     pub(super) fn is_degenerate(&self) -> bool {
         self.normal == [0; 3]
     }
 
-    /// Six times the signed volume of the tetrahedron with its apex at a point in bake units.
+    /// Returns six times the signed volume of the tetrahedron with its apex at a point in bake units.
     #[inline(always)]
     pub(super) fn signed_tetrahedron_volume_x6(&self, apex: [i64; 3]) -> i64 {
         let [x, y, z] = [0, 1, 2].map(|k| self.corners[0][k] + self.origin[k] - apex[k]);
         self.normal[0] * x + self.normal[1] * y + self.normal[2] * z
     }
 
-    /// The edge functions of the projection along `axis`, in the coordinates of [`other_axes`].
+    /// Returns the edge functions of the projection along `axis`, in the coordinates of [`other_axes`].
     #[inline(always)]
     pub(super) fn projected_edges(&self, axis: usize) -> [ProjectedEdge; 3] {
         let [u, v] = other_axes(axis);
@@ -143,8 +142,8 @@ impl GridTriangle {
         }
     }
 
-    /// Marks at most 2x2x2 voxels. They are the octants around `origin`, and each edge or plane that
-    /// separates one from the triangle has the origin on its far side and faces away from it.
+    /// Marks at most 2x2x2 voxels, the octants around `origin`. Each edge or plane that separates an octant
+    /// from the triangle has the origin on its far side and faces away from it.
     #[inline(always)]
     fn mark_in_octants<const N: usize>(&self, touched: &mut BitGrid<N>)
     where
@@ -153,7 +152,7 @@ impl GridTriangle {
         let double = [0, 1, 2].map(|k| self.first[k] < self.last[k]);
         let beyond = |k: usize| if double[k] { 0 } else { HIGH_OCTANTS[k] };
         let mut missed = beyond(0) | beyond(1) | beyond(2);
-        // Two voxels in a line need no test: the triangle reaches both.
+        // Two voxels in a line need no test: the triangle touches both.
         if double[1] && double[2] {
             missed |= self.octants_beyond_edges(0);
         }
@@ -182,7 +181,7 @@ impl GridTriangle {
         }
     }
 
-    /// The octants around the origin that an edge of the projection along `axis` separates from the
+    /// Returns the octants around the origin that an edge of the projection along `axis` separates from the
     /// triangle.
     #[inline(always)]
     fn octants_beyond_edges(&self, axis: usize) -> OctantMask {
@@ -191,7 +190,7 @@ impl GridTriangle {
         let mut missed = 0;
         for i in 0..3 {
             let offset = sign_index(self.offsets[axis][i]);
-            // With the origin on the inner side, the edge separates nothing.
+            // An edge with the origin on its inner side separates nothing.
             let offset = if offset == area { 1 } else { offset };
             let slope = 3 * (2 - sign_index(self.edges[i][v])) + sign_index(self.edges[i][u]);
             missed |= octants_in_signed_direction(&QUADRANT_OCTANTS[axis], slope, offset);
@@ -199,7 +198,7 @@ impl GridTriangle {
         missed
     }
 
-    /// Marks a sheet of voxels one thick along `axis`: the projection along it decides alone.
+    /// Marks a sheet of voxels one thick along `axis`: only the projection along `axis` is tested.
     fn mark_in_sheet<const N: usize>(&self, axis: usize, touched: &mut BitGrid<N>)
     where
         Grid<N>: Size,
@@ -219,8 +218,8 @@ impl GridTriangle {
         }
     }
 
-    /// Marks voxels of a box of any size: the cells of the projection along the dominant axis of the
-    /// normal, and in each cell the few voxels that the triangle's plane passes through.
+    /// Marks voxels of a box of any size: iterates over the cells of the projection along the normal's
+    /// dominant axis, and in each cell over the few voxels that the triangle's plane passes through.
     fn mark_in_box<const N: usize>(&self, touched: &mut BitGrid<N>)
     where
         Grid<N>: Size,
@@ -250,13 +249,13 @@ impl GridTriangle {
         }
     }
 
-    /// The projection's edge functions along `axis`, each moved outwards so that a voxel-sized square
-    /// overlaps the projection exactly where its low corner is inside all three.
+    /// Returns the edge functions of the projection along `axis`, each moved outwards so that a voxel-sized
+    /// square overlaps the projection exactly if its low corner is inside all three.
     #[inline(always)]
     fn conservative_edges_for_low_corners(&self, axis: usize) -> [ProjectedEdge; 3] {
         let mut edges = self.projected_edges(axis);
         if self.normal[axis] == 0 {
-            // The projection is a segment: any edge that isn't a point gives both sides.
+            // The projection is a segment: any edge of non-zero length gives both sides.
             let edge = edges.into_iter().find(|edge| edge.slope != [0; 2]).unwrap_or(edges[0]);
             let [s, t] = edge.slope;
             edges = [edge, ProjectedEdge { slope: [-s, -t], offset: -edge.offset }, edge];
@@ -270,14 +269,14 @@ impl GridTriangle {
         edges
     }
 
-    /// The low end of a voxel along an axis, in units relative to `origin`.
+    /// Returns the low end of a voxel along an axis, in units relative to `origin`.
     #[inline(always)]
     fn low_end_from_origin(&self, axis: usize, voxel: usize) -> i64 {
         (voxel as i64 - self.first[axis] as i64 - 1) * VOXEL_UNITS
     }
 
-    /// The voxels along w, inside the bounds, through which the plane passes over the cell with its low
-    /// corner at `cell_low`.
+    /// Returns the voxels along w, inside the bounds, through which the plane passes over the cell with its
+    /// low corner at `cell_low`.
     #[inline(always)]
     fn voxels_along_w_in_plane(
         &self,
@@ -303,13 +302,13 @@ impl GridTriangle {
     }
 }
 
-/// The two other axes, in cyclic order after `axis`.
+/// Returns the two other axes, in cyclic order after `axis`.
 #[inline(always)]
 pub(super) const fn other_axes(axis: usize) -> [usize; 2] {
     [(axis + 1) % 3, (axis + 2) % 3]
 }
 
-/// Whether a voxel-sized square's low corner is inside all three conservative edges.
+/// Returns `true` if a voxel-sized square's low corner is inside all three conservative edges.
 #[inline(always)]
 fn contain_square(edges: &[ProjectedEdge; 3], low_corner: [i64; 2]) -> bool {
     let inside = |edge: &ProjectedEdge| {
@@ -318,18 +317,18 @@ fn contain_square(edges: &[ProjectedEdge; 3], low_corner: [i64; 2]) -> bool {
     inside(&edges[0]) & inside(&edges[1]) & inside(&edges[2])
 }
 
-/// A set of the octants around a triangle's origin: bit i is octant i, which lies on the high side of axis
-/// k where bit k of i is set.
+/// A set of the octants around a triangle's origin: bit i is octant i, which lies on the high side of axis k
+/// if bit k of i is set.
 type OctantMask = u8;
 
-/// The sign of a number, as [`sign_index`] gives it: 0 for negative, 1 for zero, 2 for positive.
+/// The sign of a number as returned by [`sign_index`]: 0 for negative, 1 for zero, 2 for positive.
 type SignIndex = usize;
 
-/// By axis, the octants on its high side.
+/// The octants on the high side of each axis.
 const HIGH_OCTANTS: [OctantMask; 3] = [0b1010_1010, 0b1100_1100, 0b1111_0000];
 
-/// By axis, the octants in the quadrant that a 2D direction on the [`other_axes`] points to, at index
-/// `3 * sign_index(u) + sign_index(v)`; both sides of an axis on which it is zero.
+/// For each axis, the octants in the quadrant that a 2D direction on the [`other_axes`] points to, at index
+/// `3 * sign_index(u) + sign_index(v)`. A component of zero selects both sides of its axis.
 const QUADRANT_OCTANTS: [[OctantMask; 9]; 3] = {
     let mut table = [[0; 9]; 3];
     let mut i = 0;
@@ -354,19 +353,20 @@ const DIRECTION_OCTANTS: [OctantMask; 27] = {
     table
 };
 
-/// The octants on the low side of an axis for [`sign_index`] 0, all for 1, on the high side for 2.
+/// Returns the octants on the low side of an axis for [`sign_index`] 0, all octants for 1, those on the high
+/// side for 2.
 const fn octants_on_side(axis: usize, side: SignIndex) -> OctantMask {
     [!HIGH_OCTANTS[axis], 0xff, HIGH_OCTANTS[axis]][side]
 }
 
-/// 0 for negative, 1 for zero, 2 for positive.
+/// Returns 0 for negative, 1 for zero, 2 for positive numbers.
 #[inline(always)]
 fn sign_index(value: i64) -> SignIndex {
     (value >= 0) as usize + (value > 0) as usize
 }
 
-/// The table's octants for a direction where `sign` is positive, for the opposite direction where it is
-/// negative, and none where it is zero.
+/// Returns the table's octants for a direction if `sign` is positive, for the opposite direction if it is
+/// negative, and no octants if it is zero.
 #[inline(always)]
 fn octants_in_signed_direction<const M: usize>(
     octants_by_direction: &[OctantMask; M],
@@ -377,7 +377,7 @@ fn octants_in_signed_direction<const M: usize>(
     octants_by_direction[at] & ((sign != 1) as u8).wrapping_neg()
 }
 
-/// Sets bit `first_x` where bit 0 of `two_bits` is set, and the next where bit 1 is.
+/// Sets bit `first_x` if bit 0 of `two_bits` is set, and the next bit if bit 1 is set.
 #[inline(always)]
 fn insert_two_voxels<const N: usize>(row: &mut <Grid<N> as Size>::Row, first_x: usize, two_bits: u8)
 where

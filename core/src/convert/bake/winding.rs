@@ -1,14 +1,16 @@
-//! Winding numbers along columns: which untouched runs of a column lie outside the mesh, and so are gaps.
+//! Winding numbers along columns: find the untouched runs of a column that lie outside the mesh, and so are
+//! gaps.
 //!
-//! The winding number of a run is the number of surfaces that the column's ray enters below it, less those
-//! that it leaves. It is one number for the whole run, as a crossing lies on a triangle and therefore in a
-//! touched voxel. It is signed: 2 where two solids overlap, which parity would hollow. Of a column that
-//! leaves as many surfaces as it enters, a run between touched voxels whose number is 0 is outside. In any
-//! other column the mesh has a hole, nothing is known, and it is one interval.
+//! The winding number of a run is the number of surfaces that the column's ray enters below it, minus those
+//! that it leaves. It is constant in the whole run, as a crossing lies on a triangle and therefore in a
+//! touched voxel. It is signed: 2 where two solids overlap, which a parity test would hollow. In a balanced
+//! column, which leaves as many surfaces as it enters, a run between touched voxels with the number 0 is
+//! outside. In any other column the mesh has a hole and the numbers are unknown, so the column has one
+//! interval.
 //!
-//! A column keeps all crossings of its ray, a set that is the same for any order of the triangles. It has room
-//! for [`BAKED_CROSSINGS`]; a column of more is one interval. No number is ever wrong, and no solid taken for
-//! a gap, however many overlap.
+//! A column stores all crossings of its ray, a set that doesn't depend on the order of the triangles. It has
+//! room for [`BAKED_CROSSINGS`]; a column with more has one interval. So no number is ever wrong, and no
+//! solid is taken for a gap, however many solids overlap.
 
 use crate::limits::BAKED_CROSSINGS;
 use crate::volume::bit_grid::BitGrid;
@@ -19,21 +21,21 @@ use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 use store::WindingStore;
 
-/// What a [`Baker`](crate::Baker) knows of winding numbers: [`NoWindings`] or [`ColumnWindings`].
+/// The information of a [`Baker`](crate::Baker) about winding numbers: [`NoWindings`] or [`ColumnWindings`].
 pub trait Windings<const N: usize>: WindingStore<N> {}
 
-/// Nothing: enough for columns of one interval.
+/// No winding numbers: sufficient for columns of one interval.
 #[derive(Clone, Copy, Debug)]
 pub struct NoWindings;
 
-/// The crossings of every column, which tell the gaps of columns of two intervals and more. 3 MiB at 128,
-/// 12.2 MiB at 256.
+/// The crossings of every column, which determine the gaps of columns with two or more intervals. 3 MiB at
+/// 128, 12.2 MiB at 256.
 #[derive(Debug)]
 pub struct ColumnWindings<const N: usize> {
-    /// By column, the number of its crossings; one more than there is room for stands for more.
+    /// For each column, the number of its crossings; `BAKED_CROSSINGS + 1` means too many.
     counts: [[[u8; N]; N]; 3],
-    /// By column, its crossings, as many as `counts` has; each a [`Crossing::to_number`], an integer for the
-    /// reason that [`Column`] gives.
+    /// For each column, its crossings, as many as `counts` says. Each is a [`Crossing::to_number`], an
+    /// integer for the reason given at [`Column`].
     crossings: [[[[u16; BAKED_CROSSINGS]; N]; N]; 3],
 }
 
@@ -42,14 +44,14 @@ const _: () = assert!(BAKED_CROSSINGS < u8::MAX as usize);
 /// A crossing of a column's ray with a triangle.
 #[derive(Clone, Copy)]
 struct Crossing {
-    /// The voxel that it lies in.
+    /// The voxel that contains it.
     voxel: usize,
-    /// 1 where the ray enters a surface, -1 where it leaves one.
+    /// 1 if the ray enters a surface, -1 if it leaves one.
     entered: i8,
 }
 
 impl Crossing {
-    /// Returns the crossing as a number. Numbers are in the order of the voxels.
+    /// Returns the crossing as a number. The numbers have the order of the voxels.
     #[inline]
     const fn to_number(self) -> u16 {
         (self.voxel as u16) << 1 | (self.entered > 0) as u16
@@ -65,18 +67,18 @@ impl Crossing {
 pub(super) mod store {
     use super::{Axis, BitGrid, ColumnAddress, Grid, RangeMaps, Size};
 
-    /// The work of [`Windings`](super::Windings), which is the crate's own.
+    /// The implementation of [`Windings`](super::Windings), private to the crate.
     pub trait WindingStore<const N: usize>: Sized {
         /// No crossing.
         const NONE: Self;
-        /// Whether crossings are counted.
+        /// `true` if crossings are stored.
         const COUNTS: bool;
 
         /// Removes every crossing, in place.
         fn clear(&mut self);
 
-        /// Adds a crossing of the column at `at`, in that `voxel` of it: `entered` is 1, or -1 where the ray
-        /// leaves a surface.
+        /// Adds a crossing of the column at `at`, in its voxel `voxel`. `entered` is 1 if the ray enters a
+        /// surface, -1 if it leaves one.
         fn add_crossing(
             &mut self,
             axis: Axis,
@@ -162,12 +164,13 @@ impl<const N: usize> WindingStore<N> for ColumnWindings<N> {
     }
 }
 
-/// Whether the winding numbers along a column are known.
+/// `true` if a column is balanced, so that its winding numbers are known.
 type IsBalanced = bool;
 
 impl<const N: usize> ColumnWindings<N> {
-    /// Calls `visit` for stretches of a column around which the mesh winds, each by the voxel with its first
-    /// crossing and that with its last: for all of them if the column is balanced.
+    /// Calls `visit` for each stretch of a column with non-zero winding numbers, with the voxels of its first
+    /// and its last crossing. The stretches are complete only if the column is balanced. Returns `true` if it
+    /// is.
     #[inline]
     fn visit_wound_stretches(
         &self,
@@ -220,7 +223,7 @@ impl<const N: usize> ColumnWindings<N> {
         }
     }
 
-    /// Writes a line of columns along y or z, all of them at once. `touched_at(i)` holds voxel `i` of each
+    /// Writes a line of columns along y or z, all columns at once. `touched_at(i)` holds voxel `i` of each
     /// column.
     fn write_line<const K: usize>(
         &self,
@@ -235,7 +238,7 @@ impl<const N: usize> ColumnWindings<N> {
         if self.counts[axis as usize][line] == [0; N] {
             return line_scan::close_line(columns, (0..N).map(touched_at));
         }
-        // Each stretch toggles its column's bit at both ends, as in BitGrid::set_from_maps.
+        // Each stretch toggles its column's bit at both ends, as in `BitGrid::set_from_maps`.
         let mut toggles = [<Grid<N> as Size>::Row::EMPTY; N];
         let mut unbalanced = <Grid<N> as Size>::Row::EMPTY;
         for place in 0..N {

@@ -1,10 +1,10 @@
 //! Marching cubes case table: the triangles for each of the 256 combinations of solid corners, derived
 //! from the contour rule at compile time.
 //!
-//! A cell is a cube between eight voxel centres; corner `i + 2 j + 4 k` is the one `i` up in x, `j`
-//! in y and `k` in z. A vertex lies halfway along a cell edge from a solid corner to an empty one,
-//! and is identified by that solid corner and the edge's axis. On every cell face the contour goes
-//! from vertex to vertex by [`SurfaceTurn`], so the cells on both sides of a face agree.
+//! A cell is a cube between eight voxel centres; corner `i + 2 j + 4 k` is the corner `i` up in x, `j` in y
+//! and `k` in z. A vertex lies halfway along a cell edge from a solid corner to an empty one, and is
+//! identified by that solid corner and the edge's axis. On every cell face the contour goes from vertex to
+//! vertex by [`SurfaceTurn`], so the cells on both sides of a face agree.
 
 use super::faces::{SurfaceTurn, TANGENTS, VoxelFace, cross_direction};
 
@@ -26,7 +26,7 @@ pub(super) struct CellCase {
     pub(super) triangles: [[CellVertex; 3]; MAX_CELL_TRIANGLES],
 }
 
-/// The triangles by case: bit c of the index is set where corner c is solid.
+/// The triangles of each case: bit c of the index is set if corner c is solid.
 pub(super) static CASES: [CellCase; 256] = {
     let mut cases = [CellCase { count: 0, triangles: [[0; 3]; MAX_CELL_TRIANGLES] }; 256];
     let mut solid = 0;
@@ -43,10 +43,10 @@ pub(super) struct CornerFace {
     pub(super) face: VoxelFace,
 }
 
-/// The solid corner of a vertex, and the face of that corner's voxel whose centre it is.
+/// Returns the solid corner of a vertex, and the face of that corner's voxel with the vertex as its centre.
 pub(super) const fn corner_and_face_of(vertex: CellVertex) -> CornerFace {
     let (corner, axis) = (vertex as usize / 3, vertex as usize % 3);
-    // A corner at the low end of the axis has its edge to the high side.
+    // A corner at the low end of the axis has its edge towards the high side.
     CornerFace { corner, face: 2 * axis + (corner >> axis & 1) }
 }
 
@@ -89,7 +89,7 @@ const fn is_vertex(solid_mask: usize, vertex: CellVertex) -> bool {
     solid_mask >> corner & 1 == 1 && solid_mask >> (corner ^ 1 << (face / 2)) & 1 == 0
 }
 
-/// The contour through a vertex, counter-clockwise seen from outside.
+/// Returns the contour through a vertex, counter-clockwise seen from outside.
 const fn trace_contour(solid_mask: usize, start: CellVertex) -> CellContour {
     let mut contour = CellContour { vertices: [0; 12], len: 0 };
     let mut at = start;
@@ -103,8 +103,8 @@ const fn trace_contour(solid_mask: usize, start: CellVertex) -> CellContour {
     }
 }
 
-/// The next vertex of the contour. Of the two cell faces at a vertex, the contour leaves through the
-/// one in direction d for which d, the other face's direction and the outward normal are right-handed.
+/// Returns the next vertex of the contour. Two cell faces meet at a vertex; the contour leaves through the
+/// face in direction d for which d, the other face's direction and the outward normal are right-handed.
 const fn next_vertex(solid_mask: usize, at: CellVertex) -> CellVertex {
     let CornerFace { corner, face: normal } = corner_and_face_of(at);
     let mut k = 0;
@@ -127,13 +127,13 @@ const fn next_vertex(solid_mask: usize, at: CellVertex) -> CellVertex {
     }
 }
 
-/// Whether a step from the corner in the direction of a face stays in the cell.
+/// Returns `true` if a step from the corner in the direction of a face stays in the cell.
 const fn is_step_inside_cell(corner: usize, face: VoxelFace) -> bool {
     corner >> (face / 2) & 1 == face & 1
 }
 
-/// Triangulates the polygon of the contour's vertices `first..=last` by backtracking, and returns the
-/// case with those triangles added; `None` if every triangulation has an invalid side.
+/// Triangulates the polygon of the contour's vertices `first..=last` by backtracking. Returns the case with
+/// those triangles added, or `None` if every triangulation has an invalid side.
 const fn triangulate_contour(
     contour: &CellContour,
     first: usize,
@@ -163,14 +163,14 @@ const fn triangulate_contour(
     None
 }
 
-/// Whether a triangle may have the side from vertex `i` to `j`: a side of the contour, or a diagonal
-/// that lies in no cell face (the cell beyond that face could have the same diagonal, and four
+/// Returns `true` if a triangle may have the side from vertex `i` to `j`: a side of the contour, or a
+/// diagonal that lies in no cell face (the cell beyond that face could have the same diagonal, and four
 /// triangles would share it).
 const fn is_valid_triangle_side(contour: &CellContour, i: usize, j: usize) -> bool {
     j - i == 1 || !share_cell_face(contour.vertices[i], contour.vertices[j])
 }
 
-/// Whether two vertices lie in the same face of the cell.
+/// Returns `true` if two vertices lie in the same face of the cell.
 const fn share_cell_face(a: CellVertex, b: CellVertex) -> bool {
     let ((a, a_axis), (b, b_axis)) =
         ((a as usize / 3, a as usize % 3), (b as usize / 3, b as usize % 3));

@@ -1,21 +1,21 @@
-//! Active cells of a row, those that the surface passes through, found a machine word at a time.
+//! Active cells of a row, which the surface passes through, found a machine word at a time.
 
 use super::cases::CASES;
 use crate::volume::row::BitSet;
 
-/// The four rows of voxels at the corners of a row of cells along x: by y, then by z.
+/// The four rows of voxels at the corners of a row of cells along x, indexed by y, then by z.
 pub(super) type CornerRows<R> = [[R; 2]; 2];
 
 /// A cell that the surface passes through.
 pub(super) struct SurfaceCell {
-    /// Its place in the row: cell x lies between the voxels x - 1 and x.
+    /// Its index in the row: cell x lies between the voxels x - 1 and x.
     pub(super) x: usize,
     /// Its index in [`CASES`].
     pub(super) case: usize,
 }
 
-/// Visits every cell of the row whose corners are neither all solid nor all empty; everything outside
-/// the rows is empty.
+/// Visits every cell of the row whose corners are neither all solid nor all empty. Everything outside the
+/// rows is empty.
 #[inline(always)]
 pub(super) fn visit_surface_cells<R: BitSet>(
     rows: &CornerRows<R>,
@@ -44,10 +44,10 @@ pub(super) fn visit_surface_cells<R: BitSet>(
     }
 }
 
-/// Cells of a chunk.
+/// Number of cells in a chunk.
 const CHUNK: usize = 63;
 
-/// The voxels around the cells of a chunk: bit 0 is voxel `CHUNK * chunk - 1`.
+/// Returns the voxels around the cells of a chunk: bit 0 is voxel `CHUNK * chunk - 1`.
 #[inline(always)]
 fn chunk_from_voxel_before<R: BitSet>(row: &R, chunk: usize) -> u64 {
     let low = if chunk > 0 { row.word(chunk - 1) >> (CHUNK - chunk) } else { 0 };
@@ -55,7 +55,7 @@ fn chunk_from_voxel_before<R: BitSet>(row: &R, chunk: usize) -> u64 {
     low | high
 }
 
-/// The number of triangles in a row of cells.
+/// Returns the number of triangles in a row of cells.
 pub(super) fn count_triangles<R: BitSet>(rows: &CornerRows<R>) -> u32 {
     let mut count = 0;
     visit_surface_cells(rows, |cell| count += u32::from(CASES[cell.case].count));

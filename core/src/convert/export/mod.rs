@@ -27,28 +27,28 @@ use stl::StlPoint;
 use support::SupportSearch;
 use walk::{CellWalk, ClosedBounds, WalkStep};
 
-/// The heights that a model may have: 0.1 to 100,000 mm, ends included.
+/// The range of model heights: 0.1 to 100,000 mm, inclusive.
 pub const HEIGHT_RANGE_MM: RangeInclusive<f32> = 0.1..=100_000.0;
 
 /// A height outside [`HEIGHT_RANGE_MM`], or NaN.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct HeightOutOfRange(pub f32);
 
-/// The phase of an export, in the order in which they follow each other.
+/// The phase of an export, in chronological order.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 #[repr(u8)]
 pub enum ExportPhase {
-    /// Waits for [`Exporter::start_export`].
+    /// Waiting for [`Exporter::start_export`].
     Idle = 0,
-    /// Finds the supported voxels.
+    /// Finding the supported voxels.
     Supporting,
-    /// Finds their bounding box.
+    /// Finding their bounding box.
     Bounding,
-    /// Counts triangles and finds the bounds of the smoothed vertices.
+    /// Counting triangles and finding the bounds of the smoothed vertices.
     Measuring,
-    /// Writes the header.
+    /// Writing the header.
     Heading,
-    /// Writes triangles.
+    /// Writing triangles.
     Writing,
     /// The file is complete.
     Done,
@@ -60,7 +60,7 @@ pub enum ExportPhase {
 pub struct ExportProgress {
     /// Bytes written to the front of the buffer. The bytes of all calls, concatenated, are the file.
     pub written: usize,
-    /// The phase of the next call.
+    /// The phase at the next call.
     pub phase: ExportPhase,
 }
 
@@ -70,20 +70,20 @@ pub struct ExportProgress {
 /// Coordinates are in millimetres with z up: the grid's y becomes z, the lowest vertex lies at z = 0, and
 /// the model is centred in x and y.
 ///
-/// The file holds the *supported* voxels: those that are six-connected inside the volume to its ground
-/// layer y = 0 or to the mask. Where there is neither, it holds the largest six-connected component
-/// (of equal ones, the first in the order of y, z, x).
+/// The file contains the *supported* voxels: those that are six-connected inside the volume to its ground
+/// layer y = 0 or to the mask. If there are neither, it contains the largest six-connected component (the
+/// first of equal ones, in the order of y, z, x).
 pub struct Exporter<const N: usize>
 where
     Grid<N>: Size,
 {
     support: SupportSearch<N>,
     smooth: VertexSmoother<N>,
-    /// Smoothed vertices in STL axes around the current row of cells: by y, z modulo 2, x and face.
+    /// Smoothed vertices in STL axes around the current row of cells, indexed by y, z modulo 2, x and face.
     window: [[[[StlPoint; 6]; N]; 2]; 2],
-    /// First and last occupied x, y and z.
+    /// The first and last occupied x, y and z.
     voxels: ClosedBounds,
-    /// As masks of a row: the first and last x of [`Self::voxels`], and the same with their neighbours.
+    /// Masks of a row: the first and last x of [`Self::voxels`], and the same with their neighbours.
     rims: [<Grid<N> as Size>::Row; 2],
     /// The smoothed vertices' bounds in 1/128 voxel.
     vertices: ClosedBounds,
@@ -101,11 +101,11 @@ impl<const N: usize> Exporter<N>
 where
     Grid<N>: Size,
 {
-    /// With a buffer of this many bytes, [`Exporter::advance_export`] always makes progress: the
-    /// triangles of one row of cells, at worst. 32 KB at 128, twice that at 256.
+    /// Buffer size with which [`Exporter::advance_export`] always makes progress: the triangles of one row of
+    /// cells in the worst case. 32 KB at 128, twice that at 256.
     pub const MIN_BUFFER: usize = (N + 1) * cases::MAX_CELL_TRIANGLES * stl::TRIANGLE_BYTES;
 
-    /// Idle. For a `static`, as [`World::new`](crate::World::new).
+    /// Creates an idle exporter. For a `static`, as [`World::new`](crate::World::new).
     #[must_use]
     #[allow(clippy::new_without_default)] // a Default would hand the exporter about by value
     pub const fn new() -> Self {
@@ -129,7 +129,7 @@ where
     /// its lowest vertex to its highest; its scale is the same along all axes.
     ///
     /// # Errors
-    /// A height outside [`HEIGHT_RANGE_MM`]; the exporter is unchanged.
+    /// [`HeightOutOfRange`] for a height outside [`HEIGHT_RANGE_MM`]. The exporter is unchanged.
     #[inline(never)]
     pub fn start_export(&mut self, height_mm: f32) -> Result<(), HeightOutOfRange> {
         if !HEIGHT_RANGE_MM.contains(&height_mm) {
@@ -144,14 +144,14 @@ where
         Ok(())
     }
 
-    /// Does at most `max_work_units` of work, writing to the front of `out`. A unit is a row visited, or
-    /// a layer searched for its bounds.
+    /// Does at most `max_work_units` of work, and writes to the front of `out`. A unit is a row visited, or a
+    /// layer searched for its bounds.
     ///
-    /// `mask` is the volume's mask (empty for none); neither may change from start to
-    /// end. Returns early when `out` has no room for the next piece. It never does so without progress
-    /// when `out` has [`Exporter::MIN_BUFFER`] bytes or room for the whole file; a smaller one may stop it for
-    /// good, which shows as no bytes written and no change of phase. The bytes of the file
-    /// don't depend on budgets and buffers.
+    /// `mask` is the volume's mask (empty for none); volume and mask must not change until the export ends.
+    /// Returns early if `out` has no room for the next piece. With [`Exporter::MIN_BUFFER`] bytes, or room
+    /// for the whole file, every call makes progress. A smaller buffer may stop the export for good: then no
+    /// bytes are written and the phase doesn't change. The bytes of the file don't depend on budgets and
+    /// buffers.
     #[inline(never)]
     pub fn advance_export<const K: usize>(
         &mut self,
@@ -183,13 +183,13 @@ where
         ExportProgress { written, phase: self.phase }
     }
 
-    /// The number of triangles, known from [`ExportPhase::Heading`] on. An empty volume has zero.
+    /// Returns the number of triangles, known from [`ExportPhase::Heading`] on. An empty volume has zero.
     #[must_use]
     pub fn triangles(&self) -> Option<u32> {
         (self.phase >= ExportPhase::Heading).then_some(self.triangles)
     }
 
-    /// The length of the whole file in bytes, known from [`ExportPhase::Heading`] on.
+    /// Returns the length of the whole file in bytes, known from [`ExportPhase::Heading`] on.
     #[must_use]
     pub fn file_len(&self) -> Option<u64> {
         let triangles = u64::from(self.triangles()?);
@@ -225,8 +225,8 @@ where
         }
     }
 
-    /// Counts the triangles and bounds the vertices of the walk's current step. Smoothing moves no
-    /// vertex by more than half a voxel, so the outermost voxels' vertices have the bounds.
+    /// Counts the triangles of the walk's current step, and updates the bounds of the vertices. Smoothing
+    /// moves no vertex by more than half a voxel, so the outermost voxels' vertices determine the bounds.
     fn measure_next_row(&mut self) {
         let solid = self.support.supported_voxels();
         match self.walk.current_step() {
@@ -254,7 +254,7 @@ where
         }
     }
 
-    /// The voxels of row (y, z) within a margin, 0 or 1, of a face of the bounds of all voxels.
+    /// Returns the voxels of row (y, z) within a margin, 0 or 1, of a face of the bounds of all voxels.
     fn voxels_near_faces_of_bounds(
         &self,
         (y, z): RowAddress,
@@ -269,7 +269,7 @@ where
         }
     }
 
-    /// Writes the header or the triangles of the walk's current step, and returns their bytes; `None`
+    /// Writes the header or the triangles of the walk's current step. Returns the number of bytes, or `None`
     /// if `out` has no room for them.
     fn write_next_piece(&mut self, out: &mut [u8]) -> Option<usize> {
         if self.phase == ExportPhase::Heading {
@@ -307,7 +307,7 @@ where
     /// model's origin.
     fn smooth_vertices_into_window(&mut self, (y, z): RowAddress) {
         let ClosedBounds { lo, hi } = self.vertices;
-        // Halves at most: all of this is exact.
+        // All values are at most halves, so this is exact.
         let [x_middle, z_middle] = [0, 2].map(|axis| (lo[axis] + hi[axis]) as f32 / 2.0);
         for (above, window) in self.window.iter_mut().enumerate() {
             let y = (y + above).wrapping_sub(1);
@@ -315,7 +315,7 @@ where
                 continue;
             }
             let window = &mut window[z % 2];
-            // The cells of the slab have no vertices on its outward faces.
+            // The slab's cells have no vertices on its outward faces.
             let faces = if above == 0 { &[0, 1, 2, 4, 5] } else { &[0, 1, 3, 4, 5] };
             let solid = self.support.supported_voxels();
             self.smooth.visit_vertices(solid, (y, z), Grid::<N>::FULL, faces, |vertex| {
@@ -326,7 +326,7 @@ where
         }
     }
 
-    /// Writes the triangles of a row of cells, and returns their bytes.
+    /// Writes the triangles of a row of cells. Returns the number of bytes.
     fn write_row_triangles(
         &self,
         corners: &CornerRows<<Grid<N> as Size>::Row>,
@@ -351,7 +351,7 @@ where
         count * stl::TRIANGLE_BYTES
     }
 
-    /// The rows around the cells between the layers y - 1 and y and the rows z - 1 and z.
+    /// Returns the rows around the cells between the layers y - 1 and y and the rows z - 1 and z.
     fn corner_rows(&self, (y, z): RowAddress) -> CornerRows<<Grid<N> as Size>::Row> {
         let found = self.support.supported_voxels();
         let mut corners = [[<Grid<N> as Size>::Row::EMPTY; 2]; 2];
@@ -369,8 +369,8 @@ where
         corners
     }
 
-    /// By z modulo 2 of the voxel after a cell, and by [`cases::CellVertex`]: the vertex's offset in
-    /// the window from that voxel's first face.
+    /// The vertex's offset in the window from the first face of the voxel after a cell, indexed by that
+    /// voxel's z modulo 2 and by [`cases::CellVertex`].
     const WINDOW_OFFSETS: [[usize; 32]; 2] = {
         let mut places = [[0; 32]; 2];
         let mut i = 0;
@@ -385,7 +385,7 @@ where
         places
     };
 
-    /// Starts a walk through the layers in the given phase; without any voxels, skips to `phase_if_empty`.
+    /// Starts a walk through the layers in the given phase. Without any voxels, skips to `phase_if_empty`.
     fn start_walk_or_skip(&mut self, phase: ExportPhase, phase_if_empty: ExportPhase) {
         if self.voxels.is_empty() {
             self.phase = phase_if_empty;

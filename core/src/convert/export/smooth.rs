@@ -17,12 +17,12 @@ use crate::volume::size::{Grid, Size};
 /// Vertex units along a voxel's side: positions are in 1/128 voxel.
 pub(super) const VERTEX_UNITS: i32 = 128;
 
-/// Layers in the window: a vertex's neighbours lie at most one layer away, and two layers of
-/// smoothed vertices bound a slab of cells.
+/// Layers in the window: a vertex's neighbours are at most one layer away, and two layers of smoothed
+/// vertices bound a slab of cells.
 const WINDOW_LAYERS: usize = 4;
 
-/// The codes of four layers, layer y at place y modulo 4. Only those of exposed faces are ever
-/// read, so none need clearing.
+/// The codes of four layers; layer y is at index y modulo 4. Only the codes of exposed faces are ever read,
+/// so none need clearing.
 pub(super) struct VertexSmoother<const N: usize> {
     codes: [[[[u8; 6]; N]; N]; WINDOW_LAYERS],
 }
@@ -31,9 +31,9 @@ pub(super) struct VertexSmoother<const N: usize> {
 pub(super) struct SmoothedVertex {
     /// Its voxel.
     pub(super) x: usize,
-    /// The exposed face whose centre it was.
+    /// The exposed face with the unsmoothed vertex as its centre.
     pub(super) face: VoxelFace,
-    /// In 1/128 voxel; the centre of voxel (x, y, z) is at 128 (x, y, z).
+    /// Position in 1/128 voxel; the centre of voxel (x, y, z) is at 128 (x, y, z).
     pub(super) position: [i32; 3],
 }
 
@@ -42,18 +42,18 @@ pub(super) struct SmoothedVertex {
 struct NeighbourHop {
     /// Difference of the indices in the window.
     offset: i32,
-    /// Index in [`NEIGHBOUR_SUMS`] of code 0 of the neighbour's face.
+    /// The index in [`NEIGHBOUR_SUMS`] of code 0 of the neighbour's face.
     first: u32,
 }
 
-/// The hops from a face, by direction and turn.
+/// The hops from a face, indexed by direction and turn.
 type FaceHops = [[NeighbourHop; 4]; 4];
 
 impl<const N: usize> VertexSmoother<N>
 where
     Grid<N>: Size,
 {
-    /// No codes. For static initialisers only.
+    /// Creates a smoother without codes. For static initialisers only.
     pub(super) const fn new() -> Self {
         VertexSmoother { codes: [[[[0; 6]; N]; N]; WINDOW_LAYERS] }
     }
@@ -79,9 +79,8 @@ where
         encode_turns_of_face::<5, N, _>(row, &near, codes);
     }
 
-    /// Visits the smoothed vertices of the voxels `among` of row (y, z), on those `faces` that are
-    /// exposed. The codes of the layers y - 1 to y + 1 around those voxels must be in the
-    /// window.
+    /// Visits the smoothed vertices of the voxels `among` of row (y, z), on the exposed ones of `faces`. The
+    /// codes of the layers y - 1 to y + 1 around those voxels must be in the window.
     #[inline(always)]
     pub(super) fn visit_vertices(
         &self,
@@ -110,7 +109,7 @@ where
         }
     }
 
-    /// By the layer's index in the window, and by face.
+    /// The hops, indexed by the layer's index in the window and by face.
     const HOPS: [[FaceHops; 6]; WINDOW_LAYERS] = {
         let mut hops = [[[[NeighbourHop { offset: 0, first: 0 }; 4]; 4]; 6]; WINDOW_LAYERS];
         let mut i = 0;
@@ -141,8 +140,8 @@ where
     }
 }
 
-/// The vector from a voxel's centre to the smoothed vertex of one of its exposed faces, in 1/128 voxel;
-/// `first_code` is the index of the voxel's codes, by face.
+/// Returns the vector from a voxel's centre to the smoothed vertex of one of its exposed faces, in 1/128
+/// voxel. `first_code` is the index of the code of the voxel's face 0.
 #[inline(always)]
 fn smoothed_offset_from_centre(
     codes: &[u8],
@@ -177,7 +176,7 @@ fn visit_ones<R: BitSet>(row: R, mut visit: impl FnMut(usize)) {
 
 /// A row and its eight neighbours; everything outside the grid is empty.
 struct RowNeighbours<R> {
-    /// By z - 1, z, z + 1 within y - 1, y, y + 1.
+    /// The rows at z - 1, z, z + 1 for each of y - 1, y, y + 1.
     rows: [[R; 3]; 3],
 }
 
@@ -204,7 +203,8 @@ impl<R: BitSet> RowNeighbours<R> {
         RowNeighbours { rows }
     }
 
-    /// For each x of the middle row, the voxel at `step` from it, each component -1 to 1.
+    /// Returns a row with, at each x of the middle row, the voxel displaced by `step`, whose components are
+    /// -1 to 1.
     #[inline(always)]
     fn row_towards(&self, step: [i32; 3]) -> R {
         let row = self.rows[(step[1] + 1) as usize][(step[2] + 1) as usize];
@@ -215,7 +215,7 @@ impl<R: BitSet> RowNeighbours<R> {
         }
     }
 
-    /// By face, those `voxels` of the middle row on which it is exposed.
+    /// Returns, for each face, the `voxels` of the middle row on which it is exposed.
     #[inline(always)]
     fn exposed_by_face(&self, voxels: R) -> [R; 6] {
         let [[_, below, _], [behind, here, before], [_, above, _]] = self.rows;
@@ -240,7 +240,7 @@ fn encode_turns_of_face<const FACE: VoxelFace, const N: usize, R: BitSet>(
     if exposed.is_empty() {
         return;
     }
-    // Plain loops: `array::map` leaves calls behind in this place.
+    // Plain loops, as the compiler doesn't inline `array::map` here.
     let mut turns = [[R::EMPTY; 2]; 4];
     for (turn, along) in turns.iter_mut().zip(TANGENTS[FACE]) {
         *turn = [
@@ -284,7 +284,7 @@ static NEIGHBOUR_SUMS: [u32; 8 << 8] = {
     first
 };
 
-/// The vector from a voxel's centre to a face's in 1/128 voxel, packed, with the bias of 512 added to
+/// The vector from a voxel's centre to a face's centre in 1/128 voxel, packed, with the bias of 512 added to
 /// each component.
 static FACE_CENTRE: [u32; 6] = {
     let mut centres = [0; 6];
@@ -301,7 +301,7 @@ static FACE_CENTRE: [u32; 6] = {
     centres
 };
 
-/// The step to a neighbouring vertex, in half voxels.
+/// Returns the step to a neighbouring vertex, in half voxels.
 const fn neighbour_step_half_voxels(
     normal: VoxelFace,
     along: VoxelFace,
@@ -330,7 +330,7 @@ const fn pack_borrowing_10_10_10([x, y, z]: [i32; 3]) -> u32 {
     (x as u32).wrapping_add((y as u32) << 10).wrapping_add((z as u32) << 20)
 }
 
-/// The inverse, of a sum with the bias.
+/// The inverse of [`pack_borrowing_10_10_10`], for a sum with the bias.
 #[inline]
 const fn unpack_biased_10_10_10(packed_sum: u32) -> [i32; 3] {
     let sum = packed_sum;

@@ -7,13 +7,13 @@ pub(super) const HEADER_BYTES: usize = 84;
 /// Bytes of a triangle.
 pub(super) const TRIANGLE_BYTES: usize = 50;
 
-/// Must not begin with "solid", which marks the text form.
+/// The header text. It must not begin with "solid", which marks the text format.
 const TEXT: &[u8] = b"Paros sculpture: binary STL, millimetres, z up";
 
 /// A point or vector, padded to four components; the fourth is unused.
 pub(super) type StlPoint = [f32; 4];
 
-/// The bytes before the triangles.
+/// Returns the bytes before the triangles.
 pub(super) fn header_bytes(triangles: u32) -> [u8; HEADER_BYTES] {
     let mut bytes = [b' '; HEADER_BYTES];
     bytes[..TEXT.len()].copy_from_slice(TEXT);
@@ -48,7 +48,7 @@ fn scaled(point: StlPoint, scale: f32) -> StlPoint {
     point.map(|c| c * scale)
 }
 
-/// The unit normal of a triangle that is counter-clockwise seen from outside.
+/// Returns the unit normal of a triangle that is counter-clockwise seen from outside.
 #[inline(always)]
 fn unit_normal(a: StlPoint, b: StlPoint, c: StlPoint) -> StlPoint {
     let (u, v) = (subtract(b, a), subtract(c, a));

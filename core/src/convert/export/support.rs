@@ -1,5 +1,5 @@
-//! Flood fill over bit rows with a queue of rows: the supported voxels of a volume, those that hold
-//! together in print.
+//! Flood fill over bit rows with a queue of rows: finds the supported voxels of a volume, which are printed
+//! as one connected part.
 
 use crate::volume::bit_grid::BitGrid;
 use crate::volume::range_maps::{RangeMaps, RowAddress};
@@ -12,21 +12,21 @@ use crate::volume::size::{Grid, Size};
 enum SupportPhase {
     /// Not started.
     Idle,
-    /// Seeds with ground and mask voxels, row by row.
+    /// Seeding with ground and mask voxels, row by row.
     Seed,
-    /// Floods from the seeds.
+    /// Flooding from the seeds.
     Flood,
-    /// Without seeds: looks for the next component not yet flooded.
+    /// Without seeds: looking for the next component not yet flooded.
     Component,
-    /// Floods that component and counts its voxels.
+    /// Flooding that component and counting its voxels.
     Count,
-    /// Floods the largest component again, alone.
+    /// Flooding only the largest component again.
     Largest,
     /// The supported voxels are found.
     Done,
 }
 
-/// A connected component of the volume: one of its voxels, and their number.
+/// A connected component of the volume: one of its voxels, and its size.
 #[derive(Clone, Copy)]
 struct SolidComponent {
     size: u32,
@@ -40,13 +40,13 @@ where
 {
     /// The voxels reached.
     found: BitGrid<N>,
-    /// Rows to spread from, `y N + z`, as a ring buffer that starts at `head`.
+    /// Ring buffer of rows to spread from, as `y N + z`; it starts at `head`.
     queue: [[u16; N]; N],
     head: u32,
     queued: u32,
-    /// Bit z of element y: whether row (y, z) is in the queue.
+    /// Bit z of element y is set if row (y, z) is in the queue.
     is_queued: [<Grid<N> as Size>::Row; N],
-    /// The next row of the phases that go through all rows.
+    /// The next row in the phases that visit all rows.
     next: u32,
     component: SolidComponent,
     largest: SolidComponent,
@@ -57,7 +57,7 @@ impl<const N: usize> SupportSearch<N>
 where
     Grid<N>: Size,
 {
-    /// Idle. For static initialisers only.
+    /// Creates an idle search. For static initialisers only.
     pub(super) const fn new() -> Self {
         SupportSearch {
             found: BitGrid::new(),
@@ -81,7 +81,7 @@ where
         self.phase = SupportPhase::Seed;
     }
 
-    /// The supported voxels; complete once [`SupportSearch::is_done`].
+    /// Returns the supported voxels; complete once [`SupportSearch::is_done`].
     pub(super) fn supported_voxels(&self) -> &BitGrid<N> {
         &self.found
     }
@@ -90,7 +90,7 @@ where
         self.phase == SupportPhase::Done
     }
 
-    /// Visits rows until the search is done, each of which takes one from `visits_left`.
+    /// Visits rows until the search is done. Each visit takes one from `visits_left`.
     pub(super) fn advance_search<const K: usize>(
         &mut self,
         voxels: &BitGrid<N>,
@@ -123,7 +123,7 @@ where
         let row = voxels.row(y, z);
         let seeds = if y == 0 { row } else { seed_mask.occupied_among((y, z), row) };
         self.reach_runs_with_seeds(voxels, (y, z), seeds);
-        // Without a mask the ground layer has all the seeds.
+        // Without a mask, all seeds are in the ground layer.
         if self.next < (N * N) as u32 && !(self.next == N as u32 && seed_mask.is_empty()) {
             return SupportPhase::Seed;
         }
@@ -132,7 +132,7 @@ where
         if self.queued > 0 { SupportPhase::Flood } else { SupportPhase::Component }
     }
 
-    /// Spreads from the row at the head of the queue; with an empty queue, goes on to `next_phase`.
+    /// Spreads from the row at the head of the queue. Returns `next_phase` if the queue is empty.
     fn flood_row(&mut self, voxels: &BitGrid<N>, next_phase: SupportPhase) -> SupportPhase {
         if self.queued == 0 {
             return next_phase;
@@ -177,7 +177,8 @@ where
         }
     }
 
-    /// Starts the next component in the order of the rows; after the last, the largest one again.
+    /// Starts the next component in the order of the rows. After the last one, floods the largest component
+    /// again.
     fn find_next_component(&mut self, voxels: &BitGrid<N>) -> SupportPhase {
         if self.next == (N * N) as u32 {
             return self.flood_largest_component(voxels);

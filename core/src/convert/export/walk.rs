@@ -11,10 +11,10 @@ pub(super) struct ClosedBounds {
 }
 
 impl ClosedBounds {
-    /// All zero bytes, until first used.
+    /// The initial value: all zero bytes.
     pub(super) const ZERO: ClosedBounds = ClosedBounds { lo: [0; 3], hi: [0; 3] };
 
-    /// Holds nothing.
+    /// The empty box.
     pub(super) const NONE: ClosedBounds = ClosedBounds { lo: [i32::MAX; 3], hi: [i32::MIN; 3] };
 
     pub(super) fn is_empty(&self) -> bool {
@@ -41,8 +41,8 @@ impl ClosedBounds {
 pub(super) enum WalkStep {
     /// Row (y, z) of voxels.
     Voxels(RowAddress),
-    /// The cells between the layers y - 1 and y and the rows z - 1 and z. The voxels of layer y, and of
-    /// layer y + 1 where it has any, came before.
+    /// The cells between the layers y - 1 and y and the rows z - 1 and z. Follows the voxels of layer y, and
+    /// of layer y + 1 if it has any.
     Cells(RowAddress),
 }
 
@@ -55,12 +55,12 @@ pub(super) struct CellWalk {
 }
 
 impl CellWalk {
-    /// At no position: all zero bytes.
+    /// Creates a walk without a position; all zero bytes.
     pub(super) const fn new() -> Self {
         CellWalk { layer: 0, row: 0, in_cells: false }
     }
 
-    /// Goes to the first row of voxels within the bounds, which aren't empty.
+    /// Moves to the first row of voxels within the bounds, which must not be empty.
     pub(super) fn restart(&mut self, voxel_bounds: &ClosedBounds) {
         let [_, bottom, first] = voxel_bounds.lo;
         *self = CellWalk { layer: bottom as u32, row: first as u32, in_cells: false };
@@ -75,11 +75,11 @@ impl CellWalk {
         }
     }
 
-    /// Goes to the next step; false after the last one.
+    /// Advances to the next step. Returns `false` after the last one.
     pub(super) fn advance_if_more(&mut self, voxel_bounds: &ClosedBounds) -> bool {
         let ClosedBounds { lo: [_, bottom, first], hi: [_, top, last] } = *voxel_bounds;
         self.row += 1;
-        // One more row of cells than of voxels.
+        // There is one more row of cells than of voxels.
         if self.row <= last as u32 + u32::from(self.in_cells) {
             return true;
         }

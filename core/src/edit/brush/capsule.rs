@@ -5,13 +5,13 @@ use glam::{I64Vec3, IVec3};
 use super::{SubunitInterval, isqrt, voxel_centre_subunits, voxels_with_centre_in};
 use crate::volume::range::Range;
 
-/// A sphere of `radius` swept from `a` to `b`, in fixed point. `radius_squared` may be a little
-/// less than the square of a whole radius: "strictly inside".
+/// A sphere of `radius` swept from `a` to `b`, in fixed point. For a strict interior, `radius_squared` may be
+/// slightly less than the square of an integer radius.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Capsule {
     /// One end of the path.
     pub a: IVec3,
-    /// The other end; the same for a plain sphere.
+    /// The other end; equal to `a` for a plain sphere.
     pub b: IVec3,
     /// Greatest squared distance from the path.
     pub radius_squared: i64,
@@ -22,12 +22,12 @@ pub struct Capsule {
 pub(super) struct BallLayer {
     x: i64,
     z: i64,
-    /// Negative where the slice is empty.
+    /// Negative if the slice is empty.
     radius_squared: i64,
 }
 
 impl BallLayer {
-    /// Whether the first and the last voxel of a range of the row at a fixed-point z are inside.
+    /// Returns `true` if the first and the last voxel of a range of the row at a fixed-point z are inside.
     #[inline]
     pub(super) fn holds_ends(&self, x_range: Range, z_subunits: i64) -> bool {
         let dz = z_subunits - self.z;
@@ -41,8 +41,8 @@ impl BallLayer {
 }
 
 impl Capsule {
-    /// Whether a point is inside. Exact: distances are compared squared, and scaled by the squared
-    /// length of the path where the nearest point lies within it.
+    /// Returns `true` if a point is inside. Exact: squared distances are compared, scaled by the squared
+    /// length of the path if the nearest point lies within it.
     #[must_use]
     pub fn contains(&self, point_subunits: [i64; 3]) -> bool {
         let path = (self.b - self.a).as_i64vec3();
@@ -60,7 +60,7 @@ impl Capsule {
         wide(d.dot(d) - self.radius_squared) * wide(length_squared) <= wide(along) * wide(along)
     }
 
-    /// The ball at the end of the path, at a fixed-point y.
+    /// Returns the ball at the end of the path, at a fixed-point y.
     #[inline]
     pub(super) fn ball_at_end(&self, y_subunits: i64) -> BallLayer {
         let dy = y_subunits - i64::from(self.b.y);
@@ -68,7 +68,7 @@ impl Capsule {
         BallLayer { x, z, radius_squared: self.radius_squared - dy * dy }
     }
 
-    /// [`Capsule::x_range`], also of a plain sphere.
+    /// [`Capsule::x_range`], which also handles a plain sphere.
     #[inline]
     pub(super) fn x_range_at(
         &self,
@@ -111,8 +111,8 @@ impl Capsule {
         voxels_with_centre_in(SubunitInterval::around(self.a.x, reach), grid_side)
     }
 
-    /// The voxels of a row, by the fixed-point y and z of its centres. The capsule is convex, so they
-    /// are one interval. Both ends are searched from an interval that is at most a unit too long.
+    /// Returns the voxels of a row, given the fixed-point y and z of its centres. The capsule is convex, so
+    /// they are one interval. Both ends are searched from an interval that is at most a unit too long.
     pub(super) fn x_range(
         &self,
         y_subunits: i64,
@@ -130,8 +130,8 @@ impl Capsule {
         Some(Range::new(first, last))
     }
 
-    /// The z of the rows at a fixed-point y that may hold voxels. The projection of the
-    /// capsule along x is a 2D capsule.
+    /// Returns the z of the rows at a fixed-point y that may hold voxels. The projection of the capsule along
+    /// x is a 2D capsule.
     pub(super) fn z_range(&self, y_subunits: i64, grid_side: usize) -> Option<Range> {
         let path = (self.b - self.a).as_i64vec3();
         let offset = [y_subunits - i64::from(self.a.y), 0];
@@ -143,8 +143,8 @@ impl Capsule {
     /// unit too long. `line_offset` is the line's offset from `a` across the axis; `path_along` is the
     /// path's component along the axis, `path_across` those across.
     ///
-    /// It is the hull of three intervals: in the two end spheres, and in the cylinder between them, where
-    /// it lies between the roots of a quadratic, clipped by the two end planes.
+    /// The result is the hull of three intervals: those in the two end spheres, and the one in the cylinder
+    /// between them, where the line lies between the roots of a quadratic, clipped by the two end planes.
     fn line_interval(
         &self,
         path_along: i64,
@@ -167,8 +167,8 @@ impl Capsule {
         (lo <= hi).then_some(SubunitInterval { lo, hi })
     }
 
-    /// Line-cylinder intersection, as [`Capsule::line_interval`]. Exact up to the discriminant; later
-    /// float rounding is far below the unit that is added at both ends.
+    /// Line-cylinder intersection, with the arguments of [`Capsule::line_interval`]. Exact up to the
+    /// discriminant; the later float rounding is far below the unit that is added at both ends.
     fn cylinder_interval(
         &self,
         path_along: i64,

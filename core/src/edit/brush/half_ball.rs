@@ -1,4 +1,4 @@
-//! Half a ball: the part of one that is above a plane.
+//! Half a ball: the part of a ball above a plane.
 
 use super::{BrushPiece, Capsule};
 use crate::edit::half_space::HalfSpace;
@@ -8,14 +8,15 @@ use glam::IVec3;
 /// The points of a ball that are above a plane.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct HalfBall {
-    /// A capsule of no length.
+    /// The ball, as a capsule of length 0.
     pub ball: Capsule,
-    /// What is above the plane.
+    /// The half-space above the plane.
     pub above: HalfSpace,
 }
 
 impl HalfBall {
-    /// Half the ball about a point, on the side of that point to which a normal in fixed point leads.
+    /// Creates half the ball about a point, on the side of that point to which a normal in fixed point
+    /// points.
     #[must_use]
     pub fn about(centre_subunits: IVec3, radius_subunits: i32, normal_q14: IVec3) -> BrushPiece {
         let offset = normal_q14.as_i64vec3().dot(centre_subunits.as_i64vec3());
@@ -26,7 +27,7 @@ impl HalfBall {
         }
     }
 
-    /// The voxels of a row, by the fixed-point y and z of its centres.
+    /// Returns the voxels of a row, given the fixed-point y and z of its centres.
     #[inline]
     pub(super) fn x_range(&self, y: i64, z: i64, grid_side: usize) -> Option<Range> {
         let of_ball = self.ball.sphere_x_range(y, z, grid_side)?;

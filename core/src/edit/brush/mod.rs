@@ -1,7 +1,7 @@
 //! Brushes: unions of convex pieces, rasterised row by row as voxel intervals in integer arithmetic.
 //!
-//! A voxel is in a brush when its centre is, boundary included. Source: section 3 of the paper
-//! (spherical and rectangular cutters), swept here along the tool's path.
+//! A voxel belongs to a brush if its centre is inside or on the boundary. Source: section 3 of the paper
+//! (spherical and rectangular cutters), here swept along the tool's path.
 
 mod capsule;
 mod half_ball;
@@ -37,8 +37,8 @@ pub struct BrushBounds {
     pub hi: [usize; 3],
 }
 
-/// The set of points that an edit is about: a union of convex pieces, stored in compact form. A voxel
-/// belongs to it if its centre does, the boundary included.
+/// The region that an edit changes: a union of convex pieces, stored in compact form. A voxel belongs to it
+/// if its centre is inside or on the boundary.
 ///
 /// Lengths and centres are in fixed point, [`SUBUNITS_PER_VOXEL`] to a voxel: `30 * SUBUNITS_PER_VOXEL` is 30
 /// voxels, and the top face of the grid lies at y = `N * SUBUNITS_PER_VOXEL`. A [`Pose`] is in voxels.
@@ -63,7 +63,7 @@ enum TurnedShape {
 }
 
 impl TurnedShape {
-    /// The piece that is turned as the pose `end`, from a start to that pose's position.
+    /// Returns the piece with the rotation of the pose `end`, swept from a start to that pose's position.
     fn piece(self, end: &Pose, start_subunits: IVec3) -> BrushPiece {
         match self {
             TurnedShape::Box(half) => BrushPiece::Box(SweptBox::new(half, end, start_subunits)),
@@ -86,28 +86,28 @@ pub struct BrushRow {
 pub struct BrushPieces(Vec<BrushPiece, SWEEP_PIECES, u8>);
 
 impl Brush {
-    /// A sphere.
+    /// Creates a sphere.
     #[must_use]
     pub fn sphere(centre_subunits: IVec3, radius_subunits: i32) -> Self {
         BrushPiece::sphere(centre_subunits, radius_subunits).into()
     }
 
-    /// A sphere swept from `a` to `b`.
+    /// Creates a sphere swept from `a` to `b`.
     #[must_use]
     pub fn capsule(a_subunits: IVec3, b_subunits: IVec3, radius_subunits: i32) -> Self {
         BrushPiece::capsule(a_subunits, b_subunits, radius_subunits).into()
     }
 
-    /// A box about a pose.
+    /// Creates a box about a pose.
     #[must_use]
     pub fn oriented_box(half_extents_subunits: IVec3, pose: &Pose) -> Self {
         BrushPiece::oriented_box(half_extents_subunits, pose).into()
     }
 
-    /// A box swept from one pose to another. The rotation is divided into sub-steps in which no corner
-    /// moves more than one voxel. Each piece is a box of constant rotation, that of a sub-step's
-    /// boundary, translated from half a sub-step before to half a sub-step after. At most
-    /// [`SWEEP_PIECES`], enough for half a turn of the largest bit.
+    /// Creates a box swept from one pose to another. The rotation is divided into sub-steps in which no
+    /// corner moves more than one voxel. Each piece is a box with the rotation of a sub-step's boundary,
+    /// translated from half a sub-step before to half a sub-step after. There are at most [`SWEEP_PIECES`],
+    /// enough for half a turn of the largest bit.
     #[must_use]
     pub fn swept_box(half_extents_subunits: IVec3, from: &Pose, to: &Pose) -> Self {
         let shape = TurnedShape::Box(half_extents_subunits);
@@ -119,8 +119,8 @@ impl Brush {
         Self::sweep(shape, from, to, turns)
     }
 
-    /// A disc swept from one pose to another, divided as a box is, and so that no piece moves across its plane
-    /// by more than a voxel.
+    /// Creates a disc swept from one pose to another. It is divided like a swept box, and also so that no
+    /// piece moves across its plane by more than a voxel.
     #[must_use]
     pub(crate) fn swept_disc(disc: DiscShape, from: &Pose, to: &Pose) -> Self {
         let across = way_across_disc_subunits(from, to)
@@ -140,7 +140,7 @@ impl Brush {
         Brush(BrushShape::Sweep { shape, from: *from, to: *to, sub_steps })
     }
 
-    /// Its convex pieces, computed lazily; at most [`SWEEP_PIECES`].
+    /// Returns its convex pieces, computed lazily; at most [`SWEEP_PIECES`].
     pub fn pieces(&self) -> impl ExactSizeIterator<Item = BrushPiece> + '_ {
         let last = match self.0 {
             BrushShape::One(_) => 0,
@@ -159,13 +159,14 @@ impl Brush {
         })
     }
 
-    /// The voxels of a grid `grid_side` voxels wide that it may hold; `None` if it lies outside.
+    /// Returns the bounding box of its voxels in a grid `grid_side` voxels wide, or `None` if the brush lies
+    /// outside.
     #[must_use]
     pub fn bounds(&self, grid_side: usize) -> Option<BrushBounds> {
         self.pieces().filter_map(|piece| piece.bounds(grid_side)).reduce(BrushBounds::union)
     }
 
-    /// The voxels of row (y, z). [`BrushPieces`] are faster for many rows of a sweep.
+    /// Returns the voxels of row (y, z). [`BrushPieces`] are faster for many rows of a sweep.
     #[must_use]
     #[inline]
     pub fn row_bits<const N: usize>(&self, y: usize, z: usize) -> <Grid<N> as Size>::Row
@@ -194,7 +195,7 @@ impl BrushBounds {
 }
 
 impl BrushPieces {
-    /// No pieces. For static initialisers only.
+    /// Creates an empty list of pieces. For static initialisers only.
     #[must_use]
     #[allow(clippy::new_without_default)] // a Default would hand the pieces about by value
     pub const fn new() -> Self {
@@ -205,7 +206,7 @@ impl BrushPieces {
     pub fn set_brush(&mut self, brush: &Brush, grid_side: usize) -> Option<BrushBounds> {
         self.0.clear();
         for piece in brush.pieces() {
-            // Cannot fail: no brush has more.
+            // Cannot fail: no brush has more pieces.
             let _ = self.0.push(piece);
         }
         self.0.iter().filter_map(|piece| piece.bounds(grid_side)).reduce(BrushBounds::union)
@@ -220,8 +221,8 @@ impl BrushPieces {
         }
     }
 
-    /// The same but for intervals that no voxel of `layer` lies in, the rows of layer `y` of a grid: it leaves out
-    /// those that are sooner looked at than computed.
+    /// [`BrushPieces::visit_layer_rows`], but may skip intervals without a voxel of `layer`, the grid's rows
+    /// of layer `y`. It skips an interval where looking at the row is cheaper than computing the interval.
     #[inline]
     pub(crate) fn visit_layer_rows_held<R: BitSet>(
         &self,
@@ -242,7 +243,7 @@ fn clamp_to_far(point_subunits: IVec3) -> IVec3 {
     point_subunits.clamp(IVec3::splat(-FAR), IVec3::splat(FAR))
 }
 
-/// The fixed-point coordinate of the centre of voxel `i`.
+/// Returns the fixed-point coordinate of the centre of voxel `i`.
 #[must_use]
 #[inline]
 pub(crate) const fn voxel_centre_subunits(i: usize) -> i64 {
@@ -257,7 +258,7 @@ struct SubunitInterval {
 }
 
 impl SubunitInterval {
-    /// `centre - reach..=centre + reach`.
+    /// Creates the interval `centre - reach..=centre + reach`.
     #[inline]
     fn around(centre: i32, reach: i64) -> Self {
         SubunitInterval { lo: -reach, hi: reach }.shifted_by(centre)
@@ -270,7 +271,7 @@ impl SubunitInterval {
     }
 }
 
-/// The voxels of a grid `grid_side` voxels wide whose centres lie in an interval.
+/// Returns the voxels of a grid `grid_side` voxels wide whose centres lie in an interval.
 #[inline]
 fn voxels_with_centre_in(
     SubunitInterval { lo, hi }: SubunitInterval,
@@ -279,11 +280,11 @@ fn voxels_with_centre_in(
     let sub = i64::from(SUBUNITS_PER_VOXEL);
     let first = (lo - sub / 2 + sub - 1).div_euclid(sub).max(0);
     let last = (hi - sub / 2).div_euclid(sub).min(grid_side as i64 - 1);
-    // Their order is known, which `Range::new` would test once more.
+    // The order is known to be right, so the check in `Range::new` is skipped.
     (first <= last).then(|| Range::EMPTY.with_last(last as usize).with_first(first as usize))
 }
 
-/// The integer part of a square root; 0 for negative numbers.
+/// Returns the integer part of a square root; 0 for negative numbers.
 #[must_use]
 #[inline]
 pub fn isqrt(v: i64) -> i64 {

@@ -39,13 +39,13 @@ enum LayerShape<'a> {
 }
 
 impl BrushPiece {
-    /// A sphere.
+    /// Creates a sphere.
     #[must_use]
     pub fn sphere(centre_subunits: IVec3, radius_subunits: i32) -> Self {
         Self::capsule(centre_subunits, centre_subunits, radius_subunits)
     }
 
-    /// A box about a pose.
+    /// Creates a box about a pose.
     #[must_use]
     pub fn oriented_box(half_extents_subunits: IVec3, pose: &Pose) -> Self {
         BrushPiece::Box(SweptBox::new(
@@ -64,7 +64,8 @@ impl BrushPiece {
         })
     }
 
-    /// The voxels of a grid `grid_side` voxels wide that it may hold; `None` if it lies outside.
+    /// Returns the bounding box of its voxels in a grid `grid_side` voxels wide, or `None` if the piece lies
+    /// outside.
     #[must_use]
     pub fn bounds(&self, grid_side: usize) -> Option<BrushBounds> {
         let (lo, hi) = match self {
@@ -87,13 +88,14 @@ impl BrushPiece {
         Some(bounds)
     }
 
-    /// Bounding ball of a swept sphere, whose rows are faster to compute; `None` for other pieces.
+    /// Returns the bounding ball of a swept sphere, whose rows are faster to compute; `None` for other
+    /// pieces.
     #[must_use]
     pub(crate) fn bounding_ball_of_capsule(&self) -> Option<BrushPiece> {
         match self {
             BrushPiece::Capsule(c) if c.a != c.b => {
                 let path = (c.b - c.a).as_i64vec3();
-                // Both roots are rounded down, and so is the middle.
+                // Both roots and the middle are rounded down.
                 let radius = isqrt(c.radius_squared) + isqrt(path.dot(path)) / 2 + 4;
                 let middle = ((c.a.as_i64vec3() + c.b.as_i64vec3()) / 2).as_ivec3();
                 let radius_squared = radius * radius;
@@ -103,7 +105,7 @@ impl BrushPiece {
         }
     }
 
-    /// Its slice at layer `y`, which shares work between the rows of the layer.
+    /// Returns its slice at layer `y`, which shares work between the rows of the layer.
     #[must_use]
     #[inline]
     pub(crate) fn layer(&self, y: usize) -> BrushLayer<'_> {
@@ -116,7 +118,8 @@ impl BrushPiece {
         })
     }
 
-    /// The interval of voxels of row (y, z) of a grid `grid_side` voxels wide whose centres are inside.
+    /// Returns the interval of voxels of row (y, z) of a grid `grid_side` voxels wide whose centres are
+    /// inside.
     #[must_use]
     #[inline]
     pub fn x_range(&self, y: usize, z: usize, grid_side: usize) -> Option<Range> {
@@ -125,8 +128,8 @@ impl BrushPiece {
 }
 
 impl BrushLayer<'_> {
-    /// The rows of a grid `grid_side` voxels wide that it may hold voxels of, by their z; fewer than
-    /// the piece's bounds tell where it is round or stands askew.
+    /// Returns the z range of the rows of a grid `grid_side` voxels wide that may hold voxels of the slice.
+    /// For round or tilted pieces it is smaller than the piece's bounds.
     #[must_use]
     #[inline]
     pub(crate) fn z_range(&self, grid_side: usize) -> Option<Range> {
@@ -139,7 +142,8 @@ impl BrushLayer<'_> {
         }
     }
 
-    /// The interval of voxels of the row at `z` of a grid `grid_side` voxels wide whose centres are inside.
+    /// Returns the interval of voxels of the row at `z` of a grid `grid_side` voxels wide whose centres are
+    /// inside.
     #[must_use]
     #[inline]
     pub(crate) fn x_range(&self, z: usize, grid_side: usize) -> Option<Range> {
@@ -154,7 +158,7 @@ impl BrushLayer<'_> {
         }
     }
 
-    /// The same, or only those from the first to the last of the voxels `among`, where that is sooner found.
+    /// [`BrushLayer::x_range`], possibly clipped to the hull of the voxels `among`, if that is faster.
     #[must_use]
     #[inline]
     pub(crate) fn x_range_among<R: BitSet>(
@@ -172,7 +176,8 @@ impl BrushLayer<'_> {
         }
     }
 
-    /// Visits the rows of a grid `grid_side` voxels wide that hold voxels of it, by their z, with those.
+    /// Visits each row of a grid `grid_side` voxels wide that holds voxels of the slice, with its z and the
+    /// voxels.
     #[inline]
     pub(crate) fn visit_rows(&self, grid_side: usize, mut visit: impl FnMut(usize, Range)) {
         if let LayerShape::Disc(d, y) = &self.0 {
@@ -188,8 +193,8 @@ impl BrushLayer<'_> {
         }
     }
 
-    /// The same, but for rows of which `layer`, a grid's rows at this y, holds no voxel, where those are sooner looked
-    /// at than computed.
+    /// [`BrushLayer::visit_rows`], but may skip rows without a voxel of `layer`, the grid's rows at this y.
+    /// It skips a row where looking at the row is cheaper than computing the interval.
     #[inline]
     pub(crate) fn visit_rows_held<R: BitSet>(
         &self,

@@ -1,4 +1,4 @@
-//! The rows between two parallel planes, found one after the other by additions.
+//! The rows between two parallel planes, computed one after another by additions.
 
 use crate::volume::row::BitSet;
 
@@ -12,11 +12,11 @@ pub(crate) struct SlabRows {
 
 impl SlabRows {
     pub(super) const FRACTION_BITS: u32 = 20;
-    /// More than 256 steps lose by rounding down, which makes `lo` too small and `hi` too small.
+    /// Exceeds the rounding error of 256 steps: rounding down makes both `lo` and `hi` too small.
     pub(super) const SLACK: i64 = 1 << 9;
 
-    /// The first and the last voxel of the next row, of which either may lie outside the grid. The last is the voxel
-    /// before the first where there is none.
+    /// Returns the first and the last voxel of the next row, which may lie outside the grid. In an empty row,
+    /// the last is the voxel before the first.
     #[inline]
     const fn ends(&self) -> (i64, i64) {
         let up = (1 << Self::FRACTION_BITS) - 1;
@@ -28,7 +28,7 @@ impl SlabRows {
         (self.lo, self.hi) = (self.lo + self.step, self.hi + self.step);
     }
 
-    /// [`SlabRows::ends`], and goes on to the row after it.
+    /// Returns [`SlabRows::ends`] and advances to the next row.
     #[inline]
     pub(crate) const fn next_ends(&mut self) -> (i64, i64) {
         let ends = self.ends();
@@ -36,14 +36,15 @@ impl SlabRows {
         ends
     }
 
-    /// Those of so many rows that have a voxel from `first_x` to `last_x`: their numbers.
+    /// Returns the indices of the first `count` rows that have a voxel from `first_x` to `last_x`.
     #[inline]
     fn rows_meeting(
         &self,
         (first_x, last_x): (usize, usize),
         count: usize,
     ) -> core::ops::Range<usize> {
-        // How far the first row's end is short of the voxels, and how far its beginning may go on, in rows' steps.
+        // The distance from the first row's end to the voxels, and from its beginning to their end, in steps
+        // of a row.
         let short = ((first_x as i64) << Self::FRACTION_BITS) - self.hi;
         let room = ((last_x as i64) << Self::FRACTION_BITS) - self.lo;
         let (short, room, step) = match self.step {
@@ -57,10 +58,11 @@ impl SlabRows {
         first..end.min(count)
     }
 
-    /// Whether `is_found` holds for one of these rows, the first of which is the next: it gets those that hold one of
-    /// their voxels from `first_x` to `last_x`, by their number, and their ends.
+    /// Returns `true` if `is_found` does for one of `rows`, starting with the next row. `is_found` gets the
+    /// index and the ends of each row that has a voxel between its ends and from `first_x` to `last_x`.
     ///
-    /// Rows whose voxels lie in the same word are tested first for all that the longest of them would have.
+    /// Rows whose voxels lie in the same word are tested first with the widest mask that any of them can
+    /// have.
     #[inline]
     pub(crate) fn find_row_holding<R: BitSet>(
         mut self,
@@ -104,10 +106,10 @@ impl SlabRows {
         false
     }
 
-    /// How many rows from the next on have no voxel outside `first..=last`.
+    /// Returns how many rows from the next on have no voxel outside `first..=last`.
     #[inline]
     fn count_rows_within(&self, (first, last): (i64, i64)) -> usize {
-        // The greatest `lo` that is too small and the least `hi` that is too great.
+        // The greatest `lo` that is too small, and the least `hi` that is too great.
         let (below, above) =
             ((first - 1) << Self::FRACTION_BITS, (last + 1) << Self::FRACTION_BITS);
         if self.lo <= below || self.hi >= above {
@@ -118,7 +120,7 @@ impl SlabRows {
     }
 }
 
-/// Whether a row has one of the bits `first..=last`.
+/// Returns `true` if a row has one of the bits `first..=last` set.
 #[inline]
 fn has_any_of<R: BitSet>(row: &R, first: usize, last: usize) -> bool {
     if first / 64 == last / 64 {

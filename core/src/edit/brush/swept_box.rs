@@ -17,7 +17,7 @@ pub struct SweptBox {
     pub planes: [([i64; 3], i64); 6],
     /// Half extents along the grid's axes, in fixed point, rounded up.
     pub reach: IVec3,
-    /// The sides of its projection along x: those parallel to its three edges and to the path.
+    /// The sides of its projection along x: parallel to its three edges and to the path.
     sides: [ProjectedSlab; 4],
     is_still: bool,
 }
@@ -31,9 +31,9 @@ struct ProjectedSlab {
 }
 
 impl SweptBox {
-    /// A box turned as the pose `end`, moved straight from a start to that pose's position. The path is
-    /// rounded to fixed point in the box's own frame, so the planes are those of an exact swept box; a
-    /// box that moves is half a unit wider, so that the rounding loses nothing.
+    /// Creates a box with the rotation of the pose `end`, moved straight from a start to that pose's
+    /// position. The path is rounded to fixed point in the box's own frame, so the planes are those of an
+    /// exact swept box. A moving box is half a unit wider, so that the rounding loses nothing.
     #[must_use]
     pub fn new(half_extents_subunits: IVec3, end: &Pose, start_subunits: IVec3) -> Self {
         let unit = i64::from(FIXED_ONE);
@@ -61,7 +61,7 @@ impl SweptBox {
         let edge = |i: usize| axes[i].map(|c| c * doubled[i] / unit);
         // Every `2p - middle` is a sum of these, each times -1 to 1, up to `margin` per component.
         let edges = [edge(0), edge(1), edge(2), travel];
-        // Rounding an axis tilts it by up to a part in 2^15, which counts as far as the box reaches.
+        // Rounding an axis tilts it by up to a part in 2^15, which is multiplied by the box's size.
         let size: i64 = doubled.iter().chain(&travel).map(|l| l.abs()).sum();
         let margin = size / (1 << 12) + 16;
         let reach = core::array::from_fn(|k| {
@@ -77,7 +77,7 @@ impl SweptBox {
         }
     }
 
-    /// Its slice at a fixed-point y.
+    /// Returns its slice at a fixed-point y.
     #[inline]
     pub(super) fn layer(&self, y_subunits: i64) -> BoxLayer<'_> {
         let at = 2 * y_subunits - i64::from(self.middle.y);
@@ -91,7 +91,7 @@ impl SweptBox {
 }
 
 impl ProjectedSlab {
-    /// The slab parallel to `side` that holds all sums of the `edges`, each times -1 to 1, up to
+    /// Creates the slab parallel to `side` that holds all sums of the `edges`, each times -1 to 1, up to
     /// `rounding_margin` a component.
     fn new(side: [i64; 3], edges: &[[i64; 3]; 4], rounding_margin: i64) -> Self {
         let [_, up, slope] = side.map(|c| c * side[1].signum());
@@ -105,15 +105,15 @@ impl ProjectedSlab {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BoxLayer<'a> {
     swept: &'a SweptBox,
-    /// Twice its y, from the middle.
+    /// Twice the layer's y, relative to the middle.
     at: i64,
     /// The planes at voxel 0 of the row through the middle.
     planes: [i64; 6],
 }
 
 impl BoxLayer<'_> {
-    /// The z of the rows that may hold voxels: the projection along x is a convex polygon whose
-    /// sides are parallel to the projected edges.
+    /// Returns the z of the rows that may hold voxels: the projection along x is a convex polygon whose sides
+    /// are parallel to the projected edges.
     #[inline]
     pub(super) fn z_range(&self, grid_side: usize) -> Option<Range> {
         let [_, reach, reach_z] = self.swept.reach.to_array().map(i64::from);
@@ -136,13 +136,13 @@ impl BoxLayer<'_> {
         voxels_with_centre_in(inside, grid_side)
     }
 
-    /// Those of the voxels `among` of its row at a fixed-point z, by slab clipping. A plane divides only if it clips
-    /// more than those before it, and leaves any.
+    /// Returns the voxels `among` of its row at a fixed-point z, by slab clipping. A plane costs a division
+    /// only if it clips more than the planes before it and leaves any voxels.
     #[inline]
     pub(super) fn x_range_among(&self, z_subunits: i64, among: Range) -> Option<Range> {
         let z = 2 * z_subunits - i64::from(self.swept.middle.z);
         let (mut lo, mut hi) = (among.first() as i64, among.last() as i64);
-        // Where nothing moves, the sweep adds no faces.
+        // The sweep adds no faces to a box that doesn't move.
         let faces = if self.swept.is_still { 3 } else { 6 };
         for ((normal, extent), at) in self.swept.planes.iter().zip(self.planes).take(faces) {
             let at = at + normal[2] * z;

@@ -14,9 +14,9 @@ use crate::volume::row::BitSet;
 /// A disc of constant normal, swept along a straight line: the points `p` of a capsule with
 /// `|normal . (2p - middle)| <= extent`.
 ///
-/// Along its own plane that is the exact swept disc, but for a rim that is rounded by the ball: with a radius of 20
-/// voxels and a thickness of two, by a fortieth of a voxel. Across its plane it is larger than that, up to the
-/// whole way across at both ends, so a long way across is divided.
+/// Along its own plane this is the exact swept disc, except that the ball rounds its rim: by a fortieth of a
+/// voxel with a radius of 20 voxels and a thickness of two. Across its plane it is larger, by up to the whole
+/// travel across at both ends, so a long travel across is divided.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SweptDisc {
     /// The swept ball that holds the disc.
@@ -39,7 +39,7 @@ pub(crate) struct DiscShape {
 }
 
 impl DiscShape {
-    /// A disc of a radius and half a thickness, boundary included.
+    /// Creates a disc from a radius and half a thickness, boundary included.
     pub(crate) fn new(radius_subunits: i32, half_thickness_subunits: i32) -> Self {
         let [radius, half] =
             [radius_subunits, half_thickness_subunits].map(|v| i64::from(v.clamp(0, FAR)));
@@ -47,16 +47,16 @@ impl DiscShape {
     }
 }
 
-/// The normal of a disc at a pose, in fixed point.
+/// Returns the normal of a disc at a pose, in fixed point.
 pub(super) fn disc_normal(pose: &Pose) -> [i64; 3] {
     let unit = i64::from(FIXED_ONE);
     pose.unit_axes_q14()[0].to_array().map(|c| i64::from(c).clamp(-unit, unit))
 }
 
-/// Up to so many voxels of a row, a test of each is cheaper than the roots of the ball's ends.
+/// Maximum row length at which testing each voxel is cheaper than computing the roots of the ball's ends.
 const MOST_TESTED_ONE_BY_ONE: usize = 4;
 
-/// The voxels of both ranges.
+/// Returns the intersection of two ranges.
 fn common_range(a: Range, b: Range) -> Option<Range> {
     let (first, last) = (a.first().max(b.first()), a.last().min(b.last()));
     (first <= last).then(|| Range::new(first, last))
@@ -67,7 +67,7 @@ fn dot(a: [i64; 3], b: IVec3) -> i64 {
     (0..3).map(|i| a[i] * i64::from(b[i])).sum()
 }
 
-/// How far a disc moves across its plane between two poses, at most, in fixed point.
+/// Returns the maximum distance that a disc moves across its plane between two poses, in fixed point.
 pub(super) fn way_across_disc_subunits(from: &Pose, to: &Pose) -> i32 {
     let travel = to.clamped_position_subunits() - from.clamped_position_subunits();
     let across = |pose| dot(disc_normal(pose), travel).abs();
@@ -75,7 +75,8 @@ pub(super) fn way_across_disc_subunits(from: &Pose, to: &Pose) -> i32 {
 }
 
 impl SweptDisc {
-    /// A disc turned as the pose `end`, moved straight from a start to that pose's position.
+    /// Creates a disc with the rotation of the pose `end`, moved straight from a start to that pose's
+    /// position.
     pub(crate) fn new(disc: DiscShape, end: &Pose, start_subunits: IVec3) -> Self {
         let normal = disc_normal(end);
         let normal = if normal[0] < 0 { normal.map(|c| -c) } else { normal };
@@ -84,16 +85,17 @@ impl SweptDisc {
         SweptDisc { rim, normal, middle: a + b, extent: disc.extent + dot(normal, b - a).abs() }
     }
 
-    /// The voxels of a grid `grid_side` voxels wide that it may hold; `None` if it lies outside.
+    /// Returns the bounding box of its voxels in a grid `grid_side` voxels wide, or `None` if it lies
+    /// outside.
     pub(super) fn bounds(&self, grid_side: usize) -> Option<BrushBounds> {
         let unit = i64::from(FIXED_ONE);
         let Capsule { a, b, radius_squared } = self.rim;
-        // Of a point from the place of the way that it is nearest to.
+        // The distance of a point across the plane from the nearest position of the path.
         let across = (self.extent + dot(self.normal, b - a).abs()) / (2 * unit) + 1;
         let mut bounds = BrushBounds { lo: [0; 3], hi: [0; 3] };
         for i in 0..3 {
             let n = self.normal[i];
-            // Of the disc's circle and its thickness; the axis is rounded by up to a part in 2^15.
+            // The disc's circle and its thickness; the axis is rounded by up to a part in 2^15.
             let plane_part = (unit * unit - n * n).max(0) + 2 * unit;
             let in_plane = i128::from(radius_squared) * i128::from(plane_part);
             let in_plane = isqrt((in_plane / i128::from(unit * unit)) as i64);
@@ -108,8 +110,8 @@ impl SweptDisc {
         Some(bounds)
     }
 
-    /// The z of the rows at a fixed-point y that may hold voxels: those that are as near to the ends of its way as its
-    /// ball at this y lets them be, as far as the planes leave any where x is anything that the ball has there.
+    /// Returns the z range of the rows at a fixed-point y that may hold voxels. It is limited by the ball's
+    /// radius at this y around the ends of the path, and by the planes over all x that the ball has there.
     #[inline]
     pub(super) fn z_range(&self, y_subunits: i64, grid_side: usize) -> Option<Range> {
         let Capsule { a, b, radius_squared } = self.rim;
@@ -129,7 +131,7 @@ impl SweptDisc {
         if nz == 0 {
             return voxels_with_centre_in(of_ball, grid_side);
         }
-        // |nx x + ny y + nz z| <= extent, all doubled and from the middle.
+        // |nx x + ny y + nz z| <= extent, all doubled and relative to the middle.
         let slack = self.extent + nx * (2 * reach + i64::from(travel.x));
         let ends = [-slack - ny * doubled_y, slack - ny * doubled_y].map(|end| end * nz.signum());
         let (lo, hi) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
@@ -143,7 +145,8 @@ impl SweptDisc {
         voxels_with_centre_in(of_both, grid_side)
     }
 
-    /// The voxels of a row, by the fixed-point y and z of its centres: an interval of the slab, cut by the ball.
+    /// Returns the voxels of a row, given the fixed-point y and z of its centres: an interval of the slab,
+    /// cut by the ball.
     #[inline]
     pub(super) fn x_range(
         &self,
@@ -156,7 +159,7 @@ impl SweptDisc {
         self.cut_by_ball(of_planes, (y_subunits, z_subunits), grid_side)
     }
 
-    /// Visits the rows at a fixed-point y that hold voxels, by their z, with those.
+    /// Visits each row at a fixed-point y that holds voxels, with its z and the voxels.
     #[inline]
     pub(super) fn visit_rows(
         &self,
@@ -186,8 +189,8 @@ impl SweptDisc {
         }
     }
 
-    /// The same but for rows of which `layer`, a grid's rows at this y, holds no voxel. There are none for a disc
-    /// without [`SweptDisc::slab_rows`].
+    /// [`SweptDisc::visit_rows`], except rows without a voxel of `layer`, the grid's rows at this y. A disc
+    /// without [`SweptDisc::slab_rows`] visits none.
     #[inline]
     pub(super) fn visit_rows_held<R: BitSet>(
         &self,
@@ -218,7 +221,8 @@ impl SweptDisc {
         });
     }
 
-    /// Those of the voxels between the planes of the row at `z` that are in the ball, which is `of_end` at its end.
+    /// Returns the part of the row at `z` between the planes that is in the ball. `of_end` is the ball's
+    /// slice at its end.
     #[inline]
     fn within_ball(
         &self,
@@ -228,14 +232,15 @@ impl SweptDisc {
         grid_side: usize,
     ) -> Option<Range> {
         let z_subunits = voxel_centre_subunits(z);
-        // A capsule is convex: a row is in it whose ends are. Those of most are in the ball at its end.
+        // A capsule is convex: a row is inside if its ends are. Most rows' ends are in the ball at the path's
+        // end.
         match of_end.holds_ends(of_planes, z_subunits) {
             true => Some(of_planes),
             false => self.cut_by_ball(of_planes, (y_subunits, z_subunits), grid_side),
         }
     }
 
-    /// Those of a row's voxels that are in the ball.
+    /// Returns a row's voxels that are in the ball.
     #[inline]
     fn cut_by_ball(&self, of_planes: Range, (y, z): (i64, i64), grid_side: usize) -> Option<Range> {
         let is_short = of_planes.last() - of_planes.first() < MOST_TESTED_ONE_BY_ONE;
@@ -252,7 +257,7 @@ impl SweptDisc {
         common_range(self.rim.x_range_at(y, z, grid_side)?, of_planes)
     }
 
-    /// Those of a row's voxels that are in the ball, where it stands still.
+    /// Returns a row's voxels that are in the ball, if it doesn't move.
     #[inline]
     fn cut_by_still_ball(&self, y: i64, z: i64, voxels: Range) -> Option<Range> {
         let Capsule { a, radius_squared, .. } = self.rim;
@@ -275,9 +280,10 @@ impl SweptDisc {
         Some(Range::new(first, last))
     }
 
-    /// The voxels between its planes, row by row at a fixed-point y from the row at `first_z` on, found by additions
-    /// (a digital differential analyser) instead of divisions: now and then a voxel too many at an end, none too few.
-    /// `None` for a disc that faces away from x, whose rows are long and few.
+    /// Returns the voxels between its planes, row by row at a fixed-point y from the row at `first_z` on,
+    /// computed by additions (a digital differential analyser) instead of divisions. The result may have one
+    /// voxel too many at an end, never too few. `None` for a disc that faces away from x, whose rows are long
+    /// and few.
     pub(crate) fn slab_rows(&self, y_subunits: i64, first_z: usize) -> Option<SlabRows> {
         if !self.has_slab_rows() {
             return None;
@@ -293,13 +299,13 @@ impl SweptDisc {
         })
     }
 
-    /// Whether it has [`SweptDisc::slab_rows`].
+    /// Returns `true` if the disc has [`SweptDisc::slab_rows`].
     #[inline]
     pub(crate) fn has_slab_rows(&self) -> bool {
         self.normal[0] >= i64::from(FIXED_ONE) / 8
     }
 
-    /// Where voxel 0 of a row lies across the disc: `normal . (2p - middle)`.
+    /// Returns the position of a row's voxel 0 across the disc: `normal . (2p - middle)`.
     #[inline]
     fn across_at(&self, y: i64, z: i64) -> i64 {
         let ([nx, ny, nz], middle) = (self.normal, self.middle.as_i64vec3());
@@ -307,7 +313,7 @@ impl SweptDisc {
         nx * (2 * x - middle.x) + ny * (2 * y - middle.y) + nz * (2 * z - middle.z)
     }
 
-    /// The voxels between the planes of a row whose voxel 0 lies at `across`.
+    /// Returns the voxels between the planes of a row whose voxel 0 lies at `across`.
     #[inline]
     fn x_range_of_planes(&self, across: i64, grid_side: usize) -> Option<Range> {
         let slope = self.normal[0] * 2 * i64::from(SUBUNITS_PER_VOXEL);
@@ -321,7 +327,8 @@ impl SweptDisc {
         (lo <= hi).then(|| Range::new(lo as usize, hi as usize))
     }
 
-    /// The same, found by a search that may have a voxel too many at either end.
+    /// [`SweptDisc::x_range_of_planes`], from approximate ends that may have one voxel too many at either
+    /// side.
     #[inline]
     fn x_range_near(&self, (lo, hi): (i64, i64), across: i64, grid_side: usize) -> Option<Range> {
         let slope = self.normal[0] * 2 * i64::from(SUBUNITS_PER_VOXEL);

@@ -1,4 +1,4 @@
-//! How deep voxels lie in a bit.
+//! Depth of voxels in a bit.
 
 use glam::{I64Vec3, IVec3};
 
@@ -21,22 +21,23 @@ impl<'a> DepthRuler<'a> {
         DepthRuler { bit, position, unit_axes_q14: pose.unit_axes_q14() }
     }
 
-    /// From the bit's centre to that of voxel x of a row, along the grid's axes, in subunits.
+    /// Returns the offset from the bit's centre to that of voxel x of a row, along the grid's axes, in
+    /// subunits.
     pub(super) fn offset_of(&self, (x, (y, z)): (usize, RowAddress)) -> I64Vec3 {
         I64Vec3::from([x, y, z].map(voxel_centre_subunits)) - self.position
     }
 
-    /// Depth of the point with such an offset, in subunits, rounded up; negative outside.
+    /// Returns the depth of the point at this offset, in subunits, rounded up; negative outside.
     pub(super) fn depth_at(&self, offset_from_bit: I64Vec3) -> i32 {
         self.bit.depth_subunits_at(&self.unit_axes_q14, offset_from_bit)
     }
 
-    /// The greatest depth of these voxels of a row, in subunits; 0 if there are none.
+    /// Returns the greatest depth of these voxels of a row, in subunits; 0 if there are none.
     #[inline]
     pub(super) fn deepest_of_row<R: BitSet>(&self, row: RowAddress, voxels: R) -> i32 {
         let depth = |x: usize| self.depth_at(self.offset_of((x, row)));
         match self.bit.shape {
-            // The nearest to its centre, on both sides.
+            // Only the voxels nearest to the centre, one on each side.
             GridShape::Ball(_) => {
                 let centre = self.position.x.div_euclid(SUBUNITS_PER_VOXEL.into());
                 let up_to = match usize::try_from(centre) {

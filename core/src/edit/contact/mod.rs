@@ -4,9 +4,8 @@
 //! the bit's analytic shape. A bit may penetrate the volume by its bite, and the mask not at all. All
 //! comparisons are made in integers; poses between two ticks are interpolated in floats.
 //!
-//! No way leads a bit's centre through stone. A bit that was *buried*, its centre in stone, as an undo or
-//! another hand's filling may leave it, has no way out: it stands until the pose that its hand asks for is
-//! free, and then is there.
+//! No path leads a bit's centre through stone. A *buried* bit, whose centre is in stone after an undo or
+//! another hand's fill, has no path out: it stands still until its hand's pose is free, and then jumps there.
 
 mod depth;
 mod path;
@@ -31,12 +30,12 @@ use rows::TestedVoxels;
 pub struct Contact {
     /// Occupied voxels whose centre is inside the bit.
     pub overlap: u32,
-    /// Largest inner distance of any of them, in fixed point, rounded up; 0 without overlap.
+    /// Largest inner distance of these voxels, in fixed point, rounded up; 0 without overlap.
     pub depth: i32,
-    /// Sum over the overlapped surface voxels of the directions to their empty six-neighbours,
-    /// normalised; zero when there are none or they cancel out.
+    /// Sum over the overlapped surface voxels of the directions to their empty six-neighbours, normalised;
+    /// zero if there are none or they cancel out.
     pub normal: Vec3,
-    /// Whether a mask voxel lies in the bit or within half a voxel of it.
+    /// `true` if a mask voxel lies in the bit or within half a voxel of it.
     pub on_mask: bool,
 }
 
@@ -50,48 +49,50 @@ impl Contact {
 pub struct FreezeResult {
     /// The pose reached, the frozen pose.
     pub pose: Pose,
-    /// Whether the volume stopped the bit. If not, the pose is the wanted one, or where the budget ran out.
+    /// `true` if the volume stopped the bit. Otherwise the pose is the wanted one, or where the budget ran
+    /// out.
     pub blocked: bool,
-    /// Whether the budget ran out before the way ended, sliding or not.
+    /// `true` if the budget ran out before the path ended, sliding or not.
     pub ran_out: bool,
-    /// Whether the bit was buried and is at the wanted pose without a way: nothing may be swept.
+    /// `true` if the bit was buried and jumped to the wanted pose without a path: don't sweep between the
+    /// poses.
     pub jumped: bool,
     /// Steps spent of the budget.
     pub steps: u32,
 }
 
-/// How far a bit may go.
+/// The budget of a bit's movement.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct WayBudget {
-    /// Steps, of which a stretch that is tried at once costs one; see [`crate::limits::max_bit_steps_per_tick`].
+    /// Steps. A stretch that is tried at once costs one step; see [`crate::limits::max_bit_steps_per_tick`].
     pub steps: u32,
-    /// Length of the way in quarter voxels, free or not.
+    /// Length of the path in quarter voxels, free or not.
     pub quarter_voxels: u32,
 }
 
 impl WayBudget {
-    /// So many steps, of any length.
+    /// Creates a budget of a number of steps and unlimited length.
     #[must_use]
     pub const fn of_steps(steps: u32) -> Self {
         WayBudget { steps, quarter_voxels: u32::MAX }
     }
 
-    /// Whether nothing is left.
+    /// Returns `true` if the budget is used up.
     const fn is_spent(self) -> bool {
         self.steps == 0 || self.quarter_voxels == 0
     }
 }
 
-/// How much steeper than the plane that stopped it a bit's next slide leads out of the stone, the first and each that
-/// follows: of several voxels that stopped it, the plane is the mean.
+/// Slope by which a bit's further slides rise above the plane of contact, out of the stone, times the number
+/// of slides. Needed because the plane is the mean over several blocking voxels.
 const LIFT: f32 = 0.125;
 
-/// Where [`Obstacle::move_and_slide`] took a bit.
+/// The result of [`Obstacle::move_and_slide`].
 struct SlideResult {
     pose: Pose,
-    /// Whether the volume stopped the bit.
+    /// `true` if the volume stopped the bit.
     blocked: bool,
-    /// Whether the budget ran out.
+    /// `true` if the budget ran out.
     ran_out: bool,
 }
 
@@ -103,9 +104,9 @@ where
 {
     /// The volume's bit rows.
     pub rows: &'a BitGrid<N>,
-    /// The part of it that can't be removed; `None` where there is no mask.
+    /// The part of the volume that can't be removed; `None` if there is no mask.
     pub mask: Option<&'a RangeMaps<N, K>>,
-    /// Whether the mask is all that bits collide with, as it is for a nozzle that runs.
+    /// `true` if bits collide only with the mask, as a running nozzle does.
     pub is_mask_alone: bool,
 }
 
@@ -113,8 +114,9 @@ impl<const N: usize, const K: usize> Obstacle<'_, N, K>
 where
     Grid<N>: Size,
 {
-    /// The contact of the bit at a pose in the grid. A disc that is too deep overlaps, and is as deep as its middle;
-    /// to count and to find a normal would take more of a tick than all else.
+    /// Returns the contact of the bit at a pose in the grid. A disc that is too deep is reported with an
+    /// overlap of 1 and the depth of its middle: counting and finding a normal would exceed the rest of a
+    /// tick's work.
     #[must_use]
     pub fn contact_at(&self, bit: &GridBit, pose: &Pose) -> Contact {
         let ruler = DepthRuler::new(bit, pose);
@@ -132,14 +134,15 @@ where
         Contact { overlap, depth, normal, on_mask: self.is_within_half_voxel_of_mask(bit, pose) }
     }
 
-    /// The depth of a disc's middle, where a voxel lies deeper in it than its bite. `None` for other bits.
+    /// Returns the depth of a disc's middle if a voxel lies deeper in the disc than its bite, else `None`.
+    /// `None` for other bits.
     fn depth_of_too_deep_disc(&self, bit: &GridBit, pose: &Pose) -> Option<i32> {
         let most = bit.disc_middle_depth_subunits()?;
         let core = bit.piece_deeper_than(bit.bite, pose)?;
         self.piece_overlaps(&core, TestedVoxels::AllOccupied).then_some(most)
     }
 
-    /// [`Contact::normal`] alone.
+    /// Returns only [`Contact::normal`].
     fn normal_at(&self, bit: &GridBit, pose: &Pose) -> Vec3 {
         let mut normal = IVec3::ZERO;
         self.visit_occupied_rows(&bit.piece_at(pose), |row, inside| {
@@ -148,11 +151,10 @@ where
         normal.as_vec3().normalize_or_zero()
     }
 
-    /// Move and slide: moves the bit along the path as far as its penetration limit allows, then slides
-    /// it once along the tangent plane of the surface that stopped it. If that slide doesn't move it
-    /// (the side of a bump whose top is flat), it slides perpendicular to the direction from the
-    /// blocking voxels to its centre. A bit that is too deep already may only move without going
-    /// deeper, or leave the volume at an exit farther along the path; a buried one stands, or jumps.
+    /// Move and slide: moves the bit along the path as far as its penetration limit allows, then slides it
+    /// along the tangent plane of the surface that stopped it, and further along the planes of the voxels
+    /// that stop its slides. A bit that is already too deep may only move without going deeper, or leave the
+    /// volume at an exit farther along the path. A buried bit stands still or jumps.
     #[must_use]
     pub fn freeze_bit(
         &self,
@@ -166,8 +168,8 @@ where
         })
     }
 
-    /// The same without sliding: the bit stands where the volume stops it, before the stone that its next bite
-    /// takes.
+    /// Moves the bit without sliding: it stops where the volume stops it, before the stone that its next bite
+    /// removes.
     #[must_use]
     pub fn freeze_bit_straight(
         &self,
@@ -208,13 +210,14 @@ where
         FreezeResult { pose, blocked, ran_out, jumped: false, steps }
     }
 
-    /// Whether the bit is too deep and a voxel's centre so near its own that this may lie in that voxel.
+    /// Returns `true` if the bit is too deep and a voxel's centre is so near the bit's centre that the latter
+    /// may lie in that voxel.
     #[must_use]
     pub fn buries(&self, bit: &GridBit, pose: &Pose) -> bool {
         self.penetration_limit(bit, pose).may_bury_centre(bit)
     }
 
-    /// The freeze of a bit without a way: at the wanted pose if its bite allows that, else where it was.
+    /// Freezes a bit without a path: at the wanted pose if its bite allows that, else at its previous pose.
     #[must_use]
     pub fn jump_if_bite_allows(
         &self,
@@ -230,7 +233,7 @@ where
         FreezeResult { pose, blocked: !jumped, ran_out: false, jumped, steps }
     }
 
-    /// Moves, and slides where the bit is stopped.
+    /// Moves the bit, and slides it if it is stopped.
     fn move_and_slide(
         &self,
         bit: &GridBit,
@@ -247,7 +250,8 @@ where
         let Some(slide) = slide(&reached, &forbidden, left) else {
             return SlideResult { pose: reached, blocked: true, ran_out: false };
         };
-        // What is swept is the straight way from where the bit was, which a way round a corner isn't.
+        // The sweep is the straight line from the bit's previous pose; a slide around a corner may not follow
+        // it.
         match self.may_cross_stone(bit, from, &slide.last_allowed) {
             true => SlideResult { pose: reached, blocked: true, ran_out: false },
             false => {
@@ -256,10 +260,11 @@ where
         }
     }
 
-    /// Collide and slide: the bit goes on along the tangent plane of the surface that stopped it, and, where it is
-    /// stopped again, along all the planes so far, up to [`MAX_SLIDES`] times. One plane alone would lead it from one
-    /// stair of a voxel to the next and back, and leave it standing in the dimple between them. How deep its hand is
-    /// doesn't count: the bit would else not climb a stair that is steeper than the way to its hand.
+    /// Collide and slide: the bit slides along the tangent plane of the surface that stopped it, and, if it
+    /// is stopped again, along all planes so far, up to [`MAX_SLIDES`] times. With one plane only, it would
+    /// move back and forth between the stairs of two voxels and get stuck in the dimple between them. The
+    /// hand's depth is ignored: otherwise the bit couldn't climb a stair that is steeper than the direction
+    /// to its hand.
     fn slide_along(
         &self,
         bit: &GridBit,
@@ -294,7 +299,8 @@ where
         slide
     }
 
-    /// Moves a bit that was stopped along the tangent plane of all that it overlaps, of this unit normal or none.
+    /// Moves a stopped bit along the tangent plane of all voxels that it overlaps. `normal` is that plane's
+    /// unit normal, or zero.
     fn slide_along_surface(
         &self,
         bit: &GridBit,
@@ -316,8 +322,8 @@ where
         self.advance_along(bit, (reached, limit), &target, left)
     }
 
-    /// The mean unit direction to the bit's centre from the voxels that forbid the pose `forbidden` to a bit of this
-    /// limit; zero if they cancel out.
+    /// Returns the mean unit direction to the bit's centre from the voxels that forbid the pose `forbidden`
+    /// at this limit; zero if they cancel out.
     fn unit_direction_from_blockers(
         &self,
         bit: &GridBit,
@@ -344,8 +350,8 @@ where
     }
 }
 
-/// What planes of these unit normals leave of a way that may lead through none of them: its projection on the cone of
-/// directions that all of them allow, by rounds of projections on one after the other.
+/// Projects a movement on the cone of directions that enter none of the planes of these unit normals, by
+/// rounds of projections on one plane after the other.
 fn clip_to_planes(mut way: Vec3, normals: &[Vec3]) -> Vec3 {
     const ROUNDS: usize = 4;
     for normal in normals.iter().cycle().take(ROUNDS * normals.len()) {

@@ -1,8 +1,8 @@
 //! Path traversal: how far a bit moves along a path before the volume stops it.
 //!
-//! A path is cut into steps of a quarter voxel; each is decided by the exact shape of the bit there. A
-//! stretch of several steps is first tested as one swept volume, slightly enlarged to cover rounding.
-//! If that touches nothing, all of its steps are free.
+//! A path is divided into steps of a quarter voxel; each is decided by the exact shape of the bit there. A
+//! stretch of several steps is first tested as one swept volume, slightly enlarged to cover rounding. If that
+//! overlaps nothing, all of its steps are free.
 
 use core::mem;
 
@@ -68,14 +68,14 @@ where
         PathAdvance { last_allowed: reached, first_forbidden: None, ran_out: step < steps }
     }
 
-    /// The depth allowed at the next step: the bite, or the present depth where that is greater.
+    /// Returns the depth allowed at the next step: the bite, or the present depth if greater.
     pub(super) fn penetration_limit(&self, bit: &GridBit, pose: &Pose) -> PenetrationLimit {
         let mut limit = PenetrationLimit::of_bite(bit);
         if self.is_allowed(bit, pose, limit) {
             return limit;
         }
         if let GridShape::Disc { .. } = bit.shape {
-            // It counts as buried, however deep it is.
+            // A disc that is too deep counts as buried, however deep it is.
             return PenetrationLimit { volume: i32::MAX, mask: i32::MAX };
         }
         let ruler = DepthRuler::new(bit, pose);
@@ -89,12 +89,12 @@ where
         limit
     }
 
-    /// Exit search for a bit that is too deep by its sides alone, and whose next step would take it deeper:
-    /// the first of the `probe_steps` of the path at which the bit sits no deeper than its bite. `None`
-    /// where there is none, or where the bit isn't too deep.
+    /// Exit search for a bit that is too deep only at its sides, and whose next step would take it deeper.
+    /// Returns the first of the `probe_steps` of the path at which the bit is no deeper than its bite.
+    /// Returns `None` if there is none, or if the bit isn't too deep.
     ///
-    /// The bit's centre must reach the exit through empty space, so the search ends at the first probe
-    /// that it can't reach.
+    /// The bit's centre must reach the exit through empty space, so the search ends at the first probe that
+    /// it can't reach.
     fn find_exit_step(
         &self,
         bit: &GridBit,
@@ -117,14 +117,14 @@ where
         probe_steps.take_while(is_reachable).find(is_exit)
     }
 
-    /// Whether the straight way between two poses may lead the bit's centre through stone. `false` for a
-    /// bit whose bite lets its centre into stone anyway; no tool has one.
+    /// Returns `true` if the straight line between two poses may lead the bit's centre through stone. Returns
+    /// `false` for a bit whose bite lets its centre into stone anyway; no tool has such a bit.
     pub(super) fn may_cross_stone(&self, bit: &GridBit, from: &Pose, to: &Pose) -> bool {
         let centre_only = PenetrationLimit { volume: deepest_unburied(bit), mask: i32::MAX };
         centre_only.volume >= bit.bite && !self.is_path_surely_free(bit, from, to, centre_only)
     }
 
-    /// Whether no voxel stops a bit of this limit between two poses of its path. Conservative: the
+    /// Returns `true` if no voxel stops a bit of this limit between two poses of its path. Conservative: the
     /// swept volume is slightly enlarged, so `false` may be wrong, `true` never is.
     fn is_path_surely_free(
         &self,
@@ -139,7 +139,7 @@ where
         })
     }
 
-    /// Whether the bit, at this pose, sits no deeper than the limit.
+    /// Returns `true` if the bit at this pose is no deeper than the limit.
     pub(super) fn is_allowed(&self, bit: &GridBit, pose: &Pose, limit: PenetrationLimit) -> bool {
         self.is_within_limit(limit, |test| {
             bit.piece_deeper_than(test.deeper_than_subunits, pose)
@@ -147,7 +147,7 @@ where
         })
     }
 
-    /// Whether the part of the bit deeper than the limits meets neither the volume nor the mask.
+    /// Returns `true` if the part of the bit deeper than the limits overlaps neither the volume nor the mask.
     /// `overlaps` carries out one of the two tests.
     fn is_within_limit(
         &self,
@@ -170,8 +170,9 @@ where
     }
 }
 
-/// The steps at which the exit search tests the rest of a path: at most [`EXIT_PROBES`] and `max_probes`,
-/// spread evenly over `after_step + 1..=last_step`, the last among them. `after_step` is at most `last_step`.
+/// Returns the steps at which the exit search tests the rest of a path: at most [`EXIT_PROBES`] and
+/// `max_probes`, spread evenly over `after_step + 1..=last_step` and including the last. `after_step` is at
+/// most `last_step`.
 pub fn exit_probe_steps(
     after_step: u32,
     last_step: u32,
@@ -182,25 +183,26 @@ pub fn exit_probe_steps(
     (1..probes + 1).map(move |i| after_step + left * i / probes)
 }
 
-/// How far [`Obstacle::advance_along`] moved a bit.
+/// The result of [`Obstacle::advance_along`].
 pub(super) struct PathAdvance {
     /// The last pose of the path that the volume allows.
     pub(super) last_allowed: Pose,
-    /// The pose of the step after it; `None` where the end of the path or of the budget came first.
+    /// The pose of the next step; `None` if the path or the budget ended first.
     pub(super) first_forbidden: Option<Pose>,
-    /// Whether the end of the budget came first.
+    /// `true` if the budget ended first.
     pub(super) ran_out: bool,
 }
 
-/// One test of a bit against its limit: does its part deeper than this hold one of these voxels?
+/// One test of a bit against its limit: does its part deeper than `deeper_than_subunits` contain one of
+/// `voxels`?
 struct PenetrationTest<'a, const N: usize, const K: usize> {
     deeper_than_subunits: i32,
     voxels: TestedVoxels<'a, N, K>,
 }
 
 impl GridBit {
-    /// Steps of a path between two poses: quarter voxels, of translation and of the arc that the bit's
-    /// farthest point describes, together. A disc steps by whole voxels along its own plane. At least 1.
+    /// Returns the steps of a path between two poses: quarter voxels, the sum of the translation and of the
+    /// arc of the bit's farthest point. A disc steps by whole voxels along its own plane. At least 1.
     #[must_use]
     pub fn path_steps(&self, from: &Pose, to: &Pose) -> u32 {
         let arc = from.angle_radians_to(to) * self.circumscribed_radius_subunits() as f32
@@ -220,13 +222,14 @@ impl WayBudget {
 /// Steps in a voxel's length of path.
 pub(super) const STEPS_PER_VOXEL: f32 = 4.0;
 
-/// Steps in the first stretch, which is tested at once and costs as much as one step.
+/// Steps in the first stretch, which is tested at once at the cost of one step.
 pub const SHORT_STRETCH: u32 = 4;
 
-/// Steps in a stretch that follows a free one.
+/// Steps in a stretch after a free one.
 pub const LONG_STRETCH: u32 = 16;
 
-/// Penetration limit: how deep voxels may lie in a bit, in fixed point ([`SUBUNITS_PER_VOXEL`] to a voxel).
+/// Penetration limit: the maximum depth of voxels in a bit, in fixed point ([`SUBUNITS_PER_VOXEL`] to a
+/// voxel).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct PenetrationLimit {
     /// For any voxel.
@@ -236,7 +239,7 @@ pub(super) struct PenetrationLimit {
 }
 
 impl PenetrationLimit {
-    /// The limit of a bit that isn't too deep: its bite, and nothing in the mask.
+    /// Returns the limit of a bit that isn't too deep: its bite, and nothing in the mask.
     pub(super) const fn of_bite(bit: &GridBit) -> PenetrationLimit {
         PenetrationLimit { volume: bit.bite, mask: 0 }
     }
@@ -245,7 +248,7 @@ impl PenetrationLimit {
         self == PenetrationLimit::of_bite(bit)
     }
 
-    /// The limit after a step. A bit that is too deep is measured again at each step.
+    /// Returns the limit after a step. A bit that is too deep is measured again at each step.
     fn remeasured_if_too_deep(
         self,
         bit: &GridBit,
@@ -254,19 +257,19 @@ impl PenetrationLimit {
         if self.is_of_bite(bit) { self } else { measure() }
     }
 
-    /// Whether the bit's centre may lie in an occupied voxel.
+    /// Returns `true` if the bit's centre may lie in an occupied voxel.
     pub(super) fn may_bury_centre(self, bit: &GridBit) -> bool {
         self.volume > deepest_unburied(bit).max(bit.bite)
     }
 }
 
-/// The greatest depth of a voxel in the bit that leaves the bit's centre in the open, at a step and halfway to
-/// the next.
+/// Returns the greatest depth of a voxel at which the bit's centre is surely in the open, at a step and
+/// halfway to the next.
 fn deepest_unburied(bit: &GridBit) -> i32 {
     bit.inscribed_radius_subunits() - BURIED_WITHIN
 }
 
-/// Distance of a voxel's centre from the bit's, in fixed point, within which this may lie in the voxel, or
-/// does half a step on: half a voxel's diagonal and half a step at right angles to it (224), with room for
-/// rounding.
+/// Distance between a voxel's centre and the bit's centre, in fixed point, within which the bit's centre may
+/// lie in the voxel, now or half a step later: half a voxel's diagonal and half a step at right angles to it
+/// (224), plus a margin for rounding.
 pub const BURIED_WITHIN: i32 = 226;

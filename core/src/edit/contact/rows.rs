@@ -15,9 +15,9 @@ use crate::volume::size::{Grid, Size};
 /// The occupied voxels that an intersection test looks for.
 #[derive(Clone, Copy)]
 pub(super) enum TestedVoxels<'a, const N: usize, const K: usize> {
-    /// All of the volume's.
+    /// All voxels of the volume.
     AllOccupied,
-    /// Those that belong to a mask.
+    /// Voxels that belong to a mask.
     OfMask(&'a RangeMaps<N, K>),
 }
 
@@ -25,7 +25,7 @@ pub(super) enum TestedVoxels<'a, const N: usize, const K: usize> {
 #[derive(Clone, Copy)]
 struct PieceLayers<'a> {
     piece: &'a BrushLayer<'a>,
-    /// The slice of its bounding ball, tested first as it is cheaper.
+    /// The slice of its bounding ball, which is tested first as it is cheaper.
     bounding_ball: Option<&'a BrushLayer<'a>>,
 }
 
@@ -33,8 +33,8 @@ impl<const N: usize, const K: usize> Obstacle<'_, N, K>
 where
     Grid<N>: Size,
 {
-    /// Whether a mask voxel lies in the bit or within half a voxel of it: where the mask stops a bit,
-    /// whatever its last step.
+    /// Returns `true` if a mask voxel lies in the bit or within half a voxel of it, where the mask stops a
+    /// bit whatever its last step.
     pub(super) fn is_within_half_voxel_of_mask(&self, bit: &GridBit, pose: &Pose) -> bool {
         let (Some(mask), Some(piece)) =
             (self.mask, bit.piece_deeper_than(-SUBUNITS_PER_VOXEL / 2, pose))
@@ -44,12 +44,12 @@ where
         self.piece_overlaps(&piece, TestedVoxels::OfMask(mask))
     }
 
-    /// Whether a brush holds one of the tested voxels.
+    /// Returns `true` if a brush holds one of the tested voxels.
     pub(super) fn brush_overlaps(&self, brush: &Brush, tested: TestedVoxels<'_, N, K>) -> bool {
         brush.pieces().any(|piece| self.piece_overlaps(&piece, tested))
     }
 
-    /// Whether a piece holds one of the tested voxels.
+    /// Returns `true` if a piece holds one of the tested voxels.
     pub(super) fn piece_overlaps(
         &self,
         piece: &BrushPiece,
@@ -79,7 +79,7 @@ where
             };
             let z_range = z_range.first()..z_range.last() + 1;
             let rows = iter::zip(z_range.start.., &self.rows.layer(y)[z_range.clone()]);
-            // Early out: most rows hold no voxel within the bounds.
+            // Early exit: most rows have no voxel within the bounds.
             match tested {
                 TestedVoxels::AllOccupied => rows.into_iter().any(|(z, row)| {
                     (is_near(row, first_word) || words.clone().any(|i| is_near(row, i)))
@@ -97,9 +97,9 @@ where
         })
     }
 
-    /// Whether `is_found` holds for a row of a disc that has many short rows, most of which hold nothing between its
-    /// planes: it gets the others, with the first and the last voxel there, or now and then one beside it. `None` for
-    /// a disc that has other rows, and for other pieces.
+    /// Returns `true` if `is_found` does for a row of a disc that has many short rows. Most of these have no
+    /// voxel between the disc's planes and are skipped; `is_found` gets the others with their first and last
+    /// voxel, which may be one voxel off. Returns `None` for discs without such rows, and for other pieces.
     fn find_row_of_disc(
         &self,
         piece: &BrushPiece,
@@ -130,7 +130,8 @@ where
         }))
     }
 
-    /// Whether a piece holds one of the occupied voxels `candidates` of row (y, z) that is tested.
+    /// Returns `true` if a piece holds one of the tested voxels among the occupied voxels `candidates` of row
+    /// (y, z).
     fn row_overlaps(
         &self,
         layers: PieceLayers<'_>,
@@ -205,7 +206,7 @@ where
         }
     }
 
-    /// Those voxels of row (y, z) that the bit can collide with.
+    /// Returns the voxels of row (y, z) that the bit can collide with.
     fn holding_among(
         &self,
         (y, z): RowAddress,
@@ -217,13 +218,13 @@ where
         }
     }
 
-    /// The sum of the directions from voxels of row (y, z) to their empty six-neighbours.
+    /// Returns the sum of the directions from voxels of row (y, z) to their empty six-neighbours.
     pub(super) fn sum_directions_to_empty(
         &self,
         (y, z): RowAddress,
         voxels: <Grid<N> as Size>::Row,
     ) -> IVec3 {
-        // Within stone there are none, which is sooner seen than counted.
+        // Inside stone there are none; testing for that is faster than counting.
         let empty = |row: <Grid<N> as Size>::Row| match voxels & !row {
             none if none.is_empty() => 0,
             some => some.count_ones() as i32,

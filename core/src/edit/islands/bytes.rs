@@ -12,14 +12,14 @@ impl<const N: usize> IslandSearch<N>
 where
     Grid<N>: Size,
 {
-    /// Digest of the state that determines later passes. The part of the reached voxels is maintained
+    /// Returns a digest of the state that determines later passes. The reached voxels' part is maintained
     /// incrementally; the queue, N x N bits, is added here.
     #[must_use]
     pub fn digest(&self) -> u64 {
         self.digest_with(self.reached_sum)
     }
 
-    /// The same digest, computed without the incremental sums.
+    /// Returns the same digest, computed without the incremental sums.
     #[must_use]
     pub fn recompute_digest(&self) -> u64 {
         let mut sum = 0u64;
@@ -48,8 +48,8 @@ where
         digest
     }
 
-    /// Writes the state: flags, the kept voxels' sum, and in flight the cursor, then for each layer
-    /// its queued rows and which rows hold reached voxels, as N bits each, then those rows.
+    /// Writes the state: flags and the kept voxels' sum. During a pass also the cursor, then for each layer a
+    /// bitmap of its queued rows, a bitmap of the rows that hold reached voxels, N bits each, and those rows.
     pub fn save(&self, out: &mut ByteWriter<'_>) {
         out.u8(self.phase as u8 | u8::from(self.pending) << 1);
         out.u64(self.kept_sum);
@@ -72,10 +72,10 @@ where
         }
     }
 
-    /// Reads what [`IslandSearch::save`] wrote, so that the search continues exactly from there.
+    /// Reads the output of [`IslandSearch::save`], so that the search continues exactly from there.
     ///
     /// # Errors
-    /// [`BadBytes`] where the bytes end early or say what no pass does; no pass is in flight then.
+    /// [`BadBytes`] if the bytes end early or are invalid. Then no pass is running.
     pub fn load(&mut self, bytes: &mut ByteReader<'_>) -> Result<(), BadBytes> {
         self.cancel_passes();
         self.kept_sum = 0;
@@ -93,10 +93,10 @@ where
         Ok(())
     }
 
-    /// What a loaded search lacks of what every search has, so that no pass takes what is supported: ground
-    /// is reached, and where a row isn't queued, its voxels of the mask are, and no unreached one adjoins a
-    /// reached one.
-    /// That more is reached than should be does no harm: the next pass finds it.
+    /// Returns a description of the first invariant that a loaded search violates, or `None`. The invariants
+    /// ensure that no pass removes supported voxels: the ground is reached; in rows that aren't queued, the
+    /// mask's voxels are reached, and no unreached voxel adjoins a reached one. Reached voxels in excess are
+    /// harmless: the next pass corrects them.
     pub(crate) fn find_fault<const K: usize>(
         &self,
         voxels: &BitGrid<N>,
@@ -131,8 +131,8 @@ where
         self.reached.clear();
         for y in 0..N {
             self.queued[y] = read_row::<N>(bytes)?;
-            // Open rows aren't saved. A queued row is perhaps to be visited for the first time; to treat
-            // any other as open only costs time.
+            // Open rows aren't saved. A queued row may be waiting for its first visit; treating any other row
+            // as open only costs time.
             self.open[y] = Grid::<N>::FULL & !self.queued[y];
             if !self.queued[y].is_empty() {
                 self.layers.insert(y);
@@ -149,8 +149,8 @@ where
     }
 }
 
-/// Linear hash of row (y, z): the sum of its words, each times its own key. The hashes of disjoint sets
-/// of voxels add up to that of their union. All factors are odd: an even one would shift high bits out.
+/// Linear hash of row (y, z): the sum of its words, each times its own key. The hashes of disjoint sets of
+/// voxels add up to the hash of their union. All factors are odd: an even one would shift high bits out.
 #[inline]
 pub(super) fn hash_row<R: BitSet>((y, z): RowAddress, voxels: R) -> u64 {
     layer_hash_from_sum(y, hash_row_in_layer(z, voxels))

@@ -1,5 +1,5 @@
-//! Island removal: flood fill over bit rows from the ground layer and the mask, then removal of all
-//! voxels that it didn't reach. Source: section 3.4 of the paper, which visits voxel by voxel.
+//! Island removal: flood fill over bit rows from the ground layer and the mask, then removal of all voxels
+//! that weren't reached. Source: section 3.4 of the paper, which visits voxel by voxel.
 //!
 //! A pass keeps one bit grid beside the volume, the *reached* voxels, and a set of queued rows, one bit
 //! each, which a cursor visits in cyclic order. A visit extends the reached voxels of a row by whole
@@ -7,12 +7,13 @@
 //! added voxels count as reached at once, removed ones stay reached. So the reached set only grows, only
 //! its growth queues rows, and every pass ends.
 //!
-//! A pass begins with the ground reached and all other rows queued. A row's voxels of the mask count as
-//! reached when it is first visited, so no tick pays for laying out the whole mask.
+//! A pass begins with the ground reached and all other rows queued. A row's voxels of the mask are marked as
+//! reached on its first visit, so no tick pays for rasterising the whole mask.
 //!
-//! Invariant: in a row that isn't queued, no voxel of `volume & !reached` is a six-neighbour of a
-//! reached one, or of the mask. Removing voxels keeps it, and growth of the reached set queues the rows
-//! that would break it. With an empty queue, everything connected to ground or mask is therefore reached.
+//! Invariant: in a row that isn't queued, no voxel of `volume & !reached` belongs to the mask or is a
+//! six-neighbour of a reached voxel. Removing voxels preserves it, and growth of the reached set queues the
+//! rows that would break it. With an empty queue, everything connected to ground or mask is therefore
+//! reached.
 
 mod bytes;
 mod removal;
@@ -32,10 +33,10 @@ use sweep::neighbour_rows;
 pub struct IslandReport {
     /// Voxels removed.
     pub removed: u32,
-    /// Unsupported voxels that closure keeps, as the ranges can't exclude them; 0 when they are the same
-    /// as after the previous pass.
+    /// Unsupported voxels that closure keeps, as the ranges can't exclude them; 0 if they are the same as
+    /// after the previous pass.
     pub kept: u32,
-    /// Neither the ground layer nor the mask holds a voxel. Nothing was removed.
+    /// `true` if neither the ground layer nor the mask holds a voxel. Nothing was removed.
     pub unsupported: bool,
 }
 
@@ -59,17 +60,17 @@ where
     queued: [<Grid<N> as Size>::Row; N],
     /// Layers that hold queued rows.
     layers: <Grid<N> as Size>::Row,
-    /// Rows that were visited and had unreached voxels, none of them of the mask. Every row that has any
-    /// is queued or open; an open row may have lost them since.
+    /// Rows that were visited and had unreached voxels, none of them of the mask. Every row with unreached
+    /// voxels is queued or open; an open row may have lost them since.
     open: [<Grid<N> as Size>::Row; N],
     /// The linear hash of `reached`: the sum of its words, each times its key.
     reached_sum: u64,
-    /// The same hash of the voxels last reported as kept.
+    /// The linear hash of the voxels last reported as kept.
     kept_sum: u64,
     /// The layer at which the sweep continues.
     cursor: u8,
     phase: SearchPhase,
-    /// Whether a requested pass hasn't begun.
+    /// `true` if a requested pass hasn't begun.
     pending: bool,
 }
 
@@ -77,7 +78,7 @@ impl<const N: usize> IslandSearch<N>
 where
     Grid<N>: Size,
 {
-    /// Idle. For static initialisers only.
+    /// Creates an idle search. For static initialisers only.
     #[must_use]
     #[allow(clippy::new_without_default)] // a Default would hand the plane about by value
     pub const fn new() -> Self {
@@ -100,10 +101,10 @@ where
         self.pending = true;
     }
 
-    /// Counts voxels of row (y, z) that are about to be occupied as reached; see [`Journal::record_added`].
+    /// Marks voxels of row (y, z) that are about to be occupied as reached; see [`Journal::record_added`].
     pub fn mark_added_as_reached(&mut self, (y, z): RowAddress, voxels: <Grid<N> as Size>::Row) {
-        // Reached voxels have queued their neighbours already. Queueing them again would let a user who
-        // fills and carves one voxel for ever keep the pass from ending.
+        // Reached voxels have already queued their neighbours. Queueing them again would let a user who fills
+        // and carves one voxel for ever keep the pass from ending.
         let new = voxels & !self.reached.row(y, z);
         if self.phase == SearchPhase::Idle || new.is_empty() {
             return;
@@ -115,13 +116,13 @@ where
         }
     }
 
-    /// Cancels the running pass and requests another, as the volume was replaced in part.
+    /// Cancels the running pass and requests another, after a part of the volume was replaced.
     pub fn restart_pass(&mut self) {
         self.end_running_pass();
         self.pending = true;
     }
 
-    /// Cancels the running and the requested pass, as the volume was replaced as a whole.
+    /// Cancels the running and the requested pass, after the whole volume was replaced.
     pub fn cancel_passes(&mut self) {
         self.end_running_pass();
         self.pending = false;
@@ -133,27 +134,27 @@ where
         self.kept_sum = 0;
     }
 
-    /// Whether a pass is running or requested.
+    /// Returns `true` if a pass is running or requested.
     #[must_use]
     pub const fn is_busy(&self) -> bool {
         self.pending || matches!(self.phase, SearchPhase::Sweep)
     }
 
-    /// Whether no pass is running.
+    /// Returns `true` if no pass is running.
     pub(crate) fn is_idle(&self) -> bool {
         self.phase == SearchPhase::Idle
     }
 
-    /// Whether a pass has visited all its rows and the next [`IslandSearch::advance_pass`] ends it.
+    /// Returns `true` if a pass has visited all its rows and the next [`IslandSearch::advance_pass`] ends it.
     pub(crate) fn is_removal_due(&self) -> bool {
         self.phase == SearchPhase::Sweep && self.layers.is_empty()
     }
 
-    /// Begins a pass if one is called for, and carries it on by `max_row_visits`. When it ends, all islands
-    /// go at once and its report comes back; the next call removes them if fewer visits are left than
-    /// [`island_removal_row_visits`].
+    /// Begins a pass if one is requested, and continues it by `max_row_visits`. When the pass ends, all
+    /// islands are removed at once and its report is returned. If fewer visits are left than
+    /// [`island_removal_row_visits`], the removal is postponed to the next call.
     ///
-    /// `mask` is part of the volume and the same throughout a pass.
+    /// `mask` must be part of the volume and must not change during a pass.
     pub fn advance_pass<const K: usize>(
         &mut self,
         volume: &mut Volume<N, K>,
@@ -187,7 +188,7 @@ where
     }
 }
 
-/// Whether neither the ground layer nor the mask holds a voxel.
+/// Returns `true` if neither the ground layer nor the mask holds a voxel.
 fn has_no_support<const N: usize, const K: usize>(
     volume: &Volume<N, K>,
     mask: &RangeMaps<N, K>,

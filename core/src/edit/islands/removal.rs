@@ -11,12 +11,12 @@ use crate::volume::range_maps::{Axis, Column, ColumnsBeyond};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
-/// The columns of a line of N that hold voxels of islands.
+/// The columns of a line of N that contain voxels of islands.
 #[derive(Clone, Copy)]
 struct IslandLine<R> {
     /// The columns.
     columns: R,
-    /// The first and the last row of islands, by their position along the columns.
+    /// The positions along the columns of the first and the last row with islands.
     first: usize,
     last: usize,
 }
@@ -39,8 +39,8 @@ impl<const N: usize> IslandSearch<N>
 where
     Grid<N>: Size,
 {
-    /// Sets the volume to the closure of its reached voxels. As the queue is empty, all rows that lose
-    /// voxels are open.
+    /// Sets the volume to the closure of its reached voxels. As the queue is empty, all rows that lose voxels
+    /// are open.
     pub(super) fn remove_islands<const K: usize>(
         &mut self,
         volume: &mut Volume<N, K>,
@@ -78,9 +78,9 @@ where
         IslandReport { removed, kept: if known { 0 } else { kept }, unsupported: false }
     }
 
-    /// Tightens the columns along x of layer `y` and notes which columns along y and z lose voxels.
-    /// Rows without reached voxels are emptied at once; of the others only those with islands stay
-    /// open. Returns the number of unreached voxels.
+    /// Tightens the columns along x of layer `y` and notes which columns along y and z lose voxels. Rows
+    /// without reached voxels are emptied at once; of the others, only rows with islands stay open. Returns
+    /// the number of unreached voxels.
     fn tighten_rows_counting_unreached<const K: usize>(
         &mut self,
         volume: &mut Volume<N, K>,
@@ -119,9 +119,9 @@ where
         missed[..count].iter().map(BitSet::count_ones).sum()
     }
 
-    /// Tightens columns of a line to their reached voxels. Returns those that aren't empty then.
+    /// Tightens columns of a line to their reached voxels. Returns the columns that aren't empty afterwards.
     ///
-    /// A range end outside the rows of the islands stays; the others are searched for, N columns at a
+    /// A range end outside the rows of the islands doesn't move; the others are searched for, N columns at a
     /// time.
     fn tighten_line_returning_nonempty<const K: usize>(
         &self,
@@ -163,9 +163,8 @@ where
         rest
     }
 
-    /// Removes the unreached voxels of layer `y`, except in rows where closure may keep some, that is
-    /// where the ranges along x and z still cover them. Only those rows stay open. Returns the number of
-    /// such voxels.
+    /// Removes the unreached voxels of layer `y`, except in rows where closure may keep some, because the
+    /// ranges along x and z still cover them. Only those rows stay open. Returns the number of such voxels.
     fn remove_unreached_counting_doubtful<const K: usize>(
         &mut self,
         volume: &mut Volume<N, K>,
@@ -188,14 +187,14 @@ where
     }
 
     /// Updates the open rows from the maps. Returns the unreached voxels that closure keeps.
-    /// `nonempty_along_y` is by z, `doubtful_voxels` their number at most.
+    /// `nonempty_along_y` is indexed by z; `doubtful_voxels` is the maximum number of such voxels.
     fn close_in_open_rows<const K: usize>(
         &mut self,
         volume: &mut Volume<N, K>,
         nonempty_along_y: &[<Grid<N> as Size>::Row; N],
         doubtful_voxels: usize,
     ) -> KeptVoxels {
-        // Voxel by voxel for few, all columns at once for many.
+        // Few voxels are updated one by one, many by whole lines.
         let many = doubtful_voxels > 4 * N * N;
         if many {
             volume.rebuild_rows();
@@ -213,7 +212,7 @@ where
                 sum = sum.wrapping_add(hash_row((y, z), closed));
             }
         }
-        // High bits of several words may cancel: no set but the empty one has the empty one's hash.
+        // High bits of several words may cancel: only the empty set may have the empty set's hash.
         if kept != 0 && sum == 0 {
             sum = 1;
         }
@@ -224,20 +223,20 @@ where
 /// Unreached voxels that closure keeps.
 struct KeptVoxels {
     count: u32,
-    /// Their linear hash; 0 for none alone.
+    /// Their linear hash; 0 only if there are none.
     hash: u64,
 }
 
-/// What a scan for range ends found.
+/// The result of a scan for range ends.
 struct EndScan<R> {
-    /// Columns that are set in no row.
+    /// Columns without a voxel in any row.
     empty: R,
     /// Columns whose range changed.
     changed: R,
 }
 
-/// Scans rows in the given order of positions along the columns and moves one end of each column's range
-/// to the first row that is set there. `set_end` moves that end.
+/// Scans rows in the given order of positions along the columns and moves one end of each column's range to
+/// the first row in which the column is set. `set_end` moves that end.
 #[inline]
 fn move_range_ends<R: BitSet, const N: usize, const K: usize>(
     mut columns: R,

@@ -11,21 +11,21 @@ use crate::volume::size::{Grid, Size};
 /// Rows of a layer as bits of one word of z: bit i of word k is the row at z = 64 k + i.
 type RowsOfWord = u64;
 
-/// Open rows about one word of a layer.
+/// Open rows around one word of a layer.
 struct OpenRows {
-    /// Those of the word itself.
+    /// The open rows in the word itself.
     here: RowsOfWord,
-    /// The last row of the word before, as the bit of the row that it adjoins.
+    /// The last row of the previous word, as the bit of its neighbour in this word.
     last_before: RowsOfWord,
-    /// The first row of the word after, likewise.
+    /// The first row of the next word, as the bit of its neighbour in this word.
     first_after: RowsOfWord,
 }
 
 /// The result of visiting a row.
 struct RowVisit<R> {
-    /// The voxels that it marked as reached.
+    /// The voxels that the visit marked as reached.
     newly_reached: R,
-    /// Whether no unreached voxels remain in the row.
+    /// `true` if no unreached voxels remain in the row.
     is_all_reached: bool,
 }
 
@@ -49,7 +49,7 @@ where
         self.phase = SearchPhase::Sweep;
     }
 
-    /// Visits queued rows layer by layer in cyclic order, each layer until it has none left. Each takes
+    /// Visits queued rows layer by layer in cyclic order, each layer until it has none left. Each visit takes
     /// one from `visits_left`.
     pub(super) fn sweep_queue<const K: usize>(
         &mut self,
@@ -73,8 +73,8 @@ where
         }
     }
 
-    /// Visits the queued rows of one word of layer `y`, lowest first, including those queued meanwhile.
-    /// Each takes one from `visits_left`.
+    /// Visits the queued rows of one word of layer `y`, lowest first, including rows queued meanwhile. Each
+    /// visit takes one from `visits_left`.
     fn visit_queued_rows<const K: usize>(
         &mut self,
         voxels: &BitGrid<N>,
@@ -105,13 +105,13 @@ where
             }
         }
         self.reached_sum = self.reached_sum.wrapping_add(layer_hash_from_sum(y, sum));
-        // Rows of this word were queued in `todo`, rows of the words beside in the queue.
+        // Rows of this word were queued in `todo`, rows of the neighbouring words in the queue.
         self.queued[y].set_word(z_word, todo);
         self.open[y].set_word(z_word, open);
         *visits_left = left;
     }
 
-    /// The open rows of one word of layer `y`, and those next to it.
+    /// Returns the open rows of one word of layer `y`, and the rows next to it.
     #[inline]
     fn open_rows_around(&self, y: usize, z_word: usize) -> OpenRows {
         let (open, i) = (self.open[y], z_word);
@@ -145,8 +145,8 @@ where
         RowVisit { newly_reached: new, is_all_reached: new == medium }
     }
 
-    /// Queues the neighbour rows of (y, z) with unreached voxels next to its newly reached voxels.
-    /// Those in the same word of the same layer are returned instead.
+    /// Queues the neighbour rows of (y, z) with unreached voxels next to its newly reached voxels. Rows in
+    /// the same word of the same layer are returned instead.
     #[cold]
     fn queue_neighbours_outside_word(
         &mut self,
@@ -192,7 +192,7 @@ where
     }
 }
 
-/// The runs of `medium`, voxels of row (y, z), that hold voxels of the mask.
+/// Returns the runs of `medium`, voxels of row (y, z), that contain voxels of the mask.
 fn flood_from_mask<R: BitSet, const N: usize, const K: usize>(
     medium: R,
     mask: &RangeMaps<N, K>,
@@ -201,7 +201,8 @@ fn flood_from_mask<R: BitSet, const N: usize, const K: usize>(
 where
     Grid<N>: Size<Row = R>,
 {
-    // Ranges are tight: their ends are voxels of the mask, and most runs that hold any hold one of these.
+    // Ranges are tight: their ends are voxels of the mask, and most runs with mask voxels contain one of
+    // these ends.
     let column = mask.column(Axis::X, row);
     let mut ends = R::EMPTY;
     for range in column.intervals() {
@@ -213,7 +214,7 @@ where
     new | if rest.is_empty() { rest } else { medium.flood_from(rest) }
 }
 
-/// The four neighbour rows of (y, z): y - 1, y + 1, z - 1, z + 1. At the grid's border a missing
+/// Returns the four neighbour rows of (y, z): y - 1, y + 1, z - 1, z + 1. At the grid's border a missing
 /// neighbour is replaced by the row itself, which is harmless: a row doesn't seed itself, and has no
 /// unreached voxels where it was just reached.
 #[inline]
@@ -223,7 +224,7 @@ pub(super) fn neighbour_rows<const N: usize>((y, z): RowAddress) -> [RowAddress;
     [(before(y), z), (after(y), z), (y, before(z)), (y, after(z))]
 }
 
-/// The lowest set bit at or above `from`.
+/// Returns the lowest set bit at or above `from`.
 #[inline]
 fn first_set_from<R: BitSet>(row: R, from: usize) -> Option<usize> {
     let mut word = from / 64;
@@ -238,7 +239,7 @@ fn first_set_from<R: BitSet>(row: R, from: usize) -> Option<usize> {
     Some(word * 64 + bits.trailing_zeros() as usize)
 }
 
-/// The lowest set bit at or above `from`, else the lowest of all.
+/// Returns the lowest set bit at or above `from`, else the lowest of all.
 #[inline]
 fn next_set_cyclic<R: BitSet>(row: R, from: usize) -> Option<usize> {
     first_set_from(row, from).or_else(|| row.first())

@@ -40,7 +40,7 @@ where
         }
     }
 
-    /// Occupies voxels that all three ranges hold since columns grew.
+    /// Occupies the voxels that all three ranges hold after columns grew.
     pub(super) fn close_after_growth(&mut self) {
         let BrushBounds { lo, hi } = self.bounds;
         for y in lo[1]..=hi[1] {
@@ -60,7 +60,7 @@ where
         }
     }
 
-    /// Occupies those `candidates` of row (y, z) that all three ranges hold, and reports them.
+    /// Occupies the `candidates` of row (y, z) that all three ranges hold, and reports them.
     #[inline]
     fn close_in_row(&mut self, (y, z): RowAddress, candidates: <Grid<N> as Size>::Row) {
         let here = self.volume.rows().row(y, z);
@@ -82,9 +82,9 @@ where
         *self.volume.rows_mut().row_mut(y, z) = here | missing;
     }
 
-    /// Row (y, z) at the start of the edit, exact for voxels that closure can occupy: after a carve all
-    /// of them were there, after a fill none was. Smoothing and flattening removed some only in rows between the
-    /// layer's first flip and last, of which they saved the start.
+    /// Returns row (y, z) at the start of the edit, exact for voxels that closure can occupy: in a carve all
+    /// of them were occupied, in a fill none. Smoothing and flattening remove voxels only in rows between the
+    /// layer's first and last flip, which were saved.
     fn row_before_edit(&self, (y, z): RowAddress) -> <Grid<N> as Size>::Row {
         let flipped = || {
             (self.bounds.lo[1]..=self.bounds.hi[1]).contains(&y)
@@ -102,7 +102,7 @@ where
 }
 
 impl EditReport {
-    /// Counts removed voxels of a row that closure brought back.
+    /// Counts removed voxels of a row that closure restored.
     #[inline]
     fn move_from_removed_to_refused<R: BitSet>(&mut self, row: RowAddress, back: R) {
         self.removed -= back.count_ones();

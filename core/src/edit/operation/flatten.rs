@@ -1,4 +1,4 @@
-//! Flattening: what is above a plane goes, pits below it fill from their floor.
+//! Flattening: removes voxels above a plane and fills pits below it from their floor.
 
 use super::EditOperation;
 use super::pass::EditPass;
@@ -13,7 +13,7 @@ impl<const N: usize, const K: usize, const W: usize> EditPass<'_, N, K, W>
 where
     Grid<N>: Size,
 {
-    /// Computes the flips of layer `y` among the brush's voxels, which stand in their place. Layers come in
+    /// Replaces the brush's voxels of layer `y`, which are in the flips' memory, by the flips. Layers come in
     /// ascending order.
     pub(super) fn flatten_layer(&mut self, y: usize, z_range: Range) {
         let EditOperation::Flatten { above, .. } = self.edit.operation else { return };
@@ -33,8 +33,8 @@ where
         }
     }
 
-    /// The voxels of row (y, z) that are above the plane: in the upper half of a mirrored edit, those whose mirror
-    /// images are.
+    /// Returns the voxels of row (y, z) above the plane. In the upper half of a mirrored edit, the mirror
+    /// images decide.
     fn words_above(&self, (y, z): RowAddress, above: HalfSpace) -> BitRow<W> {
         let row = above.row::<N>(y, z);
         if !self.edit.mirrored {
@@ -45,7 +45,7 @@ where
         (lower | lower.mirrored(N)).word_span(self.first_word)
     }
 
-    /// Of the empty voxels `among` of a row, those that lie on the floor of a pit.
+    /// Returns the empty voxels `among` of a row that lie on the floor of a pit.
     fn voxels_in_pits(&self, (y, z): RowAddress, above: HalfSpace, among: BitRow<W>) -> BitRow<W> {
         if among.is_empty() {
             return among;
@@ -75,8 +75,8 @@ where
         on_floor & (walls(0) | walls(1) | walls(2))
     }
 
-    /// Which voxels of a row have an occupied neighbour beneath them, when the plane's normal is nearest to an axis
-    /// and points up along it or down.
+    /// Returns the voxels of a row with an occupied neighbour beneath them. `axis` is the axis nearest to the
+    /// plane's normal, which points up along it if `points_up`.
     fn neighbours_beneath(&self, (y, z): RowAddress, axis: usize, points_up: bool) -> BitRow<W> {
         let step = if points_up { -1 } else { 1 };
         match axis {
@@ -97,7 +97,7 @@ where
         }
     }
 
-    /// Which voxels of a row have occupied ones on both sides within `reach` along x.
+    /// Returns the voxels of a row with occupied voxels on both sides within `reach` along x.
     fn walled_along_x(&self, (y, z): RowAddress, reach: usize) -> BitRow<W> {
         let here = self.row_from_start((y, z), 0, 0);
         let [mut up, mut down] = [here; 2];
@@ -109,8 +109,8 @@ where
         from_below & from_above
     }
 
-    /// The row so many layers above layer `y`, and rows behind row `z`, as it was when the edit began; all of it where
-    /// that is below the ground, none elsewhere outside the grid.
+    /// Returns the row `up` layers above layer `y` and `behind` rows behind row `z`, as it was when the edit
+    /// began: full below the ground, empty elsewhere outside the grid.
     fn row_from_start(&self, (y, z): RowAddress, up: isize, behind: isize) -> BitRow<W> {
         let (Some(at_z), at_y) = (z.checked_add_signed(behind), y.checked_add_signed(up)) else {
             return BitRow::EMPTY;

@@ -26,71 +26,73 @@ use crate::volume::row::{BitRow, BitSet};
 use crate::volume::size::{Grid, Size};
 use crate::volume::voxel_box::VoxelBox;
 
-/// A depth that holds nothing back: the edit takes or occupies its whole brush.
+/// Unlimited depth: the edit removes or occupies its whole brush.
 pub const ANY_DEPTH: usize = usize::MAX;
 
-/// What an edit does to the voxels of its brush.
+/// The effect of an edit on the voxels of its brush.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[expect(clippy::large_enum_variant, reason = "there is no heap to box the largest on")]
 pub enum EditOperation {
-    /// Removes those at most `depth` six-neighbour steps from an empty voxel, as the volume stood
-    /// when the edit began; outside the grid counts as empty. A greater depth counts as
-    /// [`SHELL_DEPTH`], four, but for [`ANY_DEPTH`].
+    /// Removes voxels at most `depth` six-neighbour steps from an empty voxel of the volume at the start of
+    /// the edit; outside the grid counts as empty. A greater depth counts as [`SHELL_DEPTH`], four, except
+    /// [`ANY_DEPTH`].
     ///
-    /// To take out a whole brush, apply the edit again until it changes nothing: a ball of radius 30
-    /// takes eight edits.
+    /// To remove a whole brush, apply the edit again until it changes nothing: a ball of radius 30 takes
+    /// eight edits.
     Carve {
-        /// Layers of the shell that may go.
+        /// Number of layers that may be removed.
         depth: usize,
     },
-    /// Occupies those at most `depth` steps from the volume or from the ground under y = 0. A greater
-    /// depth counts as [`SHELL_DEPTH`], but for [`ANY_DEPTH`].
+    /// Occupies voxels at most `depth` steps from the volume or from the ground under y = 0. A greater depth
+    /// counts as [`SHELL_DEPTH`], except [`ANY_DEPTH`].
     Fill {
-        /// Layers that may be laid on.
+        /// Number of layers that may be added.
         depth: usize,
     },
-    /// Blur and threshold, which moves the surface by its mean curvature (Merriman, Bence and Osher 1992): each
-    /// becomes occupied where more than half of the cube of (2 `radius` + 1)^3 voxels about it is. Below y = 0
-    /// counts as occupied, elsewhere outside as empty.
+    /// Blur and threshold, which moves the surface by its mean curvature (Merriman, Bence and Osher 1992): a
+    /// voxel becomes occupied if more than half of the cube of (2 `radius` + 1)^3 voxels about it is. The
+    /// ground below y = 0 counts as occupied, everything else outside as empty.
     ///
-    /// On voxels that alone stands still where the surface should move by less than half a voxel, which is nearly
-    /// everywhere. A dither moves it by fractions in the mean.
+    /// On a voxel grid the plain rule doesn't move a surface that should move by less than half a voxel,
+    /// which is nearly everywhere. A dither moves it by fractions on average.
     Smooth {
-        /// How far it looks: 1, 3 or [`MAX_SMOOTHING_RADIUS`](crate::limits::MAX_SMOOTHING_RADIUS), 7; between
-        /// them, as far as the lower.
+        /// Radius of the blur: 1, 3 or [`MAX_SMOOTHING_RADIUS`](crate::limits::MAX_SMOOTHING_RADIUS), 7.
+        /// Other values are rounded down to one of them.
         radius: usize,
-        /// Where the threshold is dithered, if anywhere.
+        /// The region with a dithered threshold, if any.
         dither: Option<Dither>,
     },
-    /// Removes what is above a plane, and lays a layer on the floor of pits below it.
+    /// Removes voxels above a plane, and adds a layer to the floor of pits below it.
     ///
-    /// A voxel that isn't above the plane becomes occupied if the next one beneath is, along the axis that the plane's
-    /// normal is nearest to, and if along one of the other two axes voxels on both sides are, neither more than
-    /// `reach` away. So neither what falls off beyond an edge is built on, nor a gap without a floor closed. Below
-    /// y = 0 counts as occupied, elsewhere outside as empty.
+    /// A voxel that isn't above the plane becomes occupied if two conditions hold. Its neighbour beneath is
+    /// occupied, along the axis nearest to the plane's normal. And along one of the other two axes there are
+    /// occupied voxels on both sides, at most `reach` away. So the edit neither builds out beyond an edge nor
+    /// closes a gap without a floor. The ground below y = 0 counts as occupied, everything else outside as
+    /// empty.
     ///
-    /// Voxels in the upper half of a mirrored edit's x are decided as their mirror images.
+    /// In a mirrored edit, voxels in the upper half of x are decided as their mirror images.
     Flatten {
-        /// What is above the plane.
+        /// The half-space above the plane.
         above: HalfSpace,
-        /// Half as wide as pits may be; at most
+        /// Half the maximum width of a pit; at most
         /// [`MAX_FLATTENING_REACH`](crate::limits::MAX_FLATTENING_REACH).
         reach: usize,
     },
 }
 
-/// A dither of the threshold of smoothing. In a cube of side s, a voxel that more than `s^3 / 2 - s^2 / 2 + u`
-/// of its cube's voxels let be occupied is, u uniform from 0 to s^2 - 1: a flat face along the axes stays.
+/// A dither of the threshold of smoothing. In a cube of side s, a voxel becomes occupied if more than `s^3 /
+/// 2 - s^2 / 2 + u` of the cube's voxels are, with u uniform from 0 to s^2 - 1. A flat face along the axes
+/// doesn't move.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Dither {
-    /// The voxels with a dithered threshold. Those outside leave no grain behind.
+    /// The region with a dithered threshold. Voxels outside it are left without grain.
     pub piece: BrushPiece,
-    /// Decides u of every voxel; another for each edit.
+    /// Seed of the random number u of every voxel; use a different one for each edit.
     pub seed: u64,
 }
 
 impl EditOperation {
-    /// How many voxels beyond the brush the operation reads.
+    /// Returns how many voxels beyond the brush the operation reads.
     const fn neighbourhood_radius(self) -> usize {
         match self {
             _ if self.reaches_any_depth() => 0,
@@ -108,17 +110,17 @@ impl EditOperation {
         }
     }
 
-    /// How many layers of flips are held back while others are computed.
+    /// Returns how many layers of flips are held back while later layers are computed.
     const fn flip_lag(self) -> usize {
         if self.keeps_rows() { 0 } else { self.neighbourhood_radius() }
     }
 
-    /// Whether the edit remembers the rows of its brush as they were.
+    /// Returns `true` if the edit stores the original rows of its brush.
     const fn keeps_rows(self) -> bool {
         matches!(self, EditOperation::Smooth { .. } | EditOperation::Flatten { .. })
     }
 
-    /// Whether no voxel of the brush lies too deep.
+    /// Returns `true` if the depth is unlimited.
     const fn reaches_any_depth(self) -> bool {
         matches!(
             self,
@@ -142,48 +144,49 @@ pub struct Edit<'a> {
     pub brush: &'a Brush,
     /// The operation on them.
     pub operation: EditOperation,
-    /// Whether the brush's voxel mirror (x to N - 1 - x) belongs to the brush.
+    /// `true` if the brush includes its mirror image (x to N - 1 - x).
     pub mirrored: bool,
 }
 
 /// The effect of an edit, in voxels.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct EditReport {
-    /// Occupied before, empty after.
+    /// Voxels that were occupied and are empty now.
     pub removed: u32,
-    /// Empty before, occupied by the operation itself: inside the brush and its depth.
+    /// Voxels that the operation itself occupied: inside the brush and within its depth.
     pub added: u32,
-    /// Empty before, occupied by closure alone.
+    /// Voxels that only closure occupied.
     pub closed: u32,
-    /// Within the brush and its depth, and not removed because the mask holds them.
+    /// Voxels within the brush and its depth that weren't removed because they belong to the mask.
     pub refused_by_mask: u32,
-    /// Within the brush, but neither carved nor filled because they lie more steps from the surface than
-    /// the edit's depth. The next edit at the same place may reach them: this counts them once an edit,
-    /// masked or not. Smoothing has no depth.
+    /// Voxels within the brush that were neither carved nor filled because they are farther from the surface
+    /// than the edit's depth. The next edit at the same place may reach them, so they are counted in each
+    /// edit, masked or not. Smoothing has no depth.
     pub refused_by_depth: u32,
-    /// Removed, as the depth allowed, and brought back by closure.
+    /// Voxels that were removed and then restored by closure.
     pub refused_by_closure: u32,
-    /// The smallest box around what closure brought back, empty where that is nothing. That of a
-    /// mirrored edit spans both sides.
+    /// The smallest box around the voxels that closure restored; empty if there are none. For a mirrored edit
+    /// it spans both sides.
     pub closure_box: VoxelBox,
-    /// Ticks of the hand's way that were left uncut, since the bit fell too far behind it.
+    /// Ticks of the hand's trail that were dropped uncut because the bit fell too far behind.
     pub dropped_ticks: u32,
 }
 
 impl EditReport {
-    /// Whether the volume changed.
+    /// Returns `true` if the volume changed.
     #[must_use]
     pub const fn changed_volume(&self) -> bool {
         self.removed + self.added + self.closed != 0
     }
 
-    /// Whether closure brought back more than is gone: the volume can't take the shape that was cut.
+    /// Returns `true` if closure restored more voxels than were removed: the volume can't represent the shape
+    /// that was cut.
     #[must_use]
     pub const fn is_mostly_refused_by_closure(&self) -> bool {
         self.refused_by_closure > self.removed
     }
 
-    /// The counts of two edits together, and the box around both of theirs.
+    /// Returns the sum of the counts of two edits, and the hull of their boxes.
     #[must_use]
     pub const fn sum_with(self, other: Self) -> Self {
         EditReport {
@@ -199,21 +202,21 @@ impl EditReport {
     }
 }
 
-/// An edit that smooths or flattens touches more rows than [`SMOOTH_LINES`] lines of N; nothing was changed.
+/// A smoothing or flattening edit touches more rows than [`SMOOTH_LINES`] lines of N. Nothing was changed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct BrushTooLarge;
 
-/// Working memory of an edit: rows whose flips are delayed while later layers read the volume as it was,
-/// and the columns touched. Of each row only the words that the edit reads are stored.
+/// Working memory of an edit: rows with delayed flips, so that later layers read the original volume, and the
+/// touched columns. Of each row only the words that the edit reads are stored.
 #[derive(Debug)]
 pub struct EditScratch<const N: usize>
 where
     Grid<N>: Size,
 {
     pieces: BrushPieces,
-    /// Voxels to flip, of the last layers computed, by y modulo the length.
+    /// Voxels to flip in the last layers computed, by y modulo the length.
     pending: [[<Grid<N> as Size>::Row; N]; SHELL_DEPTH + 1],
-    /// The rows of the brush as they were, of an edit that smooths or flattens.
+    /// The original rows of the brush, for an edit that smooths or flattens.
     rows_before: [[<Grid<N> as Size>::Row; N]; SMOOTH_LINES],
     /// Columns along y, by z.
     along_y: [LineFlips<<Grid<N> as Size>::Row>; N],
@@ -221,16 +224,16 @@ where
     along_z: [LineFlips<<Grid<N> as Size>::Row>; N],
     /// Columns along x that grew, by y.
     grown_x: [<Grid<N> as Size>::Row; N],
-    /// What smoothing counts along y about the voxels of a layer, by z.
+    /// Smoothing: the counts along y about the voxels of a layer, by z.
     counts_along_y: [Planes<<Grid<N> as Size>::Row, LINE_PLANES>; N],
 }
 
 /// The columns of a line of N that an edit touched; bit x is a column.
 #[derive(Clone, Copy, Debug)]
 struct LineFlips<R> {
-    /// Columns that voxels were flipped in.
+    /// Columns in which voxels were flipped.
     flipped: R,
-    /// Along the columns, from the first flipped voxel to the last.
+    /// The range along the columns from the first flipped voxel to the last.
     between: Range,
     /// Columns that grew.
     grown: R,
@@ -258,7 +261,8 @@ impl<const N: usize> EditScratch<N>
 where
     Grid<N>: Size,
 {
-    /// For a `static`, as [`World::new`](crate::World::new). The content between edits is meaningless.
+    /// Creates a scratch for a `static`, as [`World::new`](crate::World::new). Its content between edits is
+    /// undefined.
     #[must_use]
     #[allow(clippy::new_without_default)] // a Default would hand the rows about by value
     pub const fn new() -> Self {
@@ -274,7 +278,8 @@ where
         }
     }
 
-    /// Marks the lines within the bounds as untouched. Delayed rows are written before they are read.
+    /// Marks the lines within the bounds as untouched. Delayed rows needn't be cleared, as they are written
+    /// before they are read.
     fn reset_lines(&mut self, BrushBounds { lo, hi }: BrushBounds) {
         self.along_y[lo[2]..=hi[2]].fill(LineFlips::UNTOUCHED);
         self.along_z[lo[1]..=hi[1]].fill(LineFlips::UNTOUCHED);
@@ -284,9 +289,9 @@ where
 
 /// Applies an edit to a volume.
 ///
-/// `mask` holds the voxels that no edit removes, the hidden figure of the constrained mode; it is a part
-/// of the volume, and `RangeMaps::new()` where there is none. `journal` is told of every change: `&mut ()`
-/// for nobody, a [`DirtyRects`](crate::volume::DirtyRects) for the rectangles that a renderer uploads.
+/// `mask` holds the voxels that no edit removes, the hidden figure of the constrained mode. It must be part
+/// of the volume; pass `RangeMaps::new()` for no mask. `journal` receives every change: pass `&mut ()` to
+/// ignore them, or a [`DirtyRects`](crate::volume::DirtyRects) for the rectangles that a renderer uploads.
 ///
 /// ```
 /// use std::sync::Mutex;
@@ -309,11 +314,11 @@ where
 /// assert!(!volume.maps().contains([32, 53, 32]) && volume.maps().contains([32, 51, 32]));
 /// ```
 ///
-/// To print it: [`Exporter::advance_export`](crate::Exporter::advance_export) with `volume.rows()` and
-/// `&no_mask`, as on the first page.
+/// To print the volume, call [`Exporter::advance_export`](crate::Exporter::advance_export) with
+/// `volume.rows()` and `&no_mask`, as in the example at the crate's root.
 ///
 /// # Errors
-/// [`BrushTooLarge`] for a brush that smooths or flattens, of more rows than there is room to remember.
+/// [`BrushTooLarge`] if a smoothing or flattening brush covers more rows than can be stored.
 pub fn apply_edit<const N: usize, const K: usize>(
     volume: &mut Volume<N, K>,
     mask: &RangeMaps<N, K>,
@@ -348,7 +353,7 @@ where
             .run()
         };
     }
-    // A grid's rows have a word for each 64 voxels: no pass is compiled that reads more.
+    // A row has a word for each 64 voxels, so wider passes aren't compiled for small grids.
     Ok(match word_count {
         2 if const { N > 64 } => run_pass!(2, first_word),
         3.. if const { N > 128 } => run_pass!(4, 0),
@@ -356,13 +361,13 @@ where
     })
 }
 
-/// Some words of every row.
+/// A window of words, the same in every row.
 struct WordWindow {
     first_word: usize,
     word_count: usize,
 }
 
-/// The words of a row that an edit reads.
+/// Returns the words of a row that an edit reads.
 fn find_word_window<const N: usize>(
     edit: &Edit<'_>,
     BrushBounds { lo, hi }: BrushBounds,

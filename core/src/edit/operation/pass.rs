@@ -44,7 +44,7 @@ where
         self.report
     }
 
-    /// Computes and flips layer by layer. A layer is flipped once no later layer needs its old voxels.
+    /// Computes and flips layer by layer. A layer is flipped once no later layer needs its original voxels.
     fn compute_and_flip_voxels(&mut self) {
         let lag = self.edit.operation.flip_lag();
         let mut pending = [Range::EMPTY; SHELL_DEPTH + 1];
@@ -59,7 +59,7 @@ where
         }
     }
 
-    /// Computes the voxels of layer `y` to flip, before closure. Returns the z of the rows that may
+    /// Computes the voxels of layer `y` to flip, before closure. Returns the z range of the rows that may
     /// hold some.
     fn compute_layer_flips(&mut self, y: usize) -> ZRange {
         let z_range = self.rasterise_brush_layer(y);
@@ -72,8 +72,8 @@ where
         z_range
     }
 
-    /// Rasterises layer `y` of the brush into the flips' memory, for a carve perhaps without what the volume doesn't
-    /// hold. Returns the z of its rows.
+    /// Rasterises layer `y` of the brush into the flips' memory. A carve may skip rows in which the volume
+    /// has no voxels. Returns the z range of the rows.
     #[inline(never)] // as the functions that follow: together they would spill registers
     fn rasterise_brush_layer(&mut self, y: usize) -> ZRange {
         let layer = &mut self.scratch.pending[y % (SHELL_DEPTH + 1)];
@@ -85,7 +85,7 @@ where
             layer[z].set_word_span(0, brush);
             (least, greatest) = (least.min(z), greatest.max(z));
         };
-        // What a mirrored carve needs isn't in these rows alone.
+        // A mirrored carve also needs the rows at the mirror image, so it can't skip any.
         match self.edit.operation {
             EditOperation::Carve { .. } if !self.edit.mirrored => {
                 let rows = self.volume.rows().layer(y);
@@ -175,7 +175,7 @@ where
             row.set_word_span(self.first_word, here ^ flips);
             *row
         } else {
-            // In registers: to read several words waits for the store of one of them.
+            // In registers: reading several words would wait for the store of one of them.
             let mut flipped = *row;
             for i in 0..<Grid<N> as Size>::Row::WORDS {
                 let flips = flips.0.get(i.wrapping_sub(self.first_word)).copied().unwrap_or(0);
@@ -195,7 +195,7 @@ where
         flipped
     }
 
-    /// The index of row (y, z) among those that an edit saves which smooths or flattens.
+    /// Returns the index of row (y, z) among the rows that a smoothing or flattening edit saves.
     pub(super) fn saved_row_index(&self, (y, z): RowAddress) -> usize {
         let BrushBounds { lo, hi } = self.bounds;
         (y - lo[1]) * (hi[2] - lo[2] + 1) + z - lo[2]
@@ -203,7 +203,7 @@ where
 }
 
 impl EditReport {
-    /// The voxels of `removed` that the mask doesn't protect; the others are counted as refused. Bit 0
+    /// Returns the voxels of `removed` that the mask doesn't protect, and counts the others as refused. Bit 0
     /// is the first of word `first_word`.
     pub(super) fn exclude_masked<const N: usize, const K: usize, const W: usize>(
         &mut self,
@@ -221,7 +221,7 @@ impl EditReport {
     }
 }
 
-/// Which words of a row an edit reads, and whether its brush's mirror belongs to the brush.
+/// The words of a row that an edit reads, and a flag for including the brush's mirror image.
 #[derive(Clone, Copy)]
 pub(super) struct BrushWords {
     pub(super) first_word: usize,
@@ -229,7 +229,8 @@ pub(super) struct BrushWords {
 }
 
 impl BrushWords {
-    /// The voxels of a brush's range in a row of a grid of so many.
+    /// Returns the voxels of a brush's range in a row of a grid `grid_side` voxels wide, with their mirror
+    /// images if mirrored.
     #[inline]
     pub(super) fn of_range<const W: usize>(self, x_range: Range, grid_side: usize) -> BitRow<W> {
         let mut brush = word_window_of_span(self.first_word, x_range);
@@ -242,7 +243,7 @@ impl BrushWords {
     }
 }
 
-/// The voxels of a range, clipped to a row's words from `first_word` on.
+/// Returns the voxels of a range, clipped to a row's words from `first_word` on.
 #[inline]
 pub(super) fn word_window_of_span<const W: usize>(first_word: usize, voxels: Range) -> BitRow<W> {
     let (base, lo, hi) = (64 * first_word, voxels.first(), voxels.last());
@@ -252,7 +253,7 @@ pub(super) fn word_window_of_span<const W: usize>(first_word: usize, voxels: Ran
 /// The range of z of a layer's rows.
 type ZRange = Range;
 
-/// The voxel indices of a range, in ascending order.
+/// Returns the voxel indices of a range, in ascending order.
 pub(super) fn iter_voxels(range: Range) -> impl Iterator<Item = usize> {
     range.first()..range.last() + 1
 }

@@ -1,7 +1,7 @@
 //! Smoothing: a box filter and a threshold, dithered in a part of the brush.
 //!
-//! The counts along y about a layer's voxels are kept by z and go up with the layers: a row that comes into the
-//! filter's reach is added, and one that leaves it is taken away, as it was before the edit.
+//! The counts along y about a layer's voxels are stored by z and updated from layer to layer: a row that
+//! enters the filter's reach is added, and a row that leaves it is subtracted as it was before the edit.
 
 use super::pass::{BrushWords, EditPass, word_window_of_span};
 use super::{Dither, EditOperation};
@@ -16,16 +16,16 @@ use crate::volume::range_maps::RowAddress;
 use crate::volume::row::{BitRow, BitSet};
 use crate::volume::size::{Grid, Size};
 
-/// A part of each row that is summed at once: about the brush, or about what its mirror image adds.
+/// A part of each row that is summed at once: around the brush, or around its mirror image.
 #[derive(Clone, Copy)]
 struct SumWindow<const W: usize> {
-    /// Its first bit, of the words that the edit reads.
+    /// The first bit of the window, counted from the words that the edit reads.
     first_bit: usize,
-    /// The voxels that it decides.
+    /// The voxels that this window decides.
     voxels: BitRow<W>,
 }
 
-/// What a smoothing edit does.
+/// The parameters of a smoothing edit.
 #[derive(Clone, Copy)]
 struct Smoothing {
     filter: BoxFilter,
@@ -36,7 +36,7 @@ impl<const N: usize, const K: usize, const W: usize> EditPass<'_, N, K, W>
 where
     Grid<N>: Size,
 {
-    /// Computes the flips of layer `y` among the brush's voxels, which stand in their place. Layers come in
+    /// Replaces the brush's voxels of layer `y`, which are in the flips' memory, by the flips. Layers come in
     /// ascending order.
     pub(super) fn smooth_layer(&mut self, y: usize, z_range: Range) {
         let EditOperation::Smooth { radius, dither } = self.edit.operation else { return };
@@ -54,7 +54,8 @@ where
         }
     }
 
-    /// Decides those `voxels` of a layer that are of the brush, in as few words as hold them and their sums' reach.
+    /// Decides the brush's voxels of a layer among `voxels`, with the fewest words that hold them and their
+    /// sums' reach.
     fn smooth_window(
         &mut self,
         (y, z_range): (usize, Range),
@@ -75,7 +76,7 @@ where
         }
     }
 
-    /// The same, with sums of `S` words of each row from the window's first bit on.
+    /// Decides them with sums of `S` words of each row from the window's first bit on.
     fn smooth_rows<const S: usize>(
         &mut self,
         (y, z_range): (usize, Range),
@@ -89,7 +90,7 @@ where
         let ground: Planes<BitRow<S>, SUM_PLANES> = equal_counts(ground);
         let mut row_sums = RowSums::new(smoothing.filter);
         for ahead in z_range.first()..z_range.last() + 2 * radius + 1 {
-            // `radius` before the row that comes into reach, which may lie outside the grid.
+            // The row `radius` before the one that enters the filter's reach; it may lie outside the grid.
             let row = ahead.checked_sub(radius).and_then(|z| self.scratch.counts_along_y.get(z));
             let along_y = row.map_or([BitRow::EMPTY; _], |planes| {
                 planes.map(|plane| plane.word_span::<W>(0).bits_from(window.first_bit))
@@ -117,7 +118,8 @@ where
         }
     }
 
-    /// Replaces voxels of the brush by the flips that leave `occupied` of them.
+    /// Replaces the brush's voxels in the flips' memory by the flips that leave only `occupied` and the mask
+    /// occupied.
     fn flip_in_brush(&mut self, (y, z): RowAddress, brush: BitRow<W>, occupied: BitRow<W>) {
         let here: BitRow<W> = self.volume.rows().row(y, z).word_span(self.first_word);
         let removed = brush & here & !occupied;
@@ -127,8 +129,8 @@ where
         flips.set_word_span(0, rest | removed | occupied & !here);
     }
 
-    /// Of the voxels `among`, those that the dithered threshold of [`Dither`] lets be occupied. Few are near
-    /// enough to it to need their own.
+    /// Returns the voxels `among` that the dithered threshold of [`Dither`] makes occupied. Only the few
+    /// voxels near the threshold are decided one by one.
     fn dithered_row<const S: usize>(
         &self,
         (y, z): RowAddress,
@@ -146,7 +148,7 @@ where
         let mut occupied = surely;
         for bit in perhaps.iter_ones() {
             let x = 64 * self.first_word + window.first_bit + bit;
-            // Both halves of a mirrored edit are dithered alike.
+            // Both halves of a mirrored edit have the same dither.
             let x = if self.edit.mirrored { x.min(N - 1 - x) } else { x };
             let threshold = least + dither_of_voxel(dither.seed, [x, y, z], layer_voxels);
             occupied.insert_if(count_at(sums, bit) > threshold, bit);
@@ -154,8 +156,8 @@ where
         occupied
     }
 
-    /// Makes the counts along y those about layer `y`: of the first, all anew, of a later one, from those of the
-    /// last. The ground below y = 0 isn't counted.
+    /// Updates the counts along y to layer `y`: computes them in full for the first layer, and incrementally
+    /// for later ones. The ground below y = 0 isn't counted.
     fn move_counts_to_layer(&mut self, y: usize, filter: BoxFilter) {
         let (first, radius) = (self.bounds.lo[1], filter.radius());
         let z_range =
@@ -182,7 +184,7 @@ where
         }
     }
 
-    /// Adds a row to the counts along y of those at z, or takes it away.
+    /// Adds a row to the counts along y at z, or subtracts it.
     fn change_counts(
         &mut self,
         z: usize,
@@ -198,7 +200,7 @@ where
         planes.iter_mut().zip(counts).for_each(|(plane, count)| plane.set_word_span(0, count));
     }
 
-    /// A row of a layer below the one that is edited, as it was when the edit began.
+    /// Returns a row of a layer below the edited one as it was when the edit began.
     pub(super) fn row_at_start(&self, (y, z): RowAddress) -> BitRow<W> {
         let bounds = self.bounds;
         if y >= bounds.lo[1] && (bounds.lo[2]..=bounds.hi[2]).contains(&z) {
@@ -208,7 +210,7 @@ where
         self.volume.rows().row(y, z).word_span(self.first_word)
     }
 
-    /// Keeps the rows of layer `y` within the brush's bounds as they are.
+    /// Saves the rows of layer `y` within the brush's bounds.
     pub(super) fn keep_rows_of_layer(&mut self, y: usize) {
         for z in self.bounds.lo[2]..=self.bounds.hi[2] {
             let index = self.saved_row_index((y, z));
@@ -219,7 +221,7 @@ where
 }
 
 impl Smoothing {
-    /// Of the voxels `among`, those that more than half of their cube lets be occupied.
+    /// Returns the voxels `among` whose cube is occupied by more than half.
     fn smoothed_row<const S: usize>(
         &self,
         sums: &Planes<BitRow<S>, SUM_PLANES>,
@@ -230,7 +232,7 @@ impl Smoothing {
     }
 }
 
-/// A number from 0 to `end - 1` for a voxel: by its index x + 256 y + 65,536 z and the seed.
+/// Returns a number from 0 to `end - 1` for a voxel, a hash of its index x + 256 y + 65,536 z and the seed.
 fn dither_of_voxel(seed: u64, [x, y, z]: [usize; 3], end: u32) -> u32 {
     let index = x as u64 | (y as u64) << 8 | (z as u64) << 16;
     let bits = mix_bits(seed ^ mix_bits(index + 1)) >> 32;

@@ -48,10 +48,10 @@ where
         self.scratch.along_z[y] = LineFlips { flipped, between, grown, growth };
     }
 
-    /// Tightens the columns of a line in which voxels were flipped. `row_at(i)` is the line's row at
-    /// position `i` along the columns; the flips are given by their columns and by a range of positions
-    /// that holds all. Returns the columns that may have changed. All ends that may have moved are
-    /// searched for together.
+    /// Tightens the columns of a line in which voxels were flipped. `row_at(i)` is the line's row at position
+    /// `i` along the columns. `flipped_columns` and `between` give the columns and a range of positions that
+    /// holds all flips. Returns the columns that may have changed. All ends that may have moved are searched
+    /// for together.
     #[inline]
     fn tighten_flipped_columns(
         &self,
@@ -87,8 +87,8 @@ where
         BitSet::from_word_span(self.first_word, moved)
     }
 
-    /// Replaces the columns of a line at `places`. Returns their growth where an edit adds voxels, else
-    /// none.
+    /// Replaces the columns of a line at `places`. Returns their growth if the edit adds voxels, else no
+    /// growth.
     #[inline]
     pub(super) fn replace_columns(
         &mut self,
@@ -115,7 +115,7 @@ where
     }
 }
 
-/// An interval that covers what `new` holds and `old` doesn't; `None` if that is nothing.
+/// Returns an interval that covers the voxels in `new` but not in `old`, or `None` if there are none.
 #[inline]
 fn range_covering_growth<const N: usize, const K: usize>(
     old: Column<K>,
@@ -131,7 +131,7 @@ where
     (!growth.is_empty()).then(|| Range::hull_of(growth))
 }
 
-/// The same for columns of one interval.
+/// [`range_covering_growth`] for columns of one interval.
 #[inline]
 fn range_covering_hull_growth(old: Range, new: Range) -> Option<Range> {
     if new.is_empty() || old.first() <= new.first() && new.last() <= old.last() {
@@ -144,9 +144,9 @@ fn range_covering_hull_growth(old: Range, new: Range) -> Option<Range> {
 
 /// The growth of columns of a line.
 pub(super) struct ColumnGrowth<R> {
-    /// Which of them grew.
+    /// The columns that grew.
     pub(super) grown: R,
-    /// An interval that covers what they grew by.
+    /// An interval that covers the growth.
     pub(super) growth: Range,
 }
 
@@ -162,7 +162,7 @@ struct FirstOccupied {
 type EmptyColumns<const W: usize> = BitRow<W>;
 
 /// Scans rows in the given order of positions along the columns and calls `visit` for each sought column
-/// where it is first occupied. Returns those that are occupied in no row.
+/// where it is first occupied. Returns the columns without an occupied voxel.
 #[inline]
 fn visit_first_occupied<const W: usize>(
     mut sought: BitRow<W>,

@@ -1,4 +1,4 @@
-//! Whether a brush touches a volume, so that what fills it hangs together with that.
+//! Tests if a brush touches a volume, so that a fill with it is connected to the volume.
 
 use crate::edit::brush::{Brush, BrushBounds, BrushPiece};
 use crate::volume::bit_grid::BitGrid;
@@ -7,7 +7,7 @@ use crate::volume::range_maps::RowAddress;
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
-/// Whether a voxel of a brush is occupied, has an occupied six-neighbour or lies on the ground.
+/// Returns `true` if a voxel of a brush is occupied, has an occupied six-neighbour or lies on the ground.
 pub(crate) fn brush_touches_volume<const N: usize>(brush: &Brush, rows: &BitGrid<N>) -> bool
 where
     Grid<N>: Size,
@@ -15,7 +15,7 @@ where
     brush.pieces().any(|piece| piece_touches(&piece, rows, |x_range| x_range))
 }
 
-/// The same of a brush's voxel mirror, x to N - 1 - x.
+/// Returns `true` if [`brush_touches_volume`] holds for the brush's mirror image, x to N - 1 - x.
 pub(crate) fn brush_mirror_touches_volume<const N: usize>(brush: &Brush, rows: &BitGrid<N>) -> bool
 where
     Grid<N>: Size,

@@ -20,13 +20,14 @@ impl<const N: usize, const K: usize> UndoHistory<N, K>
 where
     Grid<N>: Size,
 {
-    /// Digest of all entries and of which are applied. The columns' part is maintained incrementally.
+    /// Returns a digest of all entries and of which are applied. The columns' part is maintained
+    /// incrementally.
     #[must_use]
     pub fn digest(&self) -> u64 {
         self.digest_with(self.head.sum, |entry, _| entry.sum)
     }
 
-    /// The same digest, computed without the incremental sums.
+    /// Returns the same digest, computed without the incremental sums.
     #[must_use]
     pub fn recompute_digest(&self) -> u64 {
         let mut sum = 0u64;
@@ -70,7 +71,7 @@ where
         }
     }
 
-    /// The offset of an entry from the start of what [`UndoHistory::save`] writes.
+    /// Returns the offset of an entry from the start of the output of [`UndoHistory::save`].
     pub(crate) fn saved_offset_of(&self, entry: usize) -> usize {
         let before = self.packed.iter().take(entry).map(|packed| packed.cells as usize);
         before.fold(HEADER_BYTES, |offset, cells| {
@@ -78,12 +79,11 @@ where
         })
     }
 
-    /// Reads what [`UndoHistory::save`] wrote. What the entries do to the volume is not looked at:
-    /// `UndoHistory::check_entries` does.
+    /// Reads the output of [`UndoHistory::save`]. Doesn't check what the entries do to the volume: see
+    /// `UndoHistory::check_entries`.
     ///
     /// # Errors
-    /// [`BadSave`] where the bytes end early or say what no undo ring holds; there are no entries
-    /// then.
+    /// [`BadSave`] if the bytes end early or are invalid. Then the history is empty.
     pub fn load(&mut self, bytes: &mut ByteReader<'_>) -> Result<(), BadSave> {
         self.clear();
         self.load_entries(bytes).inspect_err(|_| self.clear())
@@ -126,7 +126,7 @@ impl<const N: usize, const K: usize> UnpackedEntry<N, K>
 where
     Grid<N>: Size,
 {
-    /// Sets the entry from a packed one, which must be valid.
+    /// Sets the entry from a packed entry, which must be valid.
     fn set_from_packed(&mut self, entry: &[EntryCell]) {
         self.clear();
         self.sum = digest_sum::<N, K>(entry);

@@ -1,4 +1,4 @@
-//! The check of a history of unknown origin: every volume that undo and redo lead to is one that edits leave.
+//! The check of a history of unknown origin: undo and redo must lead only to volumes that edits can produce.
 
 use super::UndoHistory;
 use crate::volume::editable::Volume;
@@ -7,14 +7,14 @@ use crate::volume::range_maps::{Axis, Column, ColumnAddress, RangeMaps};
 use crate::volume::size::{Grid, Size};
 use crate::volume::voxel_box::VoxelBox;
 
-/// An entry that leads to a volume that no edit leaves.
+/// An entry that leads to a volume that no edit can produce.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct UnsoundEntry {
-    /// Its number, from the oldest.
+    /// Its index, counted from the oldest.
     pub(crate) entry: usize,
-    /// What is expected of the volume.
+    /// The property that the volume should have.
     pub(crate) expected: &'static str,
-    /// The column that isn't as expected.
+    /// The column that lacks that property.
     pub(crate) axis: Axis,
     pub(crate) address: ColumnAddress,
 }
@@ -23,12 +23,12 @@ impl<const N: usize, const K: usize> UndoHistory<N, K>
 where
     Grid<N>: Size,
 {
-    /// Undoes all applied entries and redoes all undone ones, each from the present volume, and looks at
-    /// what they lead to: tight and saturated maps that hold the mask. Volume and history are as before
-    /// then, unless an entry is unsound.
+    /// Undoes all applied entries and redoes all undone ones, starting each time from the present volume, and
+    /// checks the resulting volumes: their maps must be tight and saturated and hold the mask. Restores
+    /// volume and history, unless an entry is unsound.
     ///
-    /// An entry costs in proportion to the box around the voxels that it changes: nothing outside it can
-    /// have become wrong.
+    /// The cost of an entry is proportional to the box around the voxels that it changes: nothing outside can
+    /// have become invalid.
     pub(crate) fn check_entries(
         &mut self,
         volume: &mut Volume<N, K>,
@@ -74,7 +74,7 @@ where
     }
 }
 
-/// The box around the voxels that one of two values of a run of columns holds and the other doesn't.
+/// Returns the box around the voxels that differ between two values of a run of columns.
 pub(super) fn box_of_changes<const N: usize, const K: usize>(
     axis: Axis,
     (line, first): ColumnAddress,
@@ -90,7 +90,7 @@ where
     })
 }
 
-/// The box around the voxels that one of two values of a column holds and the other doesn't.
+/// Returns the box around the voxels that differ between two values of a column.
 fn box_of_change<const N: usize, const K: usize>(
     axis: Axis,
     address: ColumnAddress,

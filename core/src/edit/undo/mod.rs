@@ -1,13 +1,13 @@
-//! Undo history: for each stroke, the columns that it changed and their other values. Undo swaps those
-//! values with the volume's columns; redo is the same swap.
+//! Undo history: each entry holds the columns that a stroke changed, with their other values. Undo swaps
+//! those values with the volume's columns; redo is the same swap.
 //!
 //! The newest entry, the *head*, is stored unpacked: a bitmap of its columns and an array of values,
 //! so that recording a column is a test and a store. Older entries are packed contiguously, oldest first;
 //! the oldest is dropped when space runs out.
 //!
-//! A packed entry is a sequence of cells of two bytes: a bitmap of the columns as words of 64 (map
-//! by map, line by line) without the zero words, behind one flag a word; then the K ranges of each
-//! column in that order.
+//! A packed entry is a sequence of cells of two bytes: first a flag for each word of the bitmap of columns,
+//! then the bitmap as words of 64 columns (map by map, line by line) without the zero words, then the K
+//! ranges of each column in that order.
 
 mod bytes;
 mod check;
@@ -41,10 +41,10 @@ where
     /// The packed entries.
     cells: [[[[EntryCell; K]; N]; N]; UNDO_PLANES],
     packed: Vec<PackedEntry, UNDO_ENTRIES, u16>,
-    /// Number of applied entries; those after them are undone.
+    /// Number of applied entries; later entries are undone.
     applied: u16,
     has_head: bool,
-    /// Whether a stroke began and has recorded no change yet.
+    /// `true` if a stroke began and has recorded no change yet.
     fresh: bool,
 }
 
@@ -69,7 +69,7 @@ impl<const N: usize, const K: usize> UndoHistory<N, K>
 where
     Grid<N>: Size,
 {
-    /// No entries. For static initialisers only.
+    /// Creates an empty history. For static initialisers only.
     #[must_use]
     #[allow(clippy::new_without_default)] // a Default would hand the entries about by value
     pub const fn new() -> Self {
@@ -95,7 +95,7 @@ where
         self.fresh = true;
     }
 
-    /// Records columns that a stroke is about to change: those at `places` of a line, whose present
+    /// Records columns that a stroke is about to change: the columns at `places` of a line, whose present
     /// values are in `old_columns`.
     #[inline]
     pub fn record_columns(
@@ -111,8 +111,8 @@ where
         self.record_into_newest_entry(axis, line, places, old_columns);
     }
 
-    /// Records columns that an island removal is about to change. They join the newest entry, even when
-    /// the next stroke has begun but changed nothing.
+    /// Records columns that an island removal is about to change. They join the newest entry, even if the
+    /// next stroke has begun but changed nothing.
     pub fn record_into_newest_entry(
         &mut self,
         axis: Axis,
@@ -139,15 +139,15 @@ where
         self.head.sum = self.head.sum.wrapping_add(sum.wrapping_mul(line_key(axis, line)));
     }
 
-    /// The numbers of entries that can be undone and redone.
+    /// Returns the numbers of entries that can be undone and redone.
     #[must_use]
     pub fn undo_counts(&self) -> UndoCounts {
         let undoable = usize::from(self.applied);
         UndoCounts { undoable, redoable: self.len() - undoable }
     }
 
-    /// Undoes the newest applied entry and marks its columns in `dirty` as one edit. Returns `false`
-    /// when there is none.
+    /// Undoes the newest applied entry and reports its columns to `journal`. Returns `false` if there is
+    /// none.
     pub fn try_undo(
         &mut self,
         volume: &mut Volume<N, K>,
@@ -161,7 +161,7 @@ where
         true
     }
 
-    /// Redoes the oldest undone entry, likewise. Returns `false` when there is none.
+    /// Redoes the oldest undone entry and reports its columns to `journal`. Returns `false` if there is none.
     pub fn try_redo(
         &mut self,
         volume: &mut Volume<N, K>,
@@ -175,7 +175,7 @@ where
         true
     }
 
-    /// The number of columns of an entry, from the oldest.
+    /// Returns the number of columns of an entry, counted from the oldest.
     pub(crate) fn count_columns_of(&self, index: usize) -> u32 {
         let Some(entry) = self.packed.get(index) else { return self.head.count_columns() };
         let start: usize = self.packed[..index].iter().map(|entry| entry.cells as usize).sum();
@@ -188,14 +188,14 @@ where
         self.packed.len() + usize::from(self.has_head)
     }
 
-    /// Makes the head the newest applied entry, by opening one if it isn't.
+    /// Makes the head the newest applied entry. Opens a new one if it isn't.
     fn open_entry_unless_head_is_newest(&mut self) {
         if usize::from(self.applied) != self.len() || !self.has_head {
             self.open_entry();
         }
     }
 
-    /// Opens an entry as the head: drops the undone entries, or packs the head of before.
+    /// Opens an entry as the head: drops the undone entries, or packs the previous head.
     fn open_entry(&mut self) {
         let applied = usize::from(self.applied);
         if applied < self.len() {
@@ -221,7 +221,7 @@ where
         self.packed.push(entry).expect("room was made");
     }
 
-    /// Drops the oldest entries until one of `needed` cells fits after the rest.
+    /// Drops the oldest entries until an entry of `needed` cells fits after the rest.
     fn make_room_for_cells(&mut self, needed: usize) {
         let room = UNDO_PLANES * N * N * K;
         let (mut dropped, mut freed, used) = (0, 0, self.count_packed_cells());
@@ -240,7 +240,7 @@ where
         }
     }
 
-    /// Cells that the packed entries take.
+    /// Returns the number of cells that the packed entries take.
     fn count_packed_cells(&self) -> usize {
         self.packed.iter().map(|entry| entry.cells as usize).sum()
     }
@@ -252,7 +252,7 @@ where
         volume: &mut Volume<N, K>,
         journal: &mut impl SwapJournal<K>,
     ) {
-        // To look at many columns takes longer than to rebuild all rows.
+        // Inspecting many columns takes longer than rebuilding all rows.
         let are_few = self.count_columns_of(index) as usize <= N * N / 8;
         let mut changed = are_few.then_some(VoxelBox::EMPTY);
         self.swap_columns(index, volume, |axis, first, ours, theirs| {
@@ -270,9 +270,9 @@ where
         self.fresh = true;
     }
 
-    /// Swaps the values of entry `index` with the volume's columns, whose bit rows are stale then. Calls
-    /// `visit` before with each run of columns: the first one's address, their values and those of the
-    /// entry.
+    /// Swaps the values of entry `index` with the volume's columns, which makes the volume's bit rows stale.
+    /// Before each swap, calls `visit` for each run of columns with the first column's address, the volume's
+    /// values and the entry's values.
     #[inline]
     fn swap_columns(
         &mut self,
@@ -312,8 +312,8 @@ where
             Some(packed) => &mut packed.sum,
             None => &mut self.head.sum,
         };
-        // A term is the key of a column's address times its number and a constant: what the entry loses, the
-        // volume gains.
+        // A term is the product of the key of a column's address and its number plus a constant: the volume
+        // gains what the entry loses.
         *digest = digest.wrapping_add(held.wrapping_sub(sum));
         *held = sum;
     }

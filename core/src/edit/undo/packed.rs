@@ -13,13 +13,13 @@ pub(super) type EntryCell = [u8; 2];
 pub(super) struct EntryColumns<'a, const N: usize> {
     flags: &'a [EntryCell],
     pub(super) words: &'a [[EntryCell; 4]],
-    /// Which word of the bitmap comes next.
+    /// The index of the next word of the bitmap.
     next: usize,
     /// The unread bits of the word before it.
     bits: u64,
 }
 
-/// Columns that lie side by side in a line, 64 at most.
+/// Adjacent columns in a line, 64 at most.
 pub(super) struct EntryRun {
     pub(super) axis: Axis,
     pub(super) first: ColumnAddress,
@@ -30,13 +30,13 @@ impl<'a, const N: usize> EntryColumns<'a, N>
 where
     Grid<N>: Size,
 {
-    /// Parses the entry at the start of `cells`: its columns, and the cells from its values on.
+    /// Parses the entry at the start of `cells`. Returns its columns, and the cells from its values on.
     pub(super) fn split_columns_and_values(cells: &'a [EntryCell]) -> (Self, &'a [EntryCell]) {
         let (bitmap, values) = cells.split_at(Self::bitmap_cell_count(cells));
         (Self::new(bitmap), values)
     }
 
-    /// The same with mutable values.
+    /// [`EntryColumns::split_columns_and_values`] with mutable values.
     pub(super) fn split_columns_and_values_mut(
         cells: &'a mut [EntryCell],
     ) -> (Self, &'a mut [EntryCell]) {
@@ -44,7 +44,7 @@ where
         (Self::new(bitmap), values)
     }
 
-    /// Cells that the bitmap of the entry at the start of `cells` takes, its flags among them.
+    /// Returns the number of cells of the bitmap of the entry at the start of `cells`, including its flags.
     pub(super) fn bitmap_cell_count(cells: &[EntryCell]) -> usize {
         let flags = &cells[..flag_cell_count::<N>()];
         let words: u32 = flags.iter().map(|cell| u16::from_le_bytes(*cell).count_ones()).sum();
@@ -56,19 +56,19 @@ where
         EntryColumns { flags, words: words.as_chunks().0, next: 0, bits: 0 }
     }
 
-    /// The next columns that lie side by side in a word of the bitmap.
+    /// Returns the next adjacent columns in a word of the bitmap.
     #[inline]
     pub(super) fn next_run(&mut self) -> Option<EntryRun> {
         self.read_word_if_needed()?;
         let bit = self.bits.trailing_zeros() as usize;
         let columns = (self.bits >> bit).trailing_ones() as usize;
-        // Carries through the run; the bits above it stay.
+        // Carries through the run; higher bits are kept.
         self.bits &= self.bits.wrapping_add(1 << bit);
         let (axis, first) = self.column_of_bit(bit);
         Some(EntryRun { axis, first, columns })
     }
 
-    /// Goes on to the next word that isn't zero once all bits of the last are read. `None` at the end.
+    /// Advances to the next non-zero word once all bits of the last word are read. Returns `None` at the end.
     #[inline]
     fn read_word_if_needed(&mut self) -> Option<()> {
         while self.bits == 0 {
@@ -83,7 +83,7 @@ where
         Some(())
     }
 
-    /// The column that a bit of the word read last stands for.
+    /// Returns the column of a bit of the word read last.
     #[inline]
     const fn column_of_bit(&self, bit: usize) -> (Axis, ColumnAddress) {
         let words = <Grid<N> as Size>::Row::WORDS;
@@ -107,7 +107,7 @@ where
     }
 }
 
-/// Cells that an entry's flags take, one bit for each word of the bitmap.
+/// Returns the number of cells of an entry's flags, one bit for each word of the bitmap.
 pub(super) const fn flag_cell_count<const N: usize>() -> usize
 where
     Grid<N>: Size,
@@ -115,7 +115,7 @@ where
     3 * N * <Grid<N> as Size>::Row::WORDS / 16
 }
 
-/// The sum of [`digest_term`] over the columns of the entry at the start of `cells`.
+/// Returns the sum of [`digest_term`] over the columns of the entry at the start of `cells`.
 pub(super) fn digest_sum<const N: usize, const K: usize>(cells: &[EntryCell]) -> u64
 where
     Grid<N>: Size,
@@ -127,21 +127,21 @@ where
     terms.fold(0, u64::wrapping_add)
 }
 
-/// What a column adds to the digest of an entry: unlike in a digest of maps not
-/// nothing when it is empty, as it counts that the entry holds it.
+/// Returns a column's term in the digest of an entry. Unlike in a digest of maps, an empty column has a
+/// non-zero term, as it counts that the entry contains the column.
 #[inline]
 pub(super) fn digest_term<const K: usize>(axis: Axis, at: ColumnAddress, column: Column<K>) -> u64 {
     column_key(axis, at).wrapping_mul(nonzero_column_number(column))
 }
 
-/// A column's bytes as a number other than 0.
+/// Returns a column's bytes as a number other than 0.
 #[inline]
 pub(super) fn nonzero_column_number<const K: usize>(column: Column<K>) -> u64 {
     // No column has all bits of its number set: two intervals can't both begin at 0.
     if K == 1 { column_number(column) | 1 << 16 } else { column_number(column) + 1 }
 }
 
-/// The sum of [`digest_term`] over columns of a line, from `first` on.
+/// Returns the sum of [`digest_term`] over columns of a line, from `first` on.
 #[inline]
 pub(super) fn digest_of_run<const K: usize>(
     axis: Axis,

@@ -5,17 +5,17 @@ use crate::volume::range_maps::{Axis, Column, ColumnAddress};
 use crate::volume::row::BitSet;
 use crate::volume::size::{Grid, Size};
 
-/// The newest entry. Empty where `changed` is.
+/// The newest entry. It is empty if `changed` is.
 #[derive(Debug)]
 pub(super) struct UnpackedEntry<const N: usize, const K: usize = 1>
 where
     Grid<N>: Size,
 {
-    /// Bit `place` of `changed[axis][line]`: a column of the entry.
+    /// Bit `place` of `changed[axis][line]` is set for each column of the entry.
     pub(super) changed: [[<Grid<N> as Size>::Row; N]; 3],
-    /// Bit `line` of `lines[axis]`: a line that holds such a column.
+    /// Bit `line` of `lines[axis]` is set for each line with such a column.
     lines: [<Grid<N> as Size>::Row; 3],
-    /// The other values of the entry's columns; meaningless elsewhere.
+    /// The other values of the entry's columns; undefined elsewhere.
     pub(super) others: [[[Column<K>; N]; N]; 3],
     /// The sum of [`super::packed::digest_term`] over its columns.
     pub(super) sum: u64,
@@ -29,7 +29,7 @@ where
     /// The line's index in the three maps together.
     line_of_maps: usize,
     columns: <Grid<N> as Size>::Row,
-    /// Their other values; meaningless elsewhere.
+    /// Their other values; undefined elsewhere.
     others: &'a [Column<K>; N],
 }
 
@@ -43,7 +43,7 @@ impl<const N: usize, const K: usize> UnpackedEntry<N, K>
 where
     Grid<N>: Size,
 {
-    /// No columns. For static initialisers only.
+    /// Creates an entry without columns. For static initialisers only.
     pub(super) const fn new() -> Self {
         UnpackedEntry {
             changed: [[<Grid<N> as Size>::Row::EMPTY; N]; 3],
@@ -117,14 +117,14 @@ where
         });
     }
 
-    /// The number of columns.
+    /// Returns the number of columns.
     pub(super) fn count_columns(&self) -> u32 {
         let mut count = 0;
         self.visit_lines(|line| count += line.columns.count_ones());
         count
     }
 
-    /// Cells that [`UnpackedEntry::write_packed`] emits.
+    /// Returns the number of cells that [`UnpackedEntry::write_packed`] emits.
     pub(super) fn packed_cell_count(&self) -> usize {
         let mut cells = flag_cell_count::<N>();
         self.visit_bitmap_words(|word| cells += 4 + K * word.bits.count_ones() as usize);
