@@ -1,7 +1,8 @@
-//! Programs that count: an instrumented copy of a program, whose colour tells how often a fragment has sampled or
-//! loaded a texel, and how many turns its march has taken.
+//! Programs that count: an instrumented copy of a program, whose colour encodes the number of texels that a
+//! fragment has sampled or loaded, and the number of iterations of its march.
 //!
-//! Instrumentation of the compiled module, as by a profiler: the source is the picture's own, so that both can't part.
+//! The compiled module is instrumented, as by a profiler: the source is the drawing program's, so that the
+//! two can't diverge.
 
 use naga::{
     AddressSpace, BinaryOperator, Block, EntryPoint, Expression, Function, GlobalVariable, Handle,
@@ -17,10 +18,11 @@ struct Counters {
     float4: Handle<Type>,
 }
 
-/// Makes the fragment program return, in the place of its colour, the fetches and the turns of its march in red and
-/// green, each over 255, and in blue whether it hit. A fragment that was discarded returns too, at the far plane.
+/// Makes the fragment program return counts instead of its colour: in red and green the fetches and the
+/// turns of its march, each over 255, and in blue 1 if it hit. A fragment that would be discarded returns
+/// too, at the far plane.
 ///
-/// A turn is one of an innermost loop: of functions that march, and of the entry point.
+/// A turn is an iteration of an innermost loop, in functions that march and in the entry point.
 pub(crate) fn count_fetches_and_turns(module: &mut Module) {
     let counters = Counters::declare(module);
     for (_, function) in module.functions.iter_mut() {
@@ -90,7 +92,7 @@ impl Counters {
         out
     }
 
-    /// Replaces the returned colour, the first member of the result, and each discard.
+    /// Replaces each return of a colour, the first member of the result, and each discard.
     fn return_counts(self, entry: &mut EntryPoint) {
         let function = &mut entry.function;
         let result = function.result.as_ref().expect("a fragment program has a result").ty;
@@ -118,7 +120,7 @@ impl Counters {
         out
     }
 
-    /// Composes the counts, whether the fragment hit, and its depth.
+    /// Composes the result: the counts, whether the fragment hit, and its depth.
     fn return_statement(
         self,
         function: &mut Function,
@@ -144,7 +146,7 @@ impl Counters {
     }
 }
 
-/// A statement with each block within it replaced.
+/// Returns a statement with each block in it replaced.
 fn map_blocks(statement: Statement, mut map: impl FnMut(Block) -> Block) -> Statement {
     match statement {
         Statement::Block(block) => Statement::Block(map(block)),
@@ -169,7 +171,8 @@ fn is_fetch(function: &Function, expression: Handle<Expression>) -> bool {
     matches!(expression, Expression::ImageSample { .. } | Expression::ImageLoad { .. })
 }
 
-/// Statements of a loop's body that ask whether it goes on, as `while` and `for` begin: what ends there is no turn.
+/// Returns the number of leading statements in a loop's body that test whether the loop continues, as in
+/// `while` and `for`. An iteration that ends there isn't counted.
 fn length_of_condition(body: &Block) -> usize {
     let asks = |statement: &Statement| match statement {
         Statement::If { accept, reject, .. } => {

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::shared::constants_module;
 
-/// Rust source of compile-time assertions that the named structures have the size and the field
+/// Returns Rust source of compile-time assertions that the named structures have the size and the field
 /// offsets of the structures of the same names in a WGSL module.
 pub(crate) fn layout_assertions(wgsl_path: &str, wgsl: &str, structures: &[&str]) -> String {
     // All constants are declared in front, so its imports can go.

@@ -1,4 +1,5 @@
-//! Makes what the renderer needs at build time: shader programs, the studio's meshes, the panels' texts and atlas.
+//! Makes the renderer's inputs at build time: shader programs, the studio's meshes, the panels' texts and
+//! atlas.
 
 mod atlas;
 #[path = "../src/twin/bvh.rs"]

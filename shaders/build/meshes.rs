@@ -11,18 +11,18 @@ use paros_core::session::{Tool, ToolBit};
 use crate::mesh::hands::HandShape;
 use crate::mesh::{MeshBuilder, bits, extent, furniture, hands, light, room, tools, translation};
 
-/// How a mesh's openness is found.
+/// Method by which a mesh's openness is computed.
 enum MeshLight {
     /// From the room's light, where the mesh was modelled.
     Room,
     /// From self-occlusion alone: it is carried about.
     Alone,
-    /// Not at all: it is emissive, or too small.
+    /// Not computed: the mesh is emissive, or too small.
     None,
 }
 
-/// Writes the meshes into the folder `out`: `vertices.bin`, `indices.bin`, and `meshes.rs` and
-/// `ambient.rs` that tell what is in them.
+/// Writes the meshes into the folder `out`: `vertices.bin` and `indices.bin`, the table `meshes.rs` of
+/// their ranges, and the room's light `ambient.rs`.
 pub(crate) fn write_meshes(out: &Path) {
     let mut meshes = all_meshes();
     let mut standing = MeshBuilder::default();
@@ -31,7 +31,7 @@ pub(crate) fn write_meshes(out: &Path) {
             standing.append(mesh, translation(0.0, 0.0, 0.0));
         }
     }
-    // The stool's top takes part in the room's light where it is at first.
+    // The stool's top takes part in the room's light in its initial position.
     let mut lit_things = standing;
     lit_things.append(&furniture::stool_top(), translation(STOOL_TOP.x, STOOL_TOP.y, STOOL_TOP.z));
     let inside = light::BoxBounds { low: extent::LOW, high: extent::HIGH };
@@ -48,7 +48,7 @@ pub(crate) fn write_meshes(out: &Path) {
     write_tables(out, &meshes);
 }
 
-/// All meshes by name, in the order of the generated `MeshId`.
+/// Returns all meshes by name, in the order of the generated `MeshId`.
 fn all_meshes() -> Vec<(String, MeshLight, MeshBuilder)> {
     let mut all = vec![
         ("Room".to_owned(), MeshLight::Room, room::room_mesh()),
@@ -120,7 +120,7 @@ fn write_ambient(out: &Path, sculpture_sh: &[[f32; 3]; 9]) {
     write_file(out, "ambient.rs", text.as_bytes());
 }
 
-/// A camel-case name as lower-case words after the first.
+/// Splits a camel-case name into words, lower-case after the first.
 fn space_out_words(camel_case: &str) -> String {
     let mut words = String::new();
     for c in camel_case.chars() {
@@ -132,7 +132,7 @@ fn space_out_words(camel_case: &str) -> String {
     words
 }
 
-/// A number in 0..1 as a normalised byte.
+/// Converts a number in 0..1 to a normalised byte.
 fn fraction_to_byte(fraction: f32) -> u8 {
     (fraction.clamp(0.0, 1.0) * 255.0).round() as u8
 }

@@ -1,8 +1,8 @@
 //! Compiles WGSL modules to SPIR-V programs, one for each variant.
 //!
-//! `naga_oil` joins a module with what it imports, `naga` sets the variant's overrides and writes
-//! SPIR-V 1.3 for Vulkan 1.1. Every choice of the writer is set here, so that a program's words
-//! don't depend on the build's profile.
+//! `naga_oil` joins a module with its imports, `naga` sets the variant's overrides and writes SPIR-V 1.3
+//! for Vulkan 1.1. Every option of the writer is set here, so that a program's words don't depend on the
+//! build's profile.
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -18,7 +18,7 @@ use crate::constants::BINDING_COUNT;
 use crate::words::{self, LoopUnrolling};
 use crate::{counting, layout, shared};
 
-/// Modules that others import, each after what it imports itself.
+/// Modules that others import, each after its own imports.
 const LIBRARY: [&str; 7] = ["constants", "layout", "box", "light", "marble", "beam", "shadow"];
 
 /// A program variant: its name, WGSL module, stage (and so entry point), preprocessor definitions,
@@ -30,7 +30,7 @@ struct ShaderVariant {
     stage: naga::ShaderStage,
     defs: Vec<&'static str>,
     overrides: Vec<(&'static str, f64)>,
-    /// Whether it counts its fetches in the place of drawing.
+    /// `true` if the program counts its fetches instead of drawing.
     counts: bool,
 }
 
@@ -40,12 +40,13 @@ impl ShaderVariant {
         self
     }
 
-    /// The program that counts what this one fetches.
+    /// Returns the variant that counts the fetches of this program.
     fn counting(&self) -> Self {
         ShaderVariant { name: format!("{}_counted", self.name), counts: true, ..self.clone() }
     }
 
-    /// What the fast path costs without its march, and with two fetches of shading.
+    /// Returns the fast path's variant without its march and with two fetches of shading: a lower bound of
+    /// its cost.
     fn without_march(&self) -> Self {
         ShaderVariant { name: format!("{}_floor", self.name), ..self.clone() }.with_def("FLOOR")
     }
@@ -166,7 +167,7 @@ fn compile_program(program: &ShaderVariant) -> Vec<u32> {
     }
     let WgslModule { path, mut text } = read_module(program.module);
     if program.defs.contains(&"HALF") {
-        // Directives stand before everything else, conditions of the preprocessor too.
+        // Directives come before everything else, even before preprocessor conditions.
         text.insert_str(0, "enable f16;\n");
     }
     let module = composer.make_naga_module(NagaModuleDescriptor {
@@ -180,7 +181,7 @@ fn compile_program(program: &ShaderVariant) -> Vec<u32> {
     if program.counts {
         counting::count_fetches_and_turns(&mut module);
     }
-    // The fast path of single precision is for desktops, whose drivers know better.
+    // The fast path in single precision is for desktops, whose drivers know better when to unroll.
     let unrolling = match program.module == "fast" && !program.defs.contains(&"HALF") {
         true => LoopUnrolling::Allowed,
         false => LoopUnrolling::Forbidden,

@@ -16,7 +16,7 @@ trait InWgsl {
 
 impl InWgsl for f32 {
     fn in_wgsl(&self) -> WgslConstant {
-        // As many digits as tell it from every other number.
+        // The fewest digits that identify the number.
         WgslConstant { ty: "f32", value: format!("{self:?}") }
     }
 }
@@ -60,7 +60,7 @@ macro_rules! declare {
     }};
 }
 
-/// The module `paros::constants`.
+/// Returns the text of the module `paros::constants`.
 pub(crate) fn constants_module() -> String {
     declare!(
         BEAM_PIXELS,
@@ -156,7 +156,7 @@ pub(crate) fn constants_module() -> String {
     )
 }
 
-// What the programs have written out, term by term or binding by binding.
+// Checks of constants that the programs have written out, term by term or binding by binding.
 const _: () = {
     assert!(constants::MARBLE_OCTAVES == 4, "marble.wgsl adds four octaves");
     assert!(constants::DENSITY_LEVELS == 4, "scatter.wgsl binds four levels");

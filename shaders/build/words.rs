@@ -4,16 +4,16 @@
 const OP_CAPABILITY: u32 = 17;
 const OP_LOOP_MERGE: u32 = 246;
 const DONT_UNROLL: u32 = 2;
-/// Storage of 16 bits in buffers and interfaces, which `naga` declares for any half-precision
-/// arithmetic. The programs have none, and few phones offer it.
+/// Storage of 16 bits in buffers and interfaces, which `naga` declares for any half-precision arithmetic.
+/// The programs don't use it, and few phones offer it.
 const STORAGE_16: [u32; 3] = [4433, 4434, 4436];
 
-/// Whether a driver may unroll a program's loops.
+/// Permission for a driver to unroll a program's loops.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum LoopUnrolling {
     Allowed,
-    /// Every loop is marked `DontUnroll`: a phone's driver that unrolls a march needs three times the
-    /// registers.
+    /// Every loop is marked `DontUnroll`: a phone's driver needs three times the registers when it unrolls
+    /// a march.
     Forbidden,
 }
 

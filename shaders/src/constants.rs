@@ -44,8 +44,8 @@ pub const FAST_SKIP_INTERVAL: f32 = 8.0;
 pub const FAST_EDGE_CUBIC: f32 = 2.0;
 /// Grid side, in voxels, for which the lengths below are given; they scale with the grid.
 pub const FAST_REFERENCE_SIDE: f32 = 128.0;
-/// Distance towards the sun of its density sample of mip level 3, in voxels of the reference grid. Before it is the one
-/// that tells how much of the sky is seen, see [`FAST_AO_LEAN`].
+/// Distance towards the sun of the shadow's density sample of mip level 3, in voxels of the reference grid.
+/// The sky's occlusion sample, nearer to the surface, is the other one: see [`FAST_AO_LEAN`].
 pub const FAST_SHADOW_DISTANCE: f32 = 16.0;
 /// Part of the sunlight that a sample of density 1 absorbs.
 pub const FAST_SHADOW_OPACITY: f32 = 0.95;
@@ -55,50 +55,52 @@ pub const FAST_TRANSLUCENCY: [f32; 3] = [0.34, 0.20, 0.12];
 /// Distance towards the sun of the density sample, of mip level 2, that measures the stone's thickness, in
 /// voxels of the reference grid.
 pub const FAST_TRANSLUCENCY_DEPTH: f32 = 5.0;
-/// Change of the reflectance, by colour, at the sharpest edge: worn edges are lighter, and cavities, where it is
-/// negative, darker and warmer.
+/// Wear: change of the reflectance, by colour, at the sharpest edge. Worn edges are lighter; cavities,
+/// where the change is negative, are darker and warmer.
 pub const FAST_WEAR: [f32; 3] = [0.52, 0.57, 0.65];
-/// Most of that at edges.
+/// Upper bound of the wear at edges.
 pub const FAST_WEAR_AT_EDGES: f32 = 0.25;
-/// Where the hidden figure is bared its stone is warm: the factor of its reflectance, by colour.
+/// Factor of the reflectance, by colour, where the hidden figure is bared: its stone is warm.
 pub const FIGURE_WARMTH: [f32; 3] = [1.0, 0.80, 0.52];
-/// And it shines: its own radiance.
+/// Radiance that the bared figure emits.
 pub const FIGURE_GLOW: [f32; 3] = [0.15, 0.08, 0.025];
-/// It is bared where more than this share of the stone is the figure's: stone a voxel thick over it leaves less.
+/// The figure's share of the stone above which it counts as bared: a voxel of stone over it leaves a
+/// smaller share.
 pub const FIGURE_LEAST_SHARE: f32 = 0.2;
-/// All of it shows where the share is greater by 1 / this.
+/// Slope of the fade-in: the figure shows in full where its share is greater by 1 / this.
 pub const FIGURE_SHARE_RISE: f32 = 4.0;
 /// Sharpness of the sun's highlight on smooth stone, and on rough: the binary logarithm of its falloff with the
 /// cosine from its middle.
 pub const FAST_GLOSS_SHARPNESS: [f32; 2] = [56.0, 9.0];
-/// The highlight's radiance for each unit of sharpness, as a part of the sunlight: what a broad one covers, a sharp
-/// one gathers.
+/// The highlight's radiance for each unit of sharpness, as a part of the sunlight: a sharp highlight is
+/// brighter than a broad one, which covers more.
 pub const FAST_GLOSS: f32 = 0.0065;
-/// Roughness for a convexity of 1, either way; it ends at 1.
+/// Roughness for a convexity of 1, either positive or negative; clamped to 1.
 pub const FAST_ROUGHNESS: f32 = 3.0;
 /// Sparkle of the crystals: periods of the noise along the cube's side, and how far it shifts with the eye, in
 /// periods.
 pub const FAST_CRYSTAL_NOISE: [f32; 2] = [7.0, 0.5];
-/// The least noise that sparkles, and the radiance for each unit above, as a part of the sunlight.
+/// The least noise that sparkles, and the radiance for each unit above it, as a part of the sunlight.
 pub const FAST_SPARKLE: [f32; 2] = [0.2, 0.5];
 /// Squared cosine to the highlight's middle at which crystals begin to sparkle: beyond, no noise is fetched.
 pub const FAST_SPARKLE_RIM: f32 = 0.4;
 /// Ambient occlusion: height above the surface of its density sample, of mip level 2, in voxels of the reference grid.
 pub const FAST_AO_HEIGHT: f32 = 5.0;
-/// How far it leans towards the sun where the surface faces that, in the same unit: there it is one of the sun's, too.
+/// Shift of the occlusion sample towards the sun where the surface faces the sun, in voxels of the reference
+/// grid. There the sample also serves the sun's shadow.
 pub const FAST_AO_LEAN: f32 = 3.0;
-/// Factor of the ambient light where that sample is empty. Above 1, since a flat surface's sample
+/// Factor of the ambient light where the occlusion sample is empty. Above 1, since a flat surface's sample
 /// isn't empty.
 pub const FAST_AO_SCALE: f32 = 1.15;
-/// Upper bound of that sample's density, so that some ambient light is left.
+/// Upper bound of the occlusion sample's density, so that some ambient light is left.
 pub const FAST_AO_MAX_DENSITY: f32 = 0.9;
 
-/// Contact shadow of the stone on the stool and on what comes near: height of its density sample of mip level 3, in
-/// voxels.
+/// Contact shadow of the stone on the stool and on nearby things: height of its density sample of mip level
+/// 3, in voxels.
 pub const CONTACT_HEIGHT: f32 = 5.0;
-/// Part of the light that it takes where that sample is full.
+/// Part of the light that the contact shadow takes where its sample is full.
 pub const CONTACT_OPACITY: f32 = 0.8;
-/// It fades out around the cube within 1 / this of the cube's side.
+/// Fade-out of the contact shadow: it ends within 1 / this of the cube's side around the cube.
 pub const CONTACT_FADE: f32 = 12.0;
 
 /// White point of Reinhard's tone curve: the radiance that a display shows as 1. White stone that faces the sun
@@ -106,9 +108,9 @@ pub const CONTACT_FADE: f32 = 12.0;
 pub const TONE_WHITE_POINT: f32 = 3.0;
 /// sRGB transfer function (IEC 61966-2-1): slope of the linear part.
 pub const SRGB_LINEAR_SLOPE: f32 = 12.92;
-/// Offset of its power part.
+/// sRGB transfer function: offset of the power part.
 pub const SRGB_OFFSET: f32 = 0.055;
-/// Exponent of its power part.
+/// sRGB transfer function: exponent of the power part.
 pub const SRGB_EXPONENT: f32 = 2.4;
 
 /// Unit vector towards the sun, in the studio.
@@ -131,7 +133,8 @@ pub const AMBIENT_HARMONICS: [[f32; 3]; 9] = [
     [0.054978, 0.062660, 0.079494],
 ];
 
-/// Distances that the panels' atlas tells, either way, in texels: enough for pixels as wide as four texels.
+/// Range of the signed distances in the panels' atlas, on either side of an edge, in texels: enough for
+/// pixels as wide as four texels.
 pub const PANEL_REACH_TEXELS: f32 = 2.0;
 /// Height of a capital letter in the atlas, in texels: a pixel each on a headset of 20 pixels a degree.
 pub const PANEL_CAPITAL_TEXELS: f32 = 23.0;
@@ -139,15 +142,15 @@ pub const PANEL_CAPITAL_TEXELS: f32 = 23.0;
 pub const PANEL_PICTURE_TEXELS: f32 = 48.0;
 /// Length of a badge's rim in the atlas, in texels.
 pub const PANEL_RIM_TEXELS: f32 = 128.0;
-/// Kinds of a panel's quads: a rounded box.
+/// Kind of a panel's quad: a rounded box.
 pub const PANEL_BOX: u32 = 0;
-/// What the atlas has the shape of.
+/// Kind of a panel's quad: a shape from the atlas.
 pub const PANEL_SHAPE: u32 = 1;
-/// A part of a ring.
+/// Kind of a panel's quad: a part of a ring.
 pub const PANEL_RING: u32 = 2;
-/// A picture of the shell's, in a cell of its own.
+/// Kind of a panel's quad: a picture from the shell, in a cell of its own.
 pub const PANEL_IMAGE: u32 = 3;
-/// How far a quad reaches beyond its shape, in millimetres, so that its edge has room to be smooth.
+/// Margin of a quad around its shape, in millimetres, so that its edge has room to be smooth.
 pub const PANEL_QUAD_MARGIN: f32 = 3.0;
 
 /// Texels along a side of the noise texture; a power of two.
@@ -187,7 +190,7 @@ pub const CARRARA_VEIN_COLOR: [f32; 3] = [0.29, 0.315, 0.35];
 pub const TILE_PIXELS: u32 = 64;
 /// Pixels along a side of the beams that refine a tile's start.
 pub const BEAM_PIXELS: u32 = 8;
-/// Bindings of the drawing programs' only descriptor set: the uniform buffer of the frame.
+/// Binding of the frame's uniform buffer, in the drawing programs' only descriptor set.
 pub const BINDING_FRAME: u32 = 0;
 /// Range maps.
 pub const BINDING_MAPS: u32 = 1;
@@ -219,21 +222,21 @@ pub const BINDING_GRADIENT: u32 = 13;
 pub const BINDING_PANEL_ATLAS: u32 = 14;
 /// The panels' pictures.
 pub const BINDING_PANEL_PICTURES: u32 = 15;
-/// How many they are.
+/// Number of bindings.
 pub const BINDING_COUNT: u32 = 16;
-/// Bindings of the overlay: its atlas.
+/// Binding of the atlas in the overlay's descriptor set.
 pub const BINDING_ATLAS: u32 = 0;
 /// The sampler of the atlas.
 pub const BINDING_ATLAS_SAMPLER: u32 = 1;
-/// Bindings of the scatter program: what is to be copied where.
+/// Binding of the scatter program's patches: which texels to copy where.
 pub const BINDING_PATCHES: u32 = 0;
-/// The texels to copy.
+/// Binding of the texels to copy.
 pub const BINDING_STAGED: u32 = 1;
-/// The first of the density's levels, which follow each other.
+/// Binding of the first density level; the other levels follow.
 pub const BINDING_LEVELS: u32 = 2;
-/// The cells to write, after the levels.
+/// Binding of the cells to write, after the levels.
 pub const BINDING_CELL_IMAGE: u32 = BINDING_LEVELS + DENSITY_LEVELS;
-/// The directions to write, after the cells.
+/// Binding of the directions to write, after the cells.
 pub const BINDING_GRADIENT_IMAGE: u32 = BINDING_CELL_IMAGE + 1;
 /// Mip levels of the density.
 pub const DENSITY_LEVELS: u32 = 4;

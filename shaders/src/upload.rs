@@ -1,4 +1,4 @@
-//! What a sculpture's textures hold, and what of them changed and has to be uploaded.
+//! Contents of a sculpture's textures, and the regions of them that changed and must be uploaded.
 
 use crate::carrara;
 use crate::limits::MAP_INTERVALS;
@@ -11,20 +11,20 @@ pub struct VolumeFormat {
 }
 
 impl VolumeFormat {
-    /// Volumes of N voxels a side and K intervals a column, K 1 or 2.
+    /// Returns the format of volumes of N voxels a side and K intervals a column, K 1 or 2.
     #[must_use]
     pub const fn of<const N: usize, const K: usize>() -> Self {
         const { assert!(K >= 1 && K <= MAP_INTERVALS, "intervals that a texel holds") };
         VolumeFormat { grid_side: N, intervals: K }
     }
 
-    /// Voxels along a side.
+    /// Returns the voxels along a side.
     #[must_use]
     pub const fn grid_side(self) -> usize {
         self.grid_side
     }
 
-    /// Intervals of a column.
+    /// Returns the intervals of a column.
     #[must_use]
     pub const fn intervals(self) -> usize {
         self.intervals
@@ -34,25 +34,25 @@ impl VolumeFormat {
 /// The textures that hold a sculpture on the GPU, for N voxels a side.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Texture {
-    /// The range maps of so many intervals a column: N x N texels of two bytes for each interval (as
+    /// The range maps of this many intervals a column: N x N texels of two bytes for each interval (as
     /// `Range` stores them), a layer for each axis; x is the column's place, y its line.
     Maps(u8),
     /// The density, one byte a texel, at a level of detail: 0 is the finest.
     Density(u8),
-    /// The directions out of the stone at level 1, three signed bytes and a zero each.
+    /// The directions out of the stone at level 1: three signed bytes, and a fourth for the convexity.
     Gradient,
     /// The cells' distances, one byte each.
     Cells,
     /// The paper's noise, one signed byte each.
     Noise,
-    /// How grey the marble is, and how much of it is the hidden figure's: a byte each.
+    /// Two bytes a texel: the greyness of the marble, and the hidden figure's share of it.
     Marble,
 }
 
 /// A box of texels of one texture.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Region {
-    /// Which texture.
+    /// The texture that holds the box.
     pub texture: Texture,
     /// The least texel; z is the layer for [`Texture::Maps`].
     pub min: [u32; 3],
@@ -61,13 +61,13 @@ pub struct Region {
 }
 
 impl Region {
-    /// All of the marble's texture.
+    /// Returns the region of the whole marble texture.
     #[must_use]
     pub const fn whole_marble() -> Self {
         Region { texture: Texture::Marble, min: [0; 3], size: [carrara::TEXTURE_SIDE as u32; 3] }
     }
 
-    /// Bytes of the box, rows after rows without gaps.
+    /// Returns the number of bytes of the box, row after row without gaps.
     #[must_use]
     pub const fn byte_count(&self) -> usize {
         let texel = match self.texture {
@@ -79,13 +79,14 @@ impl Region {
         self.size[0] as usize * self.size[1] as usize * self.size[2] as usize * texel
     }
 
-    /// Whether its texels are those of a volume's textures: maps have as many intervals.
+    /// Returns `true` if the region fits a volume's textures: maps must have the volume's number of
+    /// intervals.
     #[must_use]
     pub fn has_intervals_of(&self, volume: VolumeFormat) -> bool {
         !matches!(self.texture, Texture::Maps(k) if usize::from(k) != volume.intervals)
     }
 
-    /// Whether a texel lies in both.
+    /// Returns `true` if the regions share a texel.
     #[must_use]
     pub fn overlaps(&self, other: &Region) -> bool {
         let begins_within = |a: &Region, b: &Region, i: usize| a.min[i] < b.min[i] + b.size[i];

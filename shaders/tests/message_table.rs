@@ -1,4 +1,5 @@
-//! The build's check of the table of texts: what it refuses, and where it says that a mistake is.
+//! Tests of the build's check of the message table: which mistakes it rejects, and for which line it
+//! reports them.
 
 #[allow(dead_code)] // the build writes the rest of it down
 #[path = "../build/text/table.rs"]
@@ -46,13 +47,14 @@ english = "{count} left"
 greek = "Μένουν {count}"
 "#;
 
-/// Asserts that a table with a line in another's place has the one mistake, told of that line.
+/// Asserts that the table with `line` replaced by `instead` has exactly one mistake, reported for that
+/// line.
 #[track_caller]
 fn assert_mistake(line: usize, instead: &str, key: &str, problem: &str) {
     assert_mistake_at(line, line, instead, key, problem);
 }
 
-/// The same, told of the line `told`.
+/// Asserts the same, with the mistake reported for the line `told`.
 #[track_caller]
 fn assert_mistake_at(told: usize, line: usize, instead: &str, key: &str, problem: &str) {
     let mut lines: Vec<&str> = GOOD.lines().collect();
@@ -112,7 +114,7 @@ fn a_text_too_wide_is_a_mistake() {
     assert_mistake(15, "english = \"Twenty letters and one\"", key, "2 lines of 300 mm");
 }
 
-/// By the widest that can be filled in, not by the braces' name.
+/// The width is that of the widest filling, not of the placeholder's name.
 #[test]
 fn a_filled_text_is_measured_at_its_widest() {
     let key = "messages.many.english";

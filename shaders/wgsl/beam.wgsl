@@ -1,17 +1,18 @@
-// Cone marching: the depth to which a beam of rays can be skipped, as none of its rays can meet the
-// surface before it.
+// Cone marching: the depth to which a beam of rays can skip, because none of its rays can meet the surface
+// before it.
 #define_import_path paros::beam
 #import paros::layout::frame
 #import paros::box
 
-// Rise of the density towards the surface, a voxel; only at rods it's steeper, 0.6: there a ray may start inside.
+// Rise of the density towards the surface per voxel. Only at rods it is steeper, 0.6: there a ray may start
+// inside.
 const RISE: f32 = 0.42;
 
-// The depth, in voxels, where a beam has to stop; negative if it misses everything. `spread` is the
-// distance of its outermost rays from the central one per unit of depth, in the Chebyshev norm;
-// `first_depth` is where it begins. `cells` give the empty distance in texels. With `by_density`
-// the density gives it near the surface: the beam stops where its rise could have brought one of its rays to the
-// surface. A ray that starts a little inside the surface still meets it.
+// The depth, in voxels, at which a beam must stop; negative if the beam misses everything. `spread` is the
+// distance of the beam's outermost rays from the central one per unit of depth, in the Chebyshev norm;
+// `first_depth` is the depth at which the beam begins. `cells` holds the empty distance in texels. With
+// `by_density` the density bounds that distance near the surface: the beam stops where the density's rise
+// could have brought one of its rays to the surface. A ray that starts a little inside still meets it.
 fn find_start(
     cells: texture_3d<f32>,
     nearest: sampler,

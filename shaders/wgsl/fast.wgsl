@@ -31,8 +31,9 @@ alias real4 = vec4<f32>;
 // Alpha to coverage: with several samples a pixel, a fragment's coverage is its alpha.
 override COVERAGE: bool = false;
 
-// A march that ends at a density above this has met the surface. It is less than the half at which its loop ends: an equal
-// number would have the compiler hold the loop's result in a register. Where steps run out between the two, it has, too.
+// A march that ends at a density above this has met the surface. The constant is less than a half, at which
+// the march's loop ends: with an equal number the compiler would hold the loop's result in a register. A
+// march whose steps run out at a density between the two has met the surface, too.
 const ALMOST_HALF: f32 = 0.4998;
 
 // Greatest rise of density in half a pixel: walls of two voxels are not denser than 5/8.
@@ -61,9 +62,9 @@ fn fragment(
     @location(0) direction: vec3<f32>,
     @location(1) @interpolate(flat) o: vec3<f32>,
 ) -> FragmentOutput {
-    // Where the beam of this pixel stopped; negative if it misses the surface.
+    // The depth at which this pixel's beam stopped; negative if the beam misses the surface.
     let start = textureLoad(beams, vec2<u32>(position.xy * (1.0 / f32(BEAM_PIXELS))), view, 0).x;
-    // Where pictures are foveated a fragment is several pixels wide, and its edges are as soft.
+    // In foveated pictures a fragment is several pixels wide, and edges are softened to its width.
     let width = frame.pixel_width * dpdx(position.x);
     if start < 0.0 {
         discard;
@@ -71,7 +72,7 @@ fn fragment(
     // The depth in which the ray passes one voxel.
     let voxel = 1.0 / (length(direction) * frame.density_side);
 #ifdef FLOOR
-    // What is left without a march: two fetches of shading at the beam's end.
+    // The variant without a march: two fetches of shading at the beam's end.
     let at = o + direction * start;
     let outward = real4(textureSampleLevel(gradient, clamped, at, 0.0));
     let grey = real(textureSampleLevel(marble_and_figure, clamped, at, 0.0).x);
@@ -172,13 +173,13 @@ fn march_density(
     );
     // Linear interpolation between both samples, by their distances to a plane of that density.
     let inside = edge_distance(full - real(0.5));
-    // Along a surface both may be next to a half, which rounding mustn't make of no distance.
+    // Along a surface both densities may be close to a half; rounding must not make their distance zero.
     let outside = max(edge_distance(real(0.5) - before), real(0.001));
     return DensityHit(t, full, reach * inside / (inside + outside), near_miss);
 }
 
-// What a step takes of FAST_SKIP_INTERVAL: its length in voxels. In half precision, on devices with
-// few registers, each step counts as one voxel.
+// The part of FAST_SKIP_INTERVAL that a step uses up: its length in voxels. In half precision, on devices
+// with few registers, each step counts as one voxel.
 fn interval_spent(reach: real) -> real {
 #ifdef HALF
     return real(1.0);
@@ -187,7 +188,7 @@ fn interval_spent(reach: real) -> real {
 #endif
 }
 
-// How much the density rises towards the surface in half a pixel of this width, at a depth: about 0.3 a voxel.
+// The rise of the density towards the surface in half a pixel of this width, at a depth: about 0.3 a voxel.
 fn half_pixel_rise(t: f32, pixel_width: f32) -> real {
     return real(min(0.15 * pixel_width * t, MOST_RISE));
 }
@@ -197,8 +198,8 @@ fn edge_distance(excess: real) -> real {
     return excess + real(FAST_EDGE_CUBIC) * excess * excess * excess;
 }
 
-// The march's step at a density, in voxels. It ends a little behind a plane of that density, yet a
-// wall one voxel thick can't be stepped over.
+// The march's step at a density, in voxels. The step ends a little behind a plane of that density, but
+// can't step over a wall one voxel thick.
 fn overshooting_step_voxels(density_here: real) -> real {
     return max(
         real(FAST_STEP_FAR.x) - density_here * real(FAST_STEP_FAR.y),
@@ -219,7 +220,7 @@ fn sample_density(p: vec3<f32>, mip_level: f32) -> f32 {
     return textureSampleLevel(density, clamped, p, mip_level).x;
 }
 
-// The mip level of what is above the surface: of the same size in the stone at either size of the grid.
+// The mip level of the sample above the surface: the same size in the stone at either size of the grid.
 fn level_above() -> f32 {
     return select(2.0, 3.0, frame.grid_side > FAST_REFERENCE_SIDE);
 }
@@ -240,8 +241,8 @@ fn shade_point(p: vec3<f32>, normal: real3, convexity: real) -> real3 {
         let through = p + (frame.sun_in_grid * FAST_TRANSLUCENCY_DEPTH - vec3<f32>(normal)) * voxel;
         lit = real(1.0) - real(sample_density(through, level_above()));
     }
-    // Density above the surface, the farther towards the sun the more it faces that: it hides the sky, and what is there
-    // stands in the sun's way as well. After the branch, where fewer registers are held.
+    // Density above the surface, shifted towards the sun the more the surface faces the sun. It hides the
+    // sky, and blocks the sun as well. Sampled after the branch, where fewer registers are held.
     let lean = FAST_AO_LEAN * f32(max(facing, real(0.0)));
     let offset = vec3<f32>(normal) * FAST_AO_HEIGHT + frame.sun_in_grid * lean;
     let above = real(sample_density(p + offset * voxel, level_above()));
@@ -253,7 +254,7 @@ fn shade_point(p: vec3<f32>, normal: real3, convexity: real) -> real3 {
     let open = real(FAST_AO_SCALE) - real(FAST_AO_SCALE) * min(above, real(FAST_AO_MAX_DENSITY));
     let around = ambient_over_pi(normal) * open;
     let grid = (p - 0.5) * (frame.density_side / n) + 0.5;
-    // How grey it is, and the hidden figure's share.
+    // The marble's greyness, and the hidden figure's share.
     let marble = real2(textureSampleLevel(marble_and_figure, clamped, grid, 0.0).xy);
     let bared = saturate((marble.y - real(FIGURE_LEAST_SHARE)) * real(FIGURE_SHARE_RISE));
     let stone = mix(real3(CARRARA_BASE_COLOR), real3(CARRARA_VEIN_COLOR), marble.x)

@@ -53,8 +53,9 @@ struct FrameUniforms {
     // The shadow map's depth per metre, and a texel's width as a part of its side.
     shadow_depth_per_metre: f32,
     shadow_texel: f32,
-    // Unit vector between those towards the sun and towards the first eye from the grid's middle: the
-    // same all over the sculpture and for both eyes, as sparkle that they don't share would hurt.
+    // Unit vector halfway between the direction to the sun and the direction from the grid's middle to the
+    // first eye. It is the same all over the sculpture and for both eyes, since sparkle that differs
+    // between them would hurt.
     halfway_in_grid: vec3<f32>,
 }
 

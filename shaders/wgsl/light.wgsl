@@ -3,8 +3,8 @@
 #import paros::layout::frame
 #import paros::constants::TONE_WHITE_POINT
 
-// Ambient irradiance over pi for a normal of the grid: a quadratic polynomial of the normal, as
-// bands 0 to 2 of spherical harmonics come to (Ramamoorthi and Hanrahan 2001).
+// Ambient irradiance over pi for a normal of the grid: a quadratic polynomial of the normal, equivalent to
+// bands 0 to 2 of spherical harmonics (Ramamoorthi and Hanrahan 2001).
 fn ambient_over_pi(n: vec3<f32>) -> vec3<f32> {
     var sum = frame.ambient[0];
     sum += frame.ambient[1] * n.x + frame.ambient[2] * n.y + frame.ambient[3] * n.z;
@@ -14,7 +14,7 @@ fn ambient_over_pi(n: vec3<f32>) -> vec3<f32> {
     return max(sum, vec3<f32>(0.0));
 }
 
-// Reinhard's tone curve: radiance to display intensity, TONE_WHITE_POINT to 1.
+// Reinhard's tone curve: maps radiance to display intensity, and TONE_WHITE_POINT to 1.
 fn tone_map(radiance: vec3<f32>) -> vec3<f32> {
     return radiance * (1.0 + radiance * (1.0 / (TONE_WHITE_POINT * TONE_WHITE_POINT))) / (1.0 + radiance);
 }

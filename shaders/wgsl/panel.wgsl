@@ -1,5 +1,5 @@
-// Panels in the room: rounded boxes, shapes of a signed distance field atlas, rings, and pictures, a quad each. The twin
-// is `src/panel/quad.rs`. At most one texel is fetched a pixel, and none of boxes and rings.
+// Panels in the room: rounded boxes, shapes of a signed distance field atlas, rings, and pictures, a quad
+// each. The twin is `src/panel/quad.rs`. A pixel fetches at most one texel, and none for boxes and rings.
 #import paros::layout::frame
 #import paros::constants::{
     BINDING_CLAMPED, BINDING_PANEL_ATLAS, BINDING_PANEL_PICTURES, PANEL_BOX, PANEL_IMAGE, PANEL_QUAD_MARGIN,
@@ -72,7 +72,7 @@ fn fragment(
     @location(4) @interpolate(flat) outline: vec4<f32>,
     @location(5) @interpolate(flat) kind: u32,
 ) -> @location(0) vec4<f32> {
-    // A pixel's width on the panel: in the mean, where it is seen aslant.
+    // A pixel's width on the panel: the mean of both directions, which differ at a slanting view.
     let right = dpdx(at);
     let down = dpdy(at);
     let pixel = max(sqrt(0.5 * (dot(right, right) + dot(down, down))), 1e-6);
@@ -97,7 +97,7 @@ fn fragment(
     return vec4<f32>(color.rgb, outer * color.a);
 }
 
-// The part of a pixel within an edge that is so far away, positive inside.
+// The part of a pixel inside an edge at this distance, which is positive inside.
 fn coverage(distance: f32, width: f32) -> f32 {
     return saturate(distance / width + 0.5);
 }

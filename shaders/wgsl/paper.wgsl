@@ -79,8 +79,8 @@ fn fragment(
     return FragmentOutput(vec4<f32>(color, 1.0), depth);
 }
 
-// Ray marching of the range maps (section 4.1): one fetch a voxel layer of the ray's dominant axis,
-// at the layer's centre. The other two maps are fetched only where that one holds the sample.
+// Ray marching of the range maps (section 4.1): one fetch a voxel layer of the ray's dominant axis, at the
+// layer's centre. The other two maps are fetched only if that map holds the sample.
 fn march_maps(eye: vec3<f32>, direction: vec3<f32>, span: vec2<f32>) -> VoxelHit {
     // The ray with its components permuted to (place, line, layer) of the dominant axis.
     let size = abs(direction);
@@ -151,7 +151,7 @@ fn map_holds(column: vec2<i32>, axis: i32, i: i32) -> bool {
 
 #ifdef TWO_INTERVALS
 
-// A voxel of a column as both ranges are compared with it at once: its number plus 1 in either half.
+// A voxel's number plus 1 in either half of a word, to compare it with both ranges of a column at once.
 fn key_of_voxel(i: i32) -> u32 {
     let number = u32(i + 1);
     return number | (number << 16u);
@@ -161,9 +161,9 @@ fn voxel_of_key(key: u32) -> i32 {
     return i32(key & 0xffffu) - 1;
 }
 
-// Whether a voxel is in one of a column's ranges. In the halves, `first` comes to 256 or more where a
-// range begins at the voxel or before, `last` where it ends there or behind; only at voxel 256,
-// outside the grid, may `first` come to 512, which lacks that bit.
+// `true` if a voxel is in one of a column's ranges. In either half, `first` comes to 256 or more if the
+// half's range begins at the voxel or before it, `last` if the range ends at the voxel or behind it. Only
+// at voxel 256, outside the grid, `first` may come to 512, which lacks that bit.
 fn column_holds(texel: vec4<u32>, key: u32) -> bool {
     let first = (texel.x & 0xff00ffu) + key;
     let last = (texel.x >> 8u & 0xff00ffu) + (0x1010101u - key);
@@ -180,7 +180,7 @@ fn voxel_of_key(key: u32) -> i32 {
     return i32(key);
 }
 
-// Whether a voxel is in the column's range.
+// `true` if a voxel is in the column's range.
 fn column_holds(texel: vec4<u32>, key: u32) -> bool {
     return key <= texel.y && key + texel.x >= 255u;
 }
@@ -313,7 +313,7 @@ fn shepard_normal(p: vec3<f32>, around: Neighbours) -> vec3<f32> {
     return normalize(select(sum, p + vec3<f32>(0.0, 1e-9, 0.0), alone));
 }
 
-// Where the ray enters the voxel, with the normal of that face, without the blobs.
+// The point where the ray enters the voxel, with the normal of that face, without the blobs.
 fn entry_face_point(eye: vec3<f32>, direction: vec3<f32>) -> SurfacePoint {
     let towards = sign(direction);
     let entry = select((-0.5 * towards - eye) / direction, vec3<f32>(-1e9), direction == vec3<f32>(0.0));

@@ -77,7 +77,7 @@ fn fragment(
     return vec4<f32>(light::tone_map(color * irradiance), opacity);
 }
 
-// The place in the density texture of a point of the room.
+// The position in the density texture of a point of the room.
 fn density_place(room: vec3<f32>) -> vec3<f32> {
     let from_foot = room - frame.room_from_grid[3].xyz;
     let grid = (vec4<f32>(from_foot, 0.0) * frame.room_from_grid).xyz / (frame.voxel_size * frame.voxel_size);

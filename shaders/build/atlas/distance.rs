@@ -2,11 +2,11 @@
 
 use paros_core::badge::{BadgePart, BadgeShape};
 
-/// Closed outlines of straight lines, filled where they wind around.
+/// Closed outlines of straight lines, filled by the non-zero winding rule.
 pub(crate) struct Contours(pub(crate) Vec<Vec<[f32; 2]>>);
 
 impl Contours {
-    /// The lowest and the highest coordinates; None without points.
+    /// Returns the lowest and the highest coordinates; `None` without points.
     pub(crate) fn bounds(&self) -> Option<[[f32; 2]; 2]> {
         let mut points = self.0.iter().flatten();
         let first = *points.next()?;
@@ -18,7 +18,7 @@ impl Contours {
         }))
     }
 
-    /// The distance to the outline.
+    /// Returns the signed distance to the outline.
     pub(crate) fn signed_distance(&self, at: [f32; 2]) -> f32 {
         let (mut nearest, mut winding) = (f32::INFINITY, 0);
         for contour in &self.0 {
@@ -31,7 +31,8 @@ impl Contours {
     }
 }
 
-/// The distance to the edge of what parts ink, drawn one over the other; in 64ths of the unit square's side.
+/// Returns the signed distance to the edge of the area that parts ink, drawn one over the other; in 64ths
+/// of the unit square's side.
 pub(crate) fn distance_to_parts(parts: &[BadgePart], at: [f32; 2]) -> f32 {
     parts.iter().fold(f32::NEG_INFINITY, |ink, part| {
         let distance = distance_to_shape(&part.shape, at);
@@ -62,8 +63,8 @@ fn distance_to_shape(shape: &BadgeShape, at: [f32; 2]) -> f32 {
     }
 }
 
-/// The distance to an ellipse: exact for circles, else its implicit function over the gradient's length, exact at the
-/// edge to first order.
+/// Returns the signed distance to an ellipse: exact for circles, else its implicit function over the
+/// gradient's length, exact at the edge to first order.
 fn distance_to_ellipse(at: [f32; 2], centre: [f32; 2], radii: [f32; 2]) -> f32 {
     let [x, y] = [at[0] - centre[0], at[1] - centre[1]];
     let [rx, ry] = radii;
@@ -75,13 +76,13 @@ fn distance_to_ellipse(at: [f32; 2], centre: [f32; 2], radii: [f32; 2]) -> f32 {
     if gradient == 0.0 { rx.min(ry) } else { scaled * (1.0 - scaled) / gradient }
 }
 
-/// The edges of a closed line.
+/// Returns the edges of a closed line.
 fn edges(points: &[[f32; 2]]) -> impl Iterator<Item = ([f32; 2], [f32; 2])> {
     let next = points.iter().cycle().skip(1);
     points.iter().copied().zip(next.copied())
 }
 
-/// How a ray to the right crosses an edge: 1 downwards, -1 upwards, 0 not at all.
+/// Returns how a ray to the right crosses an edge: 1 downwards, -1 upwards, 0 not at all.
 fn crossing(at: [f32; 2], from: [f32; 2], to: [f32; 2]) -> i32 {
     if (from[1] > at[1]) == (to[1] > at[1]) {
         return 0;

@@ -1,4 +1,5 @@
-//! The panels' atlas: signed distance fields of glyphs, pictograms, rims and icons, in one picture of grey.
+//! The panels' atlas: signed distance fields of glyphs, pictograms, rims and icons, in one greyscale
+//! picture.
 
 pub(crate) mod distance;
 pub(crate) mod icons;
@@ -15,17 +16,17 @@ use distance::{Contours, distance_to_parts};
 /// Texels in a row.
 const WIDTH: usize = 512;
 
-/// Texels around a shape in which distances are told.
+/// Texels around a shape that hold distances to it.
 const MARGIN: usize = PANEL_REACH_TEXELS as usize;
 
-/// A field of distances.
+/// A signed distance field.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct AtlasCell {
     pub(crate) size: [usize; 2],
     texels: Vec<u8>,
 }
 
-/// A glyph's field, and where its upper left corner is from the pen, in texels.
+/// A glyph's field, and the offset of its upper left corner from the pen, in texels.
 pub(crate) struct GlyphCell {
     pub(crate) cell: AtlasCell,
     pub(crate) corner: [i32; 2],
@@ -40,7 +41,8 @@ pub(crate) struct PackedAtlas {
 }
 
 impl AtlasCell {
-    /// Of a function that gives the distance at a texel's middle, in texels, positive inside.
+    /// Creates a cell from a function that returns the distance at a texel's middle, in texels, positive
+    /// inside.
     fn new([width, height]: [usize; 2], distance: impl Fn([f32; 2]) -> f32) -> Self {
         let texel = |i: usize| {
             let at = [(i % width) as f32 + 0.5, (i / width) as f32 + 0.5];
@@ -52,7 +54,8 @@ impl AtlasCell {
         AtlasCell { size: [width, height], texels: (0..width * height).map(texel).collect() }
     }
 
-    /// Of parts in the upper left of the unit square, `size` in 64ths of its side.
+    /// Creates a cell of parts in the upper left of the unit square; `size` is in 64ths of the square's
+    /// side.
     fn of_parts(parts: &[BadgePart], size: [usize; 2], texels_a_side: usize) -> Self {
         let scale = texels_a_side as f32 / 64.0;
         let cells = size.map(|units| (units as f32 * scale) as usize + 2 * MARGIN);
@@ -72,7 +75,7 @@ impl AtlasCell {
 }
 
 impl GlyphCell {
-    /// Of an outline in heights of a capital letter; None without ink.
+    /// Creates the cell of an outline in heights of a capital letter; `None` without ink.
     pub(crate) fn new(outline: &Contours) -> Option<Self> {
         let [low, high] = outline.bounds()?.map(|point| point.map(|c| c * PANEL_CAPITAL_TEXELS));
         let margin = MARGIN as i32;
@@ -86,17 +89,18 @@ impl GlyphCell {
     }
 }
 
-/// The cells of all pictograms, by number.
+/// Returns the cells of all pictograms, by number.
 pub(crate) fn pictogram_cells() -> impl Iterator<Item = AtlasCell> {
     Pictogram::all().map(|pictogram| AtlasCell::of_picture(pictogram.parts()))
 }
 
-/// The cells of the colours' rims, by number.
+/// Returns the cells of the colours' rims, by number.
 pub(crate) fn rim_cells() -> impl Iterator<Item = AtlasCell> {
     BadgeColour::ALL.into_iter().map(|colour| AtlasCell::of_rim(colour.rim()))
 }
 
-/// Packs cells in rows, the highest first. Those that are alike, as Latin and Greek capitals are, share a place.
+/// Packs cells in rows, the highest first. Identical cells, such as those of Latin and Greek capitals,
+/// share a place.
 pub(crate) fn pack_cells(cells: &[AtlasCell]) -> PackedAtlas {
     let mut order: Vec<usize> = (0..cells.len()).collect();
     // Stable, so that the picture is the same on every machine.
@@ -129,7 +133,7 @@ pub(crate) fn pack_cells(cells: &[AtlasCell]) -> PackedAtlas {
     PackedAtlas { size, texels, corners }
 }
 
-/// The atlas's texels, row by row, as a zlib stream.
+/// Compresses the atlas's texels, row by row, to a zlib stream.
 pub(crate) fn compress_texels(atlas: &PackedAtlas) -> Vec<u8> {
     const BEST: u8 = 10;
     miniz_oxide::deflate::compress_to_vec_zlib(&atlas.texels, BEST)

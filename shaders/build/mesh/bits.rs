@@ -1,4 +1,4 @@
-//! The bits: exactly the brush that the core cuts with, and a shank behind it.
+//! The bits: exactly the brush shape that the core cuts with, and a shank behind it.
 
 use glam::{Quat, Vec3};
 use paros_core::internals::BitShape;
@@ -8,7 +8,8 @@ use super::paint::{BRASS, GRAPHITE, PASTE, STEEL};
 use super::shapes::{ball, bevelled_box, lathe_about_y};
 use super::{MeshBuilder, translation};
 
-/// Distance from the bit's centre back to the tool's nose, in metres; the shank reaches 10 mm further.
+/// Returns the distance from the bit's centre back to the tool's nose, in metres; the shank reaches 10 mm
+/// further.
 pub(crate) fn bit_to_nose_metres(tool: Tool) -> f32 {
     match tool {
         Tool::Rotary => 0.045,
@@ -18,7 +19,7 @@ pub(crate) fn bit_to_nose_metres(tool: Tool) -> f32 {
     }
 }
 
-/// A bit about its centre, working towards -z: the brush's shape, then the shank.
+/// Builds a bit about its centre, working towards -z: the brush's shape, then the shank.
 pub(crate) fn bit_mesh(bit: ToolBit) -> MeshBuilder {
     let data = bit.spec();
     let colour = match data.tool {
@@ -45,7 +46,7 @@ pub(crate) fn bit_mesh(bit: ToolBit) -> MeshBuilder {
         BitShape::Disc { radius_um } => {
             let blade = blade_about_y(metres_from_micrometres(radius_um), colour);
             mesh.append(&blade, glam::Affine3A::from_quat(Quat::from_rotation_z(0.5 * PI)));
-            // The shank holds it at its middle.
+            // The shank holds the blade at its middle.
             -0.01
         }
     };
@@ -58,7 +59,7 @@ pub(crate) fn bit_mesh(bit: ToolBit) -> MeshBuilder {
 
 const PI: f32 = core::f32::consts::PI;
 
-/// The shank about y, from a head that ends so far behind its centre to the nose.
+/// Builds the shank about y, from `head_end_metres` behind the head's centre to the nose.
 fn shank_mesh_along_y(tool: Tool, head_end_metres: f32) -> MeshBuilder {
     let end = bit_to_nose_metres(tool) + 0.01;
     let start = head_end_metres - 0.0012;
@@ -82,7 +83,7 @@ fn shank_mesh_along_y(tool: Tool, head_end_metres: f32) -> MeshBuilder {
     lathe_about_y(&rings, 12)
 }
 
-/// A saw's blade about y: it is drawn as thick as two voxels at 256.
+/// Builds a saw's blade about y, as thick as two voxels at 256.
 fn blade_about_y(radius: f32, colour: Vec3) -> MeshBuilder {
     let rings = [
         (0.0, -BLADE_HALF_THICKNESS, GRAPHITE),
@@ -108,7 +109,7 @@ fn darken_flutes(ball: &mut MeshBuilder) {
     }
 }
 
-/// A rack in which bits stand on their shanks, side by side along z.
+/// Builds a rack in which bits stand on their shanks, side by side along z.
 pub(crate) fn rack_mesh(bit_count: usize, pitch_metres: f32) -> MeshBuilder {
     let mut mesh = MeshBuilder::default();
     let half = 0.5 * pitch_metres * bit_count as f32;

@@ -1,4 +1,4 @@
-//! What stands and hangs about the room.
+//! Things that stand and hang about the room.
 
 use glam::{Affine3A, Vec3, Vec3Swizzles as _};
 
@@ -12,7 +12,7 @@ use super::shapes::{
 };
 use super::{MeshBuilder, translation};
 
-/// Two boards with plaster casts on the far wall, to the right of the sculpture.
+/// Adds two boards with plaster casts on the far wall, to the right of the sculpture.
 pub(super) fn add_shelves(mesh: &mut MeshBuilder) {
     let v = Vec3::new;
     let back = LOW.z;
@@ -73,7 +73,7 @@ pub(super) fn add_shelves(mesh: &mut MeshBuilder) {
     }
 }
 
-/// A plain bust: shoulders, neck and a head turned aside.
+/// Builds a plain bust: shoulders, neck and a head turned aside.
 fn plaster_bust() -> MeshBuilder {
     let mut bust = MeshBuilder::default();
     let rings = [
@@ -131,7 +131,7 @@ fn vase_about_y(colour: Vec3) -> MeshBuilder {
     lathe_about_y(&round_profile(&rings.map(|(r, y)| (r, y, colour)), 2), 32)
 }
 
-/// A torus about y, around the origin.
+/// Builds a torus about y, around the origin.
 fn torus_about_y(ring_radius: f32, tube_radius: f32) -> MeshBuilder {
     let ring = |i: u32| {
         let angle = core::f32::consts::TAU * (i % 18) as f32 / 18.0;
@@ -140,7 +140,7 @@ fn torus_about_y(ring_radius: f32, tube_radius: f32) -> MeshBuilder {
     lathe_about_y(&(0..=18).map(ring).collect::<Vec<_>>(), 32)
 }
 
-/// Blocks of stone in one corner; in the other a plinth with an amphora.
+/// Adds blocks of stone in one corner; in the other a plinth with an amphora.
 pub(super) fn add_corner_items(mesh: &mut MeshBuilder) {
     let v = Vec3::new;
     let plinth = v(-1.72, 0.0, -2.45);
@@ -190,7 +190,7 @@ fn roughen_corners(stone: &mut MeshBuilder, seed: u32) {
     }
 }
 
-/// An enamel lamp that hangs over the bench.
+/// Adds an enamel lamp that hangs over the bench.
 pub(super) fn add_lamp(mesh: &mut MeshBuilder) {
     let at = translation(0.62, 2.2, -0.32);
     let rings = [
@@ -222,7 +222,7 @@ pub(super) fn add_lamp(mesh: &mut MeshBuilder) {
     );
 }
 
-/// A clay pot with a leafy plant.
+/// Adds a clay pot with a leafy plant.
 pub(super) fn add_pot_plant(mesh: &mut MeshBuilder, foot: Vec3, scale: f32) {
     let at =
         Affine3A::from_scale_rotation_translation(Vec3::splat(scale), glam::Quat::IDENTITY, foot);

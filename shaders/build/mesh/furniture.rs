@@ -1,4 +1,4 @@
-//! What the work happens on: the bench, the stool and its turning top; and what the work leaves.
+//! The furniture: the bench, the stool and its turning top; and chips, shards and dust of the stone.
 
 use core::f32::consts::TAU;
 
@@ -18,7 +18,7 @@ use super::{MeshBuilder, translation};
 /// Bits in the rack. The large ones stand behind it.
 const BITS: usize = 7;
 
-/// The bench, in the room: what rests on it rests on `rest_height`'s rectangle of the core.
+/// Builds the bench, in the room: its top is the rectangle of the core's `rest_height`.
 pub(crate) fn workbench() -> MeshBuilder {
     let mut mesh = MeshBuilder::default();
     let v = Vec3::new;
@@ -78,7 +78,7 @@ fn add_bench_items(mesh: &mut MeshBuilder) {
     add_brush_jar(mesh);
 }
 
-/// On the board below: spare stone, a bucket and a cast.
+/// Adds spare stone and a bucket on the board below.
 fn add_board_items(mesh: &mut MeshBuilder) {
     let v = Vec3::new;
     let stone = |mesh: &mut MeshBuilder, half: Vec3, x: f32, z: f32, turn: f32| {
@@ -107,7 +107,7 @@ fn add_board_items(mesh: &mut MeshBuilder) {
     );
 }
 
-/// Brushes in a jar.
+/// Adds brushes in a jar.
 fn add_brush_jar(mesh: &mut MeshBuilder) {
     let v = Vec3::new;
     let jar = [
@@ -147,7 +147,7 @@ fn add_brush_jar(mesh: &mut MeshBuilder) {
 /// Thickness of the stool's top, in metres.
 const TOP: f32 = 0.042;
 
-/// The stool's foot, in the room: three splayed legs and an iron screw.
+/// Builds the stool's foot, in the room: three splayed legs and an iron screw.
 pub(crate) fn stool_base() -> MeshBuilder {
     let mut mesh = MeshBuilder::default();
     let at = |radius: f32, y: f32, i: u32, turn: f32| {
@@ -199,7 +199,7 @@ pub(crate) fn stool_base() -> MeshBuilder {
     mesh
 }
 
-/// The turning top about the middle of its upper side.
+/// Builds the turning top about the middle of its upper side.
 pub(crate) fn stool_top() -> MeshBuilder {
     const WEDGES: u32 = 12;
     const PER_WEDGE: usize = 5;
@@ -263,7 +263,7 @@ fn wedge_index(p: Vec3, count: u32) -> u32 {
     (turn * count as f32) as u32 % count
 }
 
-/// A small faceted splinter, about 1 across: scaled where it is drawn.
+/// Builds a small faceted splinter, about 1 across: scaled where it is drawn.
 pub(crate) fn chip_mesh() -> MeshBuilder {
     let v = Vec3::new;
     faceted_octahedron(&[
@@ -276,7 +276,7 @@ pub(crate) fn chip_mesh() -> MeshBuilder {
     ])
 }
 
-/// A shard of rough stone, about a unit wide: what a falling stone is drawn of.
+/// Builds a shard of rough stone, about a unit wide. A falling stone is drawn as such shards.
 pub(crate) fn shard_mesh() -> MeshBuilder {
     let mut mesh = MeshBuilder::default();
     let corner = |i: usize| {
@@ -299,7 +299,7 @@ pub(crate) fn shard_mesh() -> MeshBuilder {
     mesh
 }
 
-/// A speck of dust, about 1 across.
+/// Builds a speck of dust, about 1 across.
 pub(crate) fn speck_mesh() -> MeshBuilder {
     let v = Vec3::new;
     faceted_octahedron(&[
@@ -312,7 +312,7 @@ pub(crate) fn speck_mesh() -> MeshBuilder {
     ])
 }
 
-/// An octahedron with flat sides over corners at the ends of x, y and z.
+/// Builds an octahedron with flat sides over corners at the ends of x, y and z.
 fn faceted_octahedron([xp, xn, yp, yn, zp, zn]: &[Vec3; 6]) -> MeshBuilder {
     let mut mesh = MeshBuilder::default();
     let white = Vec3::ONE;

@@ -9,15 +9,15 @@ use super::shapes::{lathe_about_y, motion_of_y_axis_onto, round_ended_rod};
 
 const FINGERS: [f32; 4] = [-0.031, -0.0105, 0.0105, 0.030];
 
-/// What a hand does.
+/// A hand's shape.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum HandShape {
     Open,
-    /// It is closed on a handle.
+    /// Closed on a handle.
     Closed,
 }
 
-/// The right hand.
+/// Builds the right hand.
 pub(crate) fn right_hand(shape: HandShape) -> MeshBuilder {
     let closed = shape == HandShape::Closed;
     let mut mesh = MeshBuilder::default();
@@ -48,7 +48,7 @@ pub(crate) fn right_hand(shape: HandShape) -> MeshBuilder {
     mesh
 }
 
-/// The left hand: the right one in a mirror.
+/// Builds the left hand: the right one in a mirror.
 pub(crate) fn left_hand(shape: HandShape) -> MeshBuilder {
     right_hand(shape).transformed(Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0)))
 }

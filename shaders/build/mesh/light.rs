@@ -24,7 +24,8 @@ const SMOOTHINGS: usize = 6;
 const GROUP_RAYS: usize = 16;
 /// Samples of a group at most.
 const GROUP_SAMPLES: usize = 3;
-/// Side of a group's cell, in metres: its triangles face along the same axis.
+/// Side of a group's cell, in metres. The triangles of a group lie in one cell and face along the same
+/// axis.
 const GROUP_CELL: f32 = 0.5;
 /// Rays for the spherical harmonics at the sculpture.
 const SPHERE_RAYS: usize = 8_192;
@@ -36,7 +37,7 @@ const OWN_REACH: f32 = 0.12;
 const RAY_OFFSET: f32 = 0.002;
 const FAR: f32 = 40.0;
 
-/// Radiance of the sky in a direction: hazy and bright, and a garden under it.
+/// Returns the radiance of the sky in a direction: hazy and bright, and a garden under it.
 pub(crate) fn sky_radiance(direction: Vec3) -> Vec3 {
     let up = (direction.y * 4.0 + 0.4).clamp(0.0, 1.0);
     Vec3::new(0.8, 0.86, 0.62).lerp(Vec3::new(4.6, 5.0, 5.7), up)
@@ -96,12 +97,12 @@ impl RoomLight {
         lit
     }
 
-    /// Irradiance over pi at a corner, without the direct sun.
+    /// Returns the irradiance over pi at a corner, without the direct sun.
     pub(crate) fn ambient_over_pi_at(&self, position: Vec3, normal: Vec3) -> Vec3 {
         self.mean_radiance(position + normal * RAY_OFFSET, normal, CORNER_RAYS)
     }
 
-    /// Incoming radiance at a point, projected onto spherical harmonics of bands 0 to 2.
+    /// Returns the incoming radiance at a point, projected onto spherical harmonics of bands 0 to 2.
     pub(crate) fn radiance_sh_at(&self, point: Vec3) -> [[f32; 3]; 9] {
         let mut sum = [Vec3::ZERO; 9];
         for i in 0..SPHERE_RAYS {
@@ -114,7 +115,7 @@ impl RoomLight {
         sum.map(|light| light.to_array())
     }
 
-    /// Irradiance over pi by the direct sun.
+    /// Returns the irradiance over pi by the direct sun.
     fn sun_irradiance_over_pi(&self, start: Vec3, normal: Vec3) -> Vec3 {
         let sun = Vec3::from_array(SUN_DIRECTION);
         let facing = normal.dot(sun);
@@ -124,7 +125,7 @@ impl RoomLight {
         Vec3::from_array(SUN_COLOR) * facing
     }
 
-    /// Irradiance over pi by cosine-weighted sampling: the mean radiance of `ray_count` rays.
+    /// Returns the irradiance over pi by cosine-weighted sampling: the mean radiance of `ray_count` rays.
     fn mean_radiance(&self, start: Vec3, normal: Vec3, ray_count: usize) -> Vec3 {
         let sum: Vec3 = cosine_directions(normal, ray_count)
             .map(|direction| self.ray_radiance(start, direction))
@@ -132,7 +133,7 @@ impl RoomLight {
         sum / ray_count as f32
     }
 
-    /// The radiance that arrives along a ray; back faces are black.
+    /// Returns the radiance that arrives along a ray; back faces are black.
     fn ray_radiance(&self, start: Vec3, direction: Vec3) -> Vec3 {
         match self.bvh.nearest_hit(start, direction, FAR) {
             None => sky_radiance(direction),
@@ -148,7 +149,7 @@ pub(crate) struct BoxBounds {
     pub(crate) high: Vec3,
 }
 
-/// The hierarchy of a mesh's triangles, numbered as they stand there.
+/// Builds the hierarchy of a mesh's triangles, numbered by their index in the mesh.
 fn build_bvh(mesh: &MeshBuilder) -> Bvh {
     let numbered = (0u32..).zip(&mesh.triangles);
     let triangle =
@@ -180,11 +181,11 @@ impl TriangleCentre {
     }
 }
 
-/// What the triangles of a group share.
+/// Properties that the triangles of a group share.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 struct GroupKey {
     cell: [i32; 3],
-    /// The axis that their normals are closest to, and its sign.
+    /// The axis that their normals are closest to, and the sign along it.
     axis: usize,
     is_positive: bool,
 }
@@ -239,8 +240,8 @@ fn set_openness(mesh: &mut MeshBuilder, openness_of: impl Fn(&Corner) -> f32 + S
     }
 }
 
-/// A number for each corner: the same for those in one place that face alike, of which the strips of a smooth surface
-/// have one each.
+/// Returns a number for each corner. Corners in one place that face alike share a number: adjacent strips
+/// of a smooth surface each have their own corner there.
 fn weld_corners(mesh: &MeshBuilder) -> Vec<usize> {
     let mut numbers = HashMap::new();
     let rounded = |v: Vec3, scale: f32| (v * scale).round().to_array().map(|f| f as i32);
@@ -253,8 +254,8 @@ fn weld_corners(mesh: &MeshBuilder) -> Vec<usize> {
     .collect()
 }
 
-/// Laplacian smoothing: moves each corner's openness half-way to the mean of its neighbours, which
-/// removes the noise of few rays. Corners of one number are one.
+/// Laplacian smoothing: moves each corner's openness half-way to the mean of its neighbours, which removes
+/// the noise of few rays. Corners that share a number count as one.
 fn smooth_openness(mesh: &mut MeshBuilder, welded: &[usize]) {
     let mut sums = vec![(0.0, 0.0); mesh.corners.len()];
     let mut own = vec![(0.0, 0.0); mesh.corners.len()];
@@ -280,7 +281,7 @@ fn smooth_openness(mesh: &mut MeshBuilder, welded: &[usize]) {
     }
 }
 
-/// Cosine-weighted directions over a surface: a Vogel spiral on the disc, projected up to the
+/// Returns cosine-weighted directions over a surface: a Vogel spiral on the disc, projected up to the
 /// hemisphere (Malley's method).
 fn cosine_directions(normal: Vec3, count: usize) -> impl Iterator<Item = Vec3> {
     let turn = Quat::from_rotation_arc(Vec3::Y, normal);
@@ -292,7 +293,7 @@ fn cosine_directions(normal: Vec3, count: usize) -> impl Iterator<Item = Vec3> {
     })
 }
 
-/// A point of a Fibonacci sphere of `count` points.
+/// Returns a point of a Fibonacci sphere of `count` points.
 fn fibonacci_direction(index: usize, count: usize) -> Vec3 {
     let y = 1.0 - (2.0 * index as f32 + 1.0) / count as f32;
     let radius = (1.0 - y * y).sqrt();
@@ -303,7 +304,7 @@ fn fibonacci_direction(index: usize, count: usize) -> Vec3 {
 /// The golden angle, in radians.
 const GOLDEN: f32 = 2.399_963;
 
-/// Parallel map over a slice on all cores; results keep the order.
+/// Maps a slice in parallel on all cores; results keep the order.
 fn in_parallel<T: Sync, U: Send>(items: &[T], each: impl Fn(&T) -> U + Sync) -> Vec<U> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let share = items.len().div_ceil(cores).max(1);

@@ -1,4 +1,4 @@
-//! The studio's things as triangles: shapes, the things made of them, and the light that falls there.
+//! The studio's things as triangles: shapes, the things made of them, and the light that falls on them.
 
 pub(crate) mod bits;
 mod decor;
@@ -16,9 +16,9 @@ use glam::{Affine3A, Vec3};
 /// A corner of a triangle while meshes are made.
 #[derive(Clone, Copy)]
 pub(crate) struct Corner {
-    /// In metres.
+    /// Position, in metres.
     pub(crate) position: Vec3,
-    /// Unit, outward.
+    /// Unit outward normal.
     pub(crate) normal: Vec3,
     /// Linear reflectance.
     pub(crate) colour: Vec3,
@@ -40,7 +40,7 @@ impl MeshBuilder {
         self.corners.len() as u32 - 1
     }
 
-    /// Adds a quadrilateral as two triangles, without those of no area.
+    /// Adds a quadrilateral as two triangles; leaves out a triangle of no area.
     pub(crate) fn add_quad(&mut self, [a, b, c, d]: [u32; 4]) {
         for triangle in [[a, b, c], [a, c, d]] {
             let [p, q, r] = triangle.map(|i| self.corners[i as usize].position);
@@ -66,20 +66,20 @@ impl MeshBuilder {
         }));
     }
 
-    /// A transformed copy.
+    /// Returns a transformed copy.
     pub(crate) fn transformed(&self, transform: Affine3A) -> MeshBuilder {
         let mut moved = MeshBuilder::default();
         moved.append(self, transform);
         moved
     }
 
-    /// The positions of a triangle's corners.
+    /// Returns the positions of a triangle's corners.
     pub(crate) fn corner_positions(&self, triangle: [u32; 3]) -> [Vec3; 3] {
         triangle.map(|i| self.corners[i as usize].position)
     }
 }
 
-/// A translation, in metres.
+/// Returns a translation, in metres.
 pub(crate) fn translation(x: f32, y: f32, z: f32) -> Affine3A {
     Affine3A::from_translation(Vec3::new(x, y, z))
 }

@@ -22,7 +22,7 @@ pub(crate) const STONE: Vec3 = Vec3::new(0.60, 0.585, 0.56);
 pub(crate) const CLAY: Vec3 = Vec3::new(0.45, 0.205, 0.115);
 pub(crate) const LEAF: Vec3 = Vec3::new(0.09, 0.18, 0.05);
 
-/// Integer hash of a seed, as a number in 0..1.
+/// Returns the integer hash of a seed, as a number in 0..1.
 pub(crate) fn hash_fraction(seed: u32) -> f32 {
     let mut h = seed.wrapping_mul(0x9e37_79b9) ^ 0x85eb_ca6b;
     for shift in [16, 13, 16] {
@@ -31,7 +31,7 @@ pub(crate) fn hash_fraction(seed: u32) -> f32 {
     (h >> 8) as f32 / (1 << 24) as f32
 }
 
-/// A colour scaled by a factor in 1 - `max_change` to 1 + `max_change`.
+/// Returns a colour scaled by a factor in 1 - `max_change` to 1 + `max_change`.
 pub(crate) fn vary_colour(colour: Vec3, max_change: f32, seed: u32) -> Vec3 {
     colour * (1.0 + max_change * (2.0 * hash_fraction(seed) - 1.0))
 }

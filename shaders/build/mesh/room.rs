@@ -11,11 +11,11 @@ use super::paint::{
 use super::shapes::{ball, bevelled_beam, divided_box, flat_sheet, lathe_about_y};
 use super::{MeshBuilder, translation};
 
-/// The window in the wall at `LOW.x`. The sun's way to every point of the sculpture's box passes
-/// through its upper middle pane.
+/// The window in the wall at `LOW.x`. The path of the sun's light to every point of the sculpture's box
+/// passes through its upper middle pane.
 const WINDOW_Y: [f32; 2] = [0.75, 3.74];
 const WINDOW_Z: [f32; 2] = [-0.795, 2.655];
-/// Panes are parted here.
+/// Positions of the bars between panes: mullions along z, transoms along y.
 const MULLIONS: [f32; 2] = [0.355, 1.505];
 const TRANSOMS: [f32; 2] = [1.63, 2.52];
 
@@ -24,7 +24,7 @@ const WALL: f32 = 0.28;
 /// Height of the lower, darker part of the walls.
 const DADO_HEIGHT: f32 = 1.02;
 
-/// All that stands still, but for the bench and the stool.
+/// Builds everything that stands still, except the bench and the stool.
 pub(crate) fn room_mesh() -> MeshBuilder {
     let mut mesh = MeshBuilder::default();
     add_floor(&mut mesh);
@@ -39,7 +39,7 @@ pub(crate) fn room_mesh() -> MeshBuilder {
     mesh
 }
 
-/// Adds a sheet that two edges span from a corner, in cells of about `cell_metres`.
+/// Adds a sheet spanned by two edges from a corner, in cells of about `cell_metres`.
 fn add_tiled_sheet(
     mesh: &mut MeshBuilder,
     corner: Vec3,
@@ -51,7 +51,7 @@ fn add_tiled_sheet(
     mesh.append(&flat_sheet(corner, edges, parts, colour), Affine3A::IDENTITY);
 }
 
-/// Boards of oak with bevelled edges, side by side.
+/// Adds boards of oak with bevelled edges, side by side.
 fn add_floor(mesh: &mut MeshBuilder) {
     const WIDTH: f32 = 0.2;
     const EDGE: f32 = 0.004;
@@ -84,7 +84,7 @@ fn add_floor(mesh: &mut MeshBuilder) {
     }
 }
 
-/// Lime plaster, unevenly applied.
+/// Returns the colour of lime plaster, unevenly applied.
 fn plaster_colour(p: Vec3) -> Vec3 {
     let cloud = (p.x * 1.9 + p.y * 1.3).sin() * (p.z * 1.7 - p.y * 0.9).sin();
     PLASTER * (1.0 + 0.025 * cloud)
@@ -108,7 +108,7 @@ fn add_walls(mesh: &mut MeshBuilder) {
     left_wall(far, HIGH.z, 0.0, HIGH.y);
     left_wall(near, far, 0.0, low);
     left_wall(near, far, head, HIGH.y);
-    // The walls' thickness, a hair behind, keeps the sun out and frames the window.
+    // Boxes for the walls' thickness, a hair behind the sheets, keep the sun out and frame the window.
     let hair = 0.001;
     for (a, b) in [
         (v(lo.x, -0.3, lo.z), v(hi.x, HIGH.y, LOW.z - hair)),
@@ -191,7 +191,7 @@ fn add_ceiling(mesh: &mut MeshBuilder) {
     }
 }
 
-/// Skirting boards, and a rail over the walls' darker foot.
+/// Adds skirting boards, and a rail over the darker lower part of the walls.
 fn add_trim(mesh: &mut MeshBuilder) {
     let v = Vec3::new;
     let mut strip = |lo: Vec3, hi: Vec3, colour: Vec3, bevel: f32| {
@@ -257,7 +257,7 @@ fn add_door(mesh: &mut MeshBuilder) {
     );
 }
 
-/// The garden and the sky, which shine by themselves and cast no shadow.
+/// Builds the garden and the sky, which are emissive and cast no shadow.
 pub(crate) fn outside_mesh() -> MeshBuilder {
     let mut mesh = MeshBuilder::default();
     let haze = |p: Vec3| {

@@ -6,13 +6,13 @@ use glam::{Affine3A, Quat, Vec3};
 
 use super::MeshBuilder;
 
-/// A box with bevelled edges about the origin.
+/// Builds a box with bevelled edges about the origin.
 pub(crate) fn bevelled_box(half_size: Vec3, bevel: f32, colour: Vec3) -> MeshBuilder {
     divided_box(half_size, bevel, [1; 3], |_| colour)
 }
 
-/// A box with bevelled edges about the origin. Each side is divided into `parts` along x, y and z, so
-/// that baked light can vary over it. Normals bend over the bevels, which so look round.
+/// Builds a box with bevelled edges about the origin. Each side is divided into `parts` along x, y and z,
+/// so that baked light can vary over it. Normals bend over the bevels, so that these look round.
 pub(crate) fn divided_box(
     half_size: Vec3,
     bevel: f32,
@@ -22,7 +22,7 @@ pub(crate) fn divided_box(
     let half = half_size;
     let mut mesh = MeshBuilder::default();
     let inner = half - Vec3::splat(bevel);
-    // The number of the corner at steps `at` of the side that faces along `axis`.
+    // For each side, the numbers of its corners, row by row.
     let mut sides: Vec<Vec<u32>> = Vec::new();
     for side in 0..6 {
         let (axis, sign) = (side / 2, if side % 2 == 0 { -1.0 } else { 1.0 });
@@ -54,8 +54,8 @@ pub(crate) fn divided_box(
     mesh
 }
 
-/// A flat sheet, open at the back: two edges u and v span it from a corner, each divided into so many
-/// parts, and it faces along u x v.
+/// Builds a flat sheet, open at the back: two edges u and v span it from a corner, each divided into
+/// `parts`, and it faces along u x v.
 pub(crate) fn flat_sheet(
     corner: Vec3,
     edges: [Vec3; 2],
@@ -117,17 +117,17 @@ fn add_bevels(mesh: &mut MeshBuilder, sides: &[Vec<u32>], parts: [usize; 3]) {
 /// A profile point of a surface of revolution: radius, height, and the colour of the segment below.
 pub(crate) type Ring = (f32, f32, Vec3);
 
-/// Cosine of a profile's bend over which it is round there.
+/// The least cosine of a profile's bend at which the profile counts as round there.
 const SMOOTH: f32 = 0.75;
 
-/// Normal of a profile's segment.
+/// Returns the normal of a profile's segment.
 fn profile_normal(profile: &[Ring], segment: usize) -> Vec3 {
     let ((r0, y0, _), (r1, y1, _)) = (profile[segment], profile[segment + 1]);
     Vec3::new(y1 - y0, r0 - r1, 0.0).normalize()
 }
 
-/// A profile with so many parts of each of its longer segments, rounded where it isn't bent sharply (Catmull and Rom
-/// 1974).
+/// Returns a profile with each of its longer segments divided into `parts`, rounded where it isn't bent
+/// sharply (Catmull and Rom 1974).
 pub(crate) fn round_profile(profile: &[Ring], parts: usize) -> Vec<Ring> {
     const SHORT: f32 = 0.012;
     let last = profile.len() - 2;
@@ -153,7 +153,7 @@ pub(crate) fn round_profile(profile: &[Ring], parts: usize) -> Vec<Ring> {
     rounded
 }
 
-/// A surface of revolution about y, its profile from the lower end to the upper one. Normals are
+/// Builds a surface of revolution about y, its profile from the lower end to the upper one. Normals are
 /// smooth where the profile is round.
 pub(crate) fn lathe_about_y(profile: &[Ring], segments: usize) -> MeshBuilder {
     let mut mesh = MeshBuilder::default();
@@ -190,7 +190,7 @@ pub(crate) fn lathe_about_y(profile: &[Ring], segments: usize) -> MeshBuilder {
     mesh
 }
 
-/// The profile of a ball of so many segments from pole to pole.
+/// Returns the profile of a ball with this many segments from pole to pole.
 pub(crate) fn ball_profile(radius: f32, segments: usize, colour: Vec3) -> Vec<Ring> {
     let point = |i: usize| match i {
         0 => (0.0, -radius, colour),
@@ -203,12 +203,12 @@ pub(crate) fn ball_profile(radius: f32, segments: usize, colour: Vec3) -> Vec<Ri
     (0..=segments).map(point).collect()
 }
 
-/// A ball about the origin.
+/// Builds a ball about the origin.
 pub(crate) fn ball(radius: f32, segments: usize, colour: Vec3) -> MeshBuilder {
     lathe_about_y(&ball_profile(radius, segments / 2, colour), segments)
 }
 
-/// A rod from `a` to `b` with round ends.
+/// Builds a rod from `a` to `b` with round ends.
 pub(crate) fn round_ended_rod(
     a: Vec3,
     b: Vec3,
@@ -231,7 +231,7 @@ pub(crate) fn round_ended_rod(
     lathe_about_y(&profile, segments).transformed(motion_of_y_axis_onto(a, b))
 }
 
-/// An upright post about y with slightly rounded rims, from y = 0 up.
+/// Builds an upright post about y with slightly rounded rims, from y = 0 up.
 pub(crate) fn upright_rounded_post(
     radius: f32,
     height: f32,
@@ -253,12 +253,12 @@ pub(crate) fn upright_rounded_post(
     lathe_about_y(&profile.map(|(r, y)| (r, y, colour)), segments)
 }
 
-/// The rigid motion that takes the origin to `a` and the y axis to the direction from `a` to `b`.
+/// Returns the rigid motion that takes the origin to `a` and the y axis to the direction from `a` to `b`.
 pub(crate) fn motion_of_y_axis_onto(a: Vec3, b: Vec3) -> Affine3A {
     Affine3A::from_rotation_translation(Quat::from_rotation_arc(Vec3::Y, (b - a).normalize()), a)
 }
 
-/// A bevelled beam from `a` to `b`; `half_section` are half the sides of its section.
+/// Builds a bevelled beam from `a` to `b`; `half_section` are half the sides of its section.
 pub(crate) fn bevelled_beam(
     a: Vec3,
     b: Vec3,

@@ -10,9 +10,9 @@ use super::paint::{BEECH, BRASS, GRAPHITE, IRON, RUST, STEEL, TEAL, WALNUT};
 use super::shapes::{Ring, bevelled_box, lathe_about_y, upright_rounded_post};
 use super::{MeshBuilder, translation};
 
-/// A tool without its bit.
+/// Builds a tool without its bit.
 pub(crate) fn tool_body(tool: Tool) -> MeshBuilder {
-    // Where the nose ends, ahead of the grip.
+    // The end of the nose, ahead of the grip.
     let nose_metres = tool.length_um() as f32 * 1e-6 - bit_to_nose_metres(tool);
     let ahead = Affine3A::from_quat(Quat::from_rotation_x(-FRAC_PI_2));
     let mut mesh = MeshBuilder::default();
@@ -88,7 +88,7 @@ fn impact_body_along_y(nose_y_metres: f32) -> MeshBuilder {
             (0.0192, 0.005, IRON),
             (0.017, 0.005, IRON),
         ];
-        // Closed on the inside by the handle: the ring's own inner side.
+        // Closes the ring with an inner side of its own, hidden in the handle.
         let closed = [ring.as_slice(), &[ring[0]]].concat();
         mesh.append(&lathe_about_y(&closed, 24), translation(0.0, -0.036 + 0.031 * i as f32, 0.0));
     }

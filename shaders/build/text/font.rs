@@ -6,10 +6,10 @@ use ttf_parser::{Face, GlyphId, OutlineBuilder, Tag};
 use super::table::{FontMeasure, FontWeight};
 use crate::atlas::distance::Contours;
 
-/// Straight pieces of a curve: the error of a glyph's is a hundredth of a texel.
+/// Straight pieces of a curve: the error of a glyph's outline is a hundredth of a texel.
 const CURVE_PIECES: u32 = 8;
 
-/// Both weights.
+/// The font in both weights.
 pub(crate) struct Font {
     faces: [Face<'static>; 2],
 }
@@ -28,25 +28,25 @@ impl Font {
         self.face(weight).glyph_index(character)
     }
 
-    /// Heights of a capital letter in a unit of the font.
+    /// Returns the heights of a capital letter in a unit of the font.
     fn capitals_per_unit(&self, weight: FontWeight) -> f32 {
         1.0 / f32::from(self.face(weight).capital_height().expect("a height of capitals"))
     }
 
-    /// How far the pen moves on, in heights of a capital letter.
+    /// Returns the advance of the pen, in heights of a capital letter.
     pub(crate) fn advance(&self, weight: FontWeight, character: char) -> f32 {
         let glyph = self.glyph(weight, character);
         let units = glyph.and_then(|glyph| self.face(weight).glyph_hor_advance(glyph));
         f32::from(units.unwrap_or(0)) * self.capitals_per_unit(weight)
     }
 
-    /// How much more it moves on between two characters, in heights of a capital letter.
+    /// Returns the kerning between two characters, added to the advance, in heights of a capital letter.
     pub(crate) fn kerning(&self, weight: FontWeight, pair: [char; 2]) -> f32 {
         let [Some(first), Some(second)] = pair.map(|c| self.glyph(weight, c)) else { return 0.0 };
         f32::from(kerning_units(self.face(weight), first, second)) * self.capitals_per_unit(weight)
     }
 
-    /// A glyph's outline, y down, in heights of a capital letter from the pen.
+    /// Returns a glyph's outline, y down, in heights of a capital letter from the pen.
     pub(crate) fn outline(&self, weight: FontWeight, character: char) -> Contours {
         let scale = self.capitals_per_unit(weight);
         let mut pen = OutlinePen { contours: Vec::new(), scale };
@@ -69,7 +69,7 @@ impl FontMeasure for Font {
     }
 }
 
-/// The pair adjustment of GPOS's feature `kern`.
+/// Returns the pair adjustment of GPOS's feature `kern`.
 fn kerning_units(face: &Face<'_>, first: GlyphId, second: GlyphId) -> i16 {
     let Some(table) = face.tables().gpos else { return 0 };
     let kern = table.features.into_iter().find(|f| f.tag == Tag::from_bytes(b"kern"));
@@ -86,7 +86,7 @@ fn kerning_units(face: &Face<'_>, first: GlyphId, second: GlyphId) -> i16 {
     units
 }
 
-/// The first glyph's change of advance, if the subtable has the pair.
+/// Returns the first glyph's change of advance, if the subtable has the pair.
 fn adjust_pair(pair: &PairAdjustment<'_>, first: GlyphId, second: GlyphId) -> Option<i16> {
     let covered = pair.coverage().get(first)?;
     let (value, _) = match pair {
@@ -98,7 +98,7 @@ fn adjust_pair(pair: &PairAdjustment<'_>, first: GlyphId, second: GlyphId) -> Op
     Some(value.x_advance)
 }
 
-/// Takes an outline and leaves straight lines.
+/// A pen that converts an outline to straight lines.
 struct OutlinePen {
     contours: Vec<Vec<[f32; 2]>>,
     scale: f32,
@@ -110,7 +110,7 @@ impl OutlinePen {
         self.contours.last_mut().expect("an outline begins with a move").push(point);
     }
 
-    /// Where the pen is, in units of the font.
+    /// Returns the pen's position, in units of the font.
     fn last(&self) -> [f32; 2] {
         let [x, y] = *self.contours.last().and_then(|line| line.last()).expect("a point");
         [x / self.scale, -y / self.scale]

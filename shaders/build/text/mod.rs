@@ -19,8 +19,8 @@ use table::TextTable;
 
 const TABLE: &str = "text/messages.toml";
 
-/// Writes `messages.rs`, `panel_atlas.rs` and `panel_atlas.zlib` into the folder `out`; ends the build with what is wrong
-/// with the table of texts.
+/// Writes `messages.rs`, `panel_atlas.rs` and `panel_atlas.zlib` into the folder `out`. Prints the mistakes
+/// in the table of texts, if there are any, and ends the build.
 pub(crate) fn write_texts(out: &Path) {
     println!("cargo::rerun-if-changed=text");
     println!("cargo::rerun-if-changed=src/panel/wrap.rs");
@@ -40,7 +40,7 @@ pub(crate) fn write_texts(out: &Path) {
         .expect("OUT_DIR takes files");
 }
 
-/// Everything that panels say: texts, fillings, and the badges' words.
+/// Returns every line that panels may show: ASCII characters, texts, fillings, and the badges' words.
 fn spoken_lines(table: &TextTable) -> Vec<String> {
     let mut lines: Vec<String> = (' '..='~').map(String::from).collect();
     lines.extend(table.messages.iter().flat_map(|message| message.texts.clone()));

@@ -1,4 +1,4 @@
-//! The tables as Rust: texts, glyphs, and where in the atlas each thing is.
+//! The tables as Rust source: texts, glyphs, and the place of each thing in the atlas.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -11,16 +11,16 @@ use crate::constants::PANEL_CAPITAL_TEXELS;
 
 const WEIGHTS: [FontWeight; 2] = [FontWeight::Regular, FontWeight::Bold];
 
-/// A variant's name, and what stands over it.
+/// A variant's name, and its doc comment.
 type Variant = (String, String);
 
-/// A key as a variant's name: `time-left` is `TimeLeft`.
+/// Converts a key to a variant's name: `time-left` becomes `TimeLeft`.
 fn variant_name(key: &str) -> String {
     let word = |word: &str| word[..1].to_uppercase() + &word[1..];
     key.split('-').map(word).collect()
 }
 
-/// The source of an enum without values, with the list of all.
+/// Returns the source of an enum without values, with the list of all variants.
 fn enum_source(name: &str, about: &str, variants: &[Variant]) -> String {
     let all: Vec<String> = variants.iter().map(|(one, _)| format!("{name}::{one}")).collect();
     let lines = variants.iter().map(|(one, about)| format!("    /// {about}\n    {one},\n"));
@@ -33,7 +33,7 @@ fn enum_source(name: &str, about: &str, variants: &[Variant]) -> String {
     )
 }
 
-/// The enums `TextPlace` and `Message`, and their tables.
+/// Returns the source of the enums `TextPlace` and `Message`, and of their tables.
 pub(super) fn messages_source(table: &TextTable) -> String {
     let (mut places, mut styles) = (Vec::new(), String::new());
     for place in &table.places {
@@ -67,13 +67,13 @@ pub(super) fn messages_source(table: &TextTable) -> String {
     )
 }
 
-/// A character of a weight, and its cell and corner, if it has ink.
+/// A character of a weight, and the index and corner of its cell, if it has ink.
 struct PlacedGlyph {
     character: char,
     cell: Option<(usize, [i32; 2])>,
 }
 
-/// The atlas, and the source of the tables that tell where each cell is.
+/// Returns the atlas, and the source of the tables of its cells' places.
 pub(super) fn atlas_source(font: &Font, lines: &[String]) -> (PackedAtlas, String) {
     let characters: BTreeSet<char> = lines.iter().flat_map(|line| line.chars()).collect();
     let mut cells: Vec<AtlasCell> = Vec::new();
@@ -111,7 +111,7 @@ pub(super) fn atlas_source(font: &Font, lines: &[String]) -> (PackedAtlas, Strin
     (packed, source + &enum_source("Icon", "An icon of the panels.", &variants))
 }
 
-/// Adds the cells of a weight's glyphs.
+/// Adds the cells of a weight's glyphs. Returns the characters that the font has, with their cells.
 fn add_glyphs(
     font: &Font,
     weight: FontWeight,
@@ -147,8 +147,8 @@ fn glyph_row(
     )
 }
 
-/// The pairs of characters of lines whose distance the font changes by more than a twentieth of a texel, in heights of a
-/// capital letter, sorted.
+/// Returns the kerned pairs of characters in lines, sorted: those whose distance the font changes by more
+/// than a twentieth of a texel. Kerning is in heights of a capital letter.
 fn kerned_pairs(font: &Font, weight: FontWeight, lines: &[String]) -> Vec<([char; 2], f32)> {
     let pairs = lines.iter().flat_map(|line| line.chars().zip(line.chars().skip(1)));
     let pairs: BTreeSet<[char; 2]> = pairs.map(|(a, b)| [a, b]).collect();

@@ -1,4 +1,5 @@
-//! The table of texts, `text/messages.toml`: read and checked. It knows the font by [`FontMeasure`] alone.
+//! The table of texts, `text/messages.toml`: read and checked. It depends on the font only through
+//! [`FontMeasure`].
 
 use std::fmt;
 use std::ops::Range;
@@ -8,10 +9,10 @@ use toml::de::{DeTable, DeValue};
 
 use super::wrap::WrappedLines;
 
-/// The languages: the names of their lines in the table.
+/// The names of the languages' lines in the table.
 pub(crate) const LANGUAGES: [&str; 2] = ["english", "greek"];
 
-/// The least capital letter, in millimetres: a degree at the distance at which panels stand, 1.2 m.
+/// Height of the smallest capital letter, in millimetres: a degree at 1.2 m, the distance of panels.
 pub(crate) const LEAST_CAPITAL_MM: f32 = 21.0;
 
 /// A weight of the font.
@@ -21,11 +22,11 @@ pub(crate) enum FontWeight {
     Bold,
 }
 
-/// What the check asks of a font.
+/// The measures of a font that the check needs.
 pub(crate) trait FontMeasure {
-    /// Whether there is a glyph for a character.
+    /// Returns `true` if there is a glyph for a character.
     fn has_glyph(&self, weight: FontWeight, character: char) -> bool;
-    /// The width of a line, in heights of a capital letter.
+    /// Returns the width of a line, in heights of a capital letter.
     fn line_width(&self, weight: FontWeight, line: &str) -> f32;
 }
 
@@ -43,11 +44,11 @@ pub(crate) struct Place {
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct MessageRow {
     pub(crate) key: String,
-    /// Index of its place.
+    /// Index of the text's place.
     pub(crate) place: usize,
-    /// By language.
+    /// The texts, indexed by language.
     pub(crate) texts: [String; 2],
-    /// Names of what is filled in, sorted.
+    /// Names of the placeholders, sorted.
     pub(crate) fillings: Vec<String>,
 }
 
@@ -56,7 +57,7 @@ pub(crate) struct MessageRow {
 pub(crate) struct TextTable {
     pub(crate) places: Vec<Place>,
     pub(crate) messages: Vec<MessageRow>,
-    /// What is filled in, and the widest that can be.
+    /// Placeholders, each with the widest texts that can be filled in for it.
     pub(crate) fillings: Vec<(String, Vec<String>)>,
 }
 
@@ -65,7 +66,7 @@ pub(crate) struct TextTable {
 pub(crate) struct TableMistake {
     /// Line of the file, from 1.
     pub(crate) line: usize,
-    /// The key, with those that it stands under.
+    /// The key, after the keys of the tables that hold it.
     pub(crate) key: String,
     pub(crate) problem: String,
 }
@@ -91,7 +92,7 @@ pub(crate) fn read_table(
     }
 }
 
-/// Names of what is filled in at the braces of a text, sorted; or what is wrong with the braces.
+/// Returns the names of a text's placeholders, sorted, or what is wrong with its braces.
 pub(crate) fn names_in_braces(text: &str) -> Result<Vec<String>, String> {
     let (mut names, mut rest) = (Vec::new(), text);
     while let Some(open) = rest.find(['{', '}']) {
@@ -151,7 +152,7 @@ impl TableReader<'_> {
         table
     }
 
-    /// The values of an entry's keys, in their order. Unknown ones are noted, and missing ones.
+    /// Returns the values of an entry's keys, in the order of `known`. Reports unknown and missing keys.
     fn fields<'t, 'i, const N: usize>(
         &mut self,
         path: &str,
@@ -232,7 +233,7 @@ impl TableReader<'_> {
         Some((name, texts))
     }
 
-    /// Notes a key that makes no name of a Rust enum.
+    /// Reports a key that can't be converted to the name of an enum variant.
     fn check_key(&mut self, at: &Range<usize>, path: &str, key: &str) {
         let parts = || key.split('-');
         let good = parts().all(|part| {
@@ -274,7 +275,7 @@ impl TableReader<'_> {
         Some(MessageRow { key, place: index, texts, fillings })
     }
 
-    /// Checks a text for its place; the names in its braces.
+    /// Checks that a text fits its place. Returns the names of its placeholders.
     fn check_text(
         &self,
         table: &TextTable,

@@ -9,8 +9,7 @@ use super::sizes::{PAD, REACH};
 /// Size in texels of the chunks that each keep a box of stale texels.
 pub(super) const CHUNK: [usize; 3] = [32, 16, 16];
 
-/// Most texels of boxes that are computed together: a chunk's, which take about a frame's work
-/// where all is surface.
+/// The most texels in a merged box: those of a chunk, which take about a frame's work where all is surface.
 pub(super) const MAX_MERGED_TEXELS: usize = CHUNK[0] * CHUNK[1] * CHUNK[2];
 
 /// The finest texels to recompute: a dirty box in each chunk.
@@ -28,7 +27,7 @@ pub(super) struct BoxBacklog {
 }
 
 impl BoxBacklog {
-    /// Nothing stale.
+    /// Creates a queue with nothing stale.
     pub(super) fn new(density_side: usize) -> Self {
         let chunks = CHUNK.map(|chunk| density_side.div_ceil(chunk));
         let stale = vec![TexelBox::NONE; chunks.iter().product()];
@@ -156,8 +155,8 @@ impl StaleLines {
         self.stale.iter().flatten().all(|places| places.is_empty())
     }
 
-    /// The next run of stale lines of a map, with the hull of their places: at most `max_columns`,
-    /// unless it is a single line.
+    /// Returns the next run of stale lines of a map, with the hull of their places: at most `max_columns`
+    /// columns, unless it is a single line.
     pub(super) fn next_run(&self, max_columns: usize) -> Option<LineRun> {
         let is_stale = |places: &Range| !places.is_empty();
         for axis in Axis::ALL {

@@ -30,22 +30,24 @@ pub(super) struct BoxBlur {
     along_x: [TexelRow; WINDOW_ROWS],
     /// The last five slices blurred along x and y, 0 to 255: a ring buffer.
     along_y: [[TexelRow; BLURRED_ROWS]; 5],
-    /// What the kernel along x and y covers, in all slices.
+    /// Coverage of the kernel along x and y, in all slices.
     nearby: [[NearbyVoxels; BLURRED_ROWS]; WINDOW_ROWS],
-    /// The density, from one texel before the box on, along x from [`MARGIN_X`] before.
+    /// The density, starting one texel before the box along y and z, and [`MARGIN_X`] texels before it
+    /// along x.
     out: TexelRows,
     /// Bits of the texels that are at least a half.
     at_least_half: AtLeastHalfMasks,
 }
 
-/// For each texel of a row, whether the kernel covers an occupied voxel, and whether an empty one.
+/// Bit masks over a row's texels: texels whose kernel covers an occupied voxel, and those whose kernel
+/// covers an empty one.
 #[derive(Clone, Copy, Default, Debug)]
 struct NearbyVoxels {
     full: u64,
     empty: u64,
 }
 
-/// What the kernels of a group of sixteen texels cover: nothing, all, or both.
+/// Coverage of the kernels of sixteen texels: only empty voxels, only full ones, or both.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Uniformity {
     Empty,
@@ -54,7 +56,7 @@ enum Uniformity {
 }
 
 impl NearbyVoxels {
-    /// Dilation along x of the union of five rows of voxels.
+    /// Dilates along x the union of five rows of voxels.
     fn around_rows(voxel_rows: [u64; 5], row_bits: u64) -> Self {
         let full = voxel_rows.iter().fold(0, |all, row| all | row) & row_bits;
         let empty = !voxel_rows.iter().fold(u64::MAX, |all, row| all & row) & row_bits;
@@ -62,7 +64,7 @@ impl NearbyVoxels {
         NearbyVoxels { full: near(full), empty: near(empty) }
     }
 
-    /// The union of a row's voxels in five slices.
+    /// Returns the union of a row's masks in five slices.
     fn union_of_slices(slices: [NearbyVoxels; 5]) -> Self {
         let all = |a: NearbyVoxels, b: &NearbyVoxels| NearbyVoxels {
             full: a.full | b.full,
@@ -81,7 +83,7 @@ impl NearbyVoxels {
         }
     }
 
-    /// The number of mixed groups in the row, of so many.
+    /// Counts the mixed groups among the row's first `group_count`.
     fn count_mixed_sixteens(self, group_count: usize) -> usize {
         if self.full == 0 || self.empty == 0 {
             return 0;
@@ -104,7 +106,7 @@ impl BoxBlur {
         }
     }
 
-    /// A row of texels of the box last computed, by the texture's y and z.
+    /// Returns a row of texels of the box last computed, by the texture's y and z.
     #[inline]
     pub(super) fn texel_row(&self, texture_y: usize, texture_z: usize) -> &[u8] {
         let [x0, y0, z0] = self.extent.lo;
@@ -136,7 +138,7 @@ impl BoxBlur {
         self.mixed_groups = mixed;
     }
 
-    /// The number of groups of sixteen texels, in the box that was loaded, that have to be blurred.
+    /// Returns the number of groups of sixteen texels, in the loaded box, that have to be blurred.
     pub(super) const fn mixed_sixteen_count(&self) -> usize {
         self.mixed_groups
     }
@@ -174,7 +176,7 @@ impl BoxBlur {
         }
     }
 
-    /// What the kernels of a row of texels cover.
+    /// Returns the coverage of the kernels of a row of texels.
     #[inline]
     fn nearby_voxels(&self, y: usize, z: usize) -> NearbyVoxels {
         let slice = |i: usize| self.nearby[z + i][y];
@@ -243,7 +245,7 @@ struct WindowSize {
     row_bits: u64,
 }
 
-/// The kernel over five rows of sixteen bytes, each at most 16; the sum saturates at 255.
+/// Applies the kernel to five rows of sixteen bytes, each at most 16; the sum saturates at 255.
 #[inline]
 fn blur_to_sums([a, b, c, d, e]: [[u8; LANES]; 5]) -> [u8; LANES] {
     let mut sums = [0; LANES];
@@ -255,7 +257,7 @@ fn blur_to_sums([a, b, c, d, e]: [[u8; LANES]; 5]) -> [u8; LANES] {
     sums
 }
 
-/// The kernel over five rows of sixteen bytes: the weighted mean, rounded half up.
+/// Applies the kernel to five rows of sixteen bytes. Returns the weighted means, rounded half up.
 #[inline]
 fn blur_to_texels([a, b, c, d, e]: [[u8; LANES]; 5]) -> [u8; LANES] {
     let mut texels = [0; LANES];
@@ -266,7 +268,7 @@ fn blur_to_texels([a, b, c, d, e]: [[u8; LANES]; 5]) -> [u8; LANES] {
     texels
 }
 
-/// Blurs a row of bits along x into bytes, 0 to 16; nothing lies beyond the word.
+/// Blurs a row of bits along x into bytes, 0 to 16; bits beyond the word count as empty.
 fn blur_row_x(voxels: u64, sums: &mut [u8]) {
     for (i, eight) in sums.as_chunks_mut::<8>().0.iter_mut().enumerate() {
         // The twelve voxels that eight texels see.
@@ -276,11 +278,13 @@ fn blur_row_x(voxels: u64, sums: &mut [u8]) {
     }
 }
 
-/// What the lower and the upper six of twelve voxels add to eight texels, a byte each.
+/// Look-up tables: the contribution of the lower and of the upper six of twelve voxels to eight texels, a
+/// byte each.
 static LOW: [u64; 64] = tap_table(0);
 static HIGH: [u64; 64] = tap_table(6);
 
-/// By six voxels, from the `first_voxel`th of twelve on, as bits: what they add to eight texels.
+/// Builds the table, indexed by bits, of the contribution to eight texels of six voxels, from the
+/// `first_voxel`th of twelve on.
 const fn tap_table(first_voxel: usize) -> [u64; 64] {
     const WEIGHTS: [u64; 5] = [1, 4, 6, 4, 1];
     let mut table = [0; 64];

@@ -1,4 +1,4 @@
-//! The budget of a frame: what an update may cost, and what each of its pieces is held to cost.
+//! The budget of a frame: the limits of an update, and the estimated cost of each piece of work.
 
 /// A frame's limits of work and upload.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -9,7 +9,7 @@ pub struct Budget {
     pub bytes: usize,
 }
 
-/// What an update costs of a [`Budget`], in the same units.
+/// The cost of an update, in the units of [`Budget`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Cost {
     /// CPU work.
@@ -31,11 +31,11 @@ impl Budget {
     /// No limit.
     pub const UNLIMITED: Budget = Budget { work: usize::MAX, bytes: usize::MAX };
 
-    /// Ticks of one frame that have a budget, as many as the shells' clock runs in one.
+    /// The most ticks of one frame that each add a budget: as many as the shells' clock runs in one frame.
     pub const MAX_TICKS: u32 = 4;
 
-    /// The shells' budget for a volume of `grid_side` voxels a side: less than a million instructions
-    /// and 256 KiB at 128, four times that at 256, where four times as much surface changes.
+    /// Returns the shells' budget for a volume of `grid_side` voxels a side: less than a million
+    /// instructions and 256 KiB at 128, four times that at 256, where four times as much surface changes.
     /// Estimates of work may be a third too low, hence three quarters of a million.
     #[must_use]
     pub const fn per_frame(grid_side: usize) -> Self {
@@ -43,8 +43,9 @@ impl Budget {
         Budget { work: more * 750_000, bytes: more * 256 * 1024 }
     }
 
-    /// The budget of a frame that shows so many ticks: each has as much, up to [`Budget::MAX_TICKS`]. Frames that are
-    /// that late have the time, and what hands do would show ever later otherwise.
+    /// Returns the budget of a frame that shows `ticks` ticks: a full budget for each, up to
+    /// [`Budget::MAX_TICKS`]. A frame that late has the time, and the textures would otherwise lag ever
+    /// further behind the hands.
     #[must_use]
     pub const fn of_frame_after(grid_side: usize, ticks: u32) -> Self {
         let Budget { work, bytes } = Self::per_frame(grid_side);
@@ -54,16 +55,16 @@ impl Budget {
     }
 }
 
-/// Accounts for what of a budget is spent.
+/// Tracks how much of a budget is spent.
 pub(super) struct BudgetMeter {
     budget: Budget,
     spent: Cost,
-    /// Whether a unit of work was done: the first one may be more than the budget.
+    /// `true` once a unit of work was done: the first unit may exceed the budget.
     has_progressed: bool,
 }
 
 impl BudgetMeter {
-    /// Nothing spent yet.
+    /// Creates a meter with nothing spent.
     pub(super) const fn new(budget: Budget) -> Self {
         BudgetMeter { budget, spent: Cost::NONE, has_progressed: false }
     }
@@ -90,14 +91,16 @@ impl BudgetMeter {
         Budget { work, bytes: less(self.budget.bytes, self.spent.bytes) }
     }
 
-    /// Whether a unit of work of this cost may be done: it is the first one, or so much remains.
+    /// Returns `true` if a unit of work of this cost may be done: it is the first unit, or the remaining
+    /// budget covers it.
     pub(super) fn allows_unit_of_work(&self, cost: Cost) -> bool {
         let left = self.remaining();
         !self.has_progressed || cost.work <= left.work && cost.bytes <= left.bytes
     }
 }
 
-/// Work on columns of so many intervals, by that on columns of one: half of it again for each more.
+/// Returns the work on columns of `intervals` intervals, from that on columns of one: half of it more for
+/// each further interval.
 pub(super) const fn work_on_intervals(work_on_one: usize, intervals: usize) -> usize {
     work_on_one * (intervals + 1) / 2
 }

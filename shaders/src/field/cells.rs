@@ -5,13 +5,13 @@ use super::extent::TexelBox;
 use super::sizes::MAX_CELL_DISTANCE;
 use super::texels::{TexelCube, gather_top_bits};
 
-/// Most cells in a row: 136 texels of a side at 128.
+/// The most cells in a row: half of the 136 texels of a side at 128.
 const MAX_CELLS: usize = 68;
 
-/// Unchanged cells whose upload costs less than that of another box.
+/// The most unchanged cells in a joined box: uploading them costs less than a further box.
 const JOIN_SLACK: usize = 256;
 
-/// Distances less than [`MAX_CELL_DISTANCE`]; a bit grid for each.
+/// The number of bit grids: one for each distance less than [`MAX_CELL_DISTANCE`].
 const DISTANCES: usize = MAX_CELL_DISTANCE as usize;
 
 /// Distance transform by repeated dilation of bit rows.
@@ -38,7 +38,8 @@ pub(super) struct CellDistances {
 }
 
 impl CellDistances {
-    /// Cells of so many texels a side, all empty, for a density of so many.
+    /// Creates cells of `cell_side_texels` texels a side, all empty, for a density of `density_side` texels
+    /// a side.
     pub(super) fn new(density_side: usize, cell_side_texels: usize) -> Self {
         let side = density_side / cell_side_texels;
         CellDistances {
@@ -52,13 +53,13 @@ impl CellDistances {
         }
     }
 
-    /// The distance of each cell to the nearest one with surface, less one: 0 to
+    /// Returns the distance of each cell to the nearest one with surface, less one: 0 to
     /// [`MAX_CELL_DISTANCE`] - 1.
     pub(super) const fn free_cells_around_each(&self) -> &TexelCube {
         &self.free
     }
 
-    /// Recomputes which cells have surface, of those that hold or touch texels of a box.
+    /// Recomputes which of the cells that hold or touch texels of a box have surface.
     pub(super) fn rescan_surface(&mut self, density: &TexelCube, extent: TexelBox) {
         let cells = extent.grown_by(1, density.side()).coarser_by(self.cell_side_texels);
         // As many cells as fit in a word, with one texel more on either side.
@@ -73,8 +74,8 @@ impl CellDistances {
         }
     }
 
-    /// Recomputes which cells of a slice have surface, no more along x than fit in a word. Slices
-    /// of texels before `halves_end_z` are in the ring buffer already.
+    /// Recomputes which cells of a slice have surface; `cell_xs` must fit in a word. Slices of texels
+    /// before `halves_end_z` are in the ring buffer already.
     fn rescan_slice(
         &mut self,
         density: &TexelCube,
@@ -145,7 +146,7 @@ impl CellDistances {
         }
     }
 
-    /// Dilates rows of a slice, one for each bit of `row_bits`, from those of one cell less of
+    /// Dilates the rows of a slice that are set in `row_bits`, from the bit grid of the next smaller
     /// distance.
     fn dilate_rows(&mut self, distance: usize, z: usize, row_bits: u128) {
         let side = self.free.side();
@@ -179,8 +180,7 @@ impl CellDistances {
         let i = z * self.free.side() + y;
         let flipped = std::mem::take(&mut self.flipped[i]);
         let (lo, hi) = (flipped.trailing_zeros() as usize, 128 - flipped.leading_zeros() as usize);
-        // The distance less one is the number of k from 1 to 6 with no surface within k: its three
-        // bits.
+        // The distance less one is the count of k from 1 to 6 with no surface within k. Its three bits:
         let near = |k: usize| self.near[k][i];
         let ones = near(2) & !near(1) | near(4) & !near(3) | near(6) & !near(5);
         let twos = near(4) & !near(2) | !near(6);
@@ -198,7 +198,7 @@ impl CellDistances {
         self.changed[z] = self.changed[z].union(&part);
     }
 
-    /// Passes the distances, and each box of cells that changed since the last call.
+    /// Passes to `sink` each box of cells that changed since the last call, and all distances.
     pub(super) fn drain_changed_boxes(&mut self, mut sink: impl FnMut(&TexelCube, TexelBox)) {
         let mut open = TexelBox::NONE;
         for slice in &mut self.changed {
@@ -227,7 +227,7 @@ const fn low_bits(count: usize) -> u128 {
     u128::MAX >> (128 - count)
 }
 
-/// The positions of the set bits, ascending.
+/// Returns the positions of the set bits, ascending.
 fn bit_positions(mut bits: u128) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let bit = bits.trailing_zeros() as usize;
@@ -238,8 +238,8 @@ fn bit_positions(mut bits: u128) -> impl Iterator<Item = usize> {
     })
 }
 
-/// A bit for each cell: whether any of its texels or one beside them has its bit set. The lowest
-/// bit is the texel before the first cell. Cells have 2 texels or 4.
+/// Returns a bit for each cell: set if any of its texels, or a texel beside them, has its bit set. The
+/// lowest bit of `texel_bits` is the texel before the first cell. Cells have 2 texels or 4.
 const fn cells_with_any_bit(texel_bits: u64, cell_side_texels: usize) -> u64 {
     let mut any = texel_bits | texel_bits >> 1;
     any |= any >> 2;
@@ -260,7 +260,7 @@ const fn compact_even_bits(bits: u64) -> u64 {
     (bits | bits >> 16) & 0xffff_ffff
 }
 
-/// Spreads eight bits to a byte each.
+/// A table that spreads eight bits to a byte each.
 static SPREAD: [u64; 256] = {
     let mut table = [0; 256];
     let mut bits = 0;

@@ -7,8 +7,8 @@
 use super::rows::{AtLeastHalfMasks, TexelRows};
 use super::window::{BLUR_MARGIN, VoxelWindow};
 
-/// Mirrors the texels of closed empty voxels at a half, in so many rows along y and z. `row_bits` has
-/// a row's voxels; `at_least_half` is updated.
+/// Mirrors the texels of closed empty voxels at a half, in `row_count` rows of each of `slice_count`
+/// slices. `row_bits` masks a row's voxels; `at_least_half` is updated.
 pub(super) fn reopen_creases(
     window: &VoxelWindow,
     [row_count, slice_count]: [usize; 2],

@@ -2,7 +2,7 @@
 
 use crate::upload::{Region, Texture};
 
-/// A box of texels: from `lo` up to but without `hi`.
+/// A half-open box of texels: from `lo` up to, but without, `hi`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct TexelBox {
     pub(super) lo: [usize; 3],
@@ -13,7 +13,7 @@ impl TexelBox {
     /// The empty box, neutral to union.
     pub(super) const NONE: TexelBox = TexelBox { lo: [usize::MAX; 3], hi: [0; 3] };
 
-    /// A whole texture.
+    /// Returns the box of a whole texture.
     pub(super) const fn cube(side: usize) -> Self {
         TexelBox { lo: [0; 3], hi: [side; 3] }
     }
@@ -30,7 +30,7 @@ impl TexelBox {
         self.size().iter().product()
     }
 
-    /// The bounding box of both.
+    /// Returns the bounding box of both.
     #[must_use]
     #[inline]
     pub(super) fn union(&self, other: &Self) -> Self {
@@ -40,7 +40,7 @@ impl TexelBox {
         }
     }
 
-    /// Grown by so many texels on every side, clipped to a texture of `texture_side`.
+    /// Returns the box grown by `texels` on every side, clipped to a texture of `texture_side`.
     #[must_use]
     pub(super) fn grown_by(&self, texels: usize, texture_side: usize) -> Self {
         TexelBox {
@@ -49,19 +49,19 @@ impl TexelBox {
         }
     }
 
-    /// The bounding box of this one in texels `factor` times as large.
+    /// Returns the bounding box of this one in texels `factor` times as large.
     #[must_use]
     pub(super) fn coarser_by(&self, factor: usize) -> Self {
         TexelBox { lo: self.lo.map(|lo| lo / factor), hi: self.hi.map(|hi| hi.div_ceil(factor)) }
     }
 
-    /// The rows along x, as (y, z).
+    /// Returns the rows along x, as (y, z).
     pub(super) fn rows(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
         let TexelBox { lo, hi } = *self;
         (lo[2]..hi[2]).flat_map(move |z| (lo[1]..hi[1]).map(move |y| (y, z)))
     }
 
-    /// As a region of a texture.
+    /// Converts the box to a region of a texture.
     pub(super) fn to_region(self, texture: Texture) -> Region {
         Region { texture, min: self.lo.map(|i| i as u32), size: self.size().map(|i| i as u32) }
     }

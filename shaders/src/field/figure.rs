@@ -1,4 +1,4 @@
-//! How much of the stone is the hidden figure's: by this it shines where it is bared.
+//! The hidden figure's share of the stone. By this share the figure glows where it is bared.
 
 use glam::Vec3;
 use paros_core::RangeMaps;
@@ -6,9 +6,9 @@ use paros_core::volume::Axis;
 
 use super::texels::TexelCube;
 
-/// The share that is the hidden figure's at each texel of a cube over the grid: the mean of its voxels, blurred with the
-/// weights 1 2 1 along each axis. On a figure's flat face it is a half, a texel above it an eighth: what lies between
-/// tells a bared figure from one that stone still covers.
+/// The hidden figure's share at each texel of a cube over the grid: the mean of its voxels, blurred with
+/// the weights 1 2 1 along each axis. On a figure's flat face the share is a half, a texel above it an
+/// eighth: a threshold between the two tells a bared figure from one that stone still covers.
 #[derive(Debug)]
 pub struct FigureShares {
     texels: TexelCube,
@@ -16,23 +16,23 @@ pub struct FigureShares {
 }
 
 impl FigureShares {
-    /// Texels along a side, at every size of the grid: they are those of the marble.
+    /// Texels along a side, at every size of the grid: as many as the marble's texture has.
     pub const SIDE: usize = crate::carrara::TEXTURE_SIDE;
 
-    /// Those without a figure. All memory is allocated here.
+    /// Creates the shares without a figure. Allocates all memory.
     #[must_use]
     #[allow(clippy::new_without_default)] // megabytes: to be made on purpose
     pub fn new() -> Self {
         FigureShares { texels: TexelCube::new(Self::SIDE, 0), is_empty: true }
     }
 
-    /// Whether there is no figure.
+    /// Returns `true` if there is no figure.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.is_empty
     }
 
-    /// Follows another figure.
+    /// Recomputes the shares for another figure.
     pub fn rebuild_from<const N: usize, const K: usize>(&mut self, figure: &RangeMaps<N, K>) {
         let was_empty = core::mem::replace(&mut self.is_empty, figure.is_empty());
         if was_empty && self.is_empty {
@@ -49,7 +49,7 @@ impl FigureShares {
         }
     }
 
-    /// Trilinear sample at a point of the unit cube, 0 to 1, clamped to the edge.
+    /// Returns a trilinear sample at a point of the unit cube, 0 to 1, clamped to the edge.
     #[must_use]
     pub fn sample_clamped(&self, cube_point: Vec3) -> f32 {
         if self.is_empty {
@@ -59,7 +59,7 @@ impl FigureShares {
         }
     }
 
-    /// The texels, x fastest, z slowest; 255 where all is the figure's.
+    /// Returns the texels, x fastest, z slowest; 255 where every voxel is the figure's.
     #[must_use]
     pub fn bytes(&self) -> &[u8] {
         self.texels.bytes()
@@ -90,7 +90,7 @@ fn write_means<const N: usize, const K: usize>(
     }
 }
 
-/// Blurs a line of texels in place, each `stride` after the last; what is beyond its ends is as they are.
+/// Blurs a line of texels in place, `stride` bytes apart. Beyond its ends the end texels are repeated.
 fn blur_line(bytes: &mut [u8], start: usize, stride: usize) {
     let mut before = u16::from(bytes[start]);
     for i in 0..FigureShares::SIDE {

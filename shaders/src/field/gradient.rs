@@ -1,9 +1,10 @@
-//! The direction out of the stone: the negative gradient of the density at level 1, wide where the
-//! surface is smooth and narrow at features. A wide one shows no terraces of the voxels; a narrow one
+//! The direction out of the stone: the negative gradient of the density at level 1. A wide kernel serves
+//! smooth surfaces, where it hides the terraces of the voxels; a narrow kernel serves features, where it
 //! keeps grooves.
 //!
-//! Both are separable (Farid and Simoncelli 2004): a kernel along each axis, a derivative along the
-//! gradient's own. Integers of 16 bits throughout, eight texels at a time. Beside it, how convex the surface is.
+//! Both are separable (Farid and Simoncelli 2004): a mean along each axis, but a derivative along the
+//! gradient's own. The filters compute in 16-bit integers, eight texels at a time. The fourth component is
+//! the surface's convexity.
 
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
@@ -17,15 +18,15 @@ use super::textures::slab_extents;
 
 /// Radius of the texels that a gradient depends on, along each axis.
 pub(super) const GRADIENT_REACH: usize = 2;
-/// The level of the density whose gradients they are.
+/// Mip level of the density whose gradients are computed.
 pub(super) const GRADIENT_LEVEL: usize = 1;
 /// Bytes of the largest box that is handed out at once.
 pub(super) const MAX_GRADIENT_BYTES: usize = size_of::<GradientTexel>() * MAX_MERGED_TEXELS;
-/// A texel: x, y, z as signed bytes, 127 for a density that falls by 254 in two texels; the fourth is
-/// how convex the surface is, see [`convexity_bytes`].
+/// A texel: x, y, z as signed bytes, 127 for a density that falls by 254 in two texels; the fourth is the
+/// surface's convexity, see [`convexity_bytes`].
 pub(super) type GradientTexel = [u8; 4];
 
-/// Frames that stale gradients wait behind the density, of which a box may take a frame.
+/// The most frames that stale gradients wait for the density, one box of which may take a whole frame.
 const MAX_FRAMES_WAITED: u32 = 8;
 /// Texels that are computed at once: 16-bit lanes of a vector register.
 pub(super) const LANES: usize = 8;
@@ -37,21 +38,20 @@ const WINDOW: [usize; 3] = [
     MAX_BOX[2] + 2 * GRADIENT_REACH,
 ];
 
-/// What the sums of both kernels come to for a derivative of 1: 2048 without three bits that are dropped on the
-/// way, and 512 without one.
+/// Both kernels' sums for a derivative of 1: 2048 less three dropped bits (wide), 512 less one (narrow).
 const UNIT: f32 = 256.0;
-/// Squared cosines of the angles between both where the wide one begins to give way, and where it has: 5
-/// degrees, beyond the noise of the narrow one on a smooth surface, and 10.
+/// Squared cosines of the angle between the wide and the narrow gradient where the wide one begins to give
+/// way (5 degrees, beyond the noise of the narrow one on a smooth surface), and where it has (10 degrees).
 const SMOOTH_COS_2: f32 = 0.992_404;
 const FEATURE_COS_2: f32 = 0.969_846;
-/// How far features go beyond the narrow gradient, away from the wide one: it is wider than a groove of two
-/// voxels.
+/// Extrapolation at features, beyond the narrow gradient and away from the wide one: the narrow kernel is
+/// still wider than a groove of two voxels.
 const SHARPENING: f32 = 1.5;
 
 type Lanes = [i16; LANES];
 type Row<const KERNELS: usize> = [[Lanes; GROUPS]; KERNELS];
 
-/// The gradients at every texel of level 1, and those that are stale.
+/// The gradients at every texel of level 1, and the boxes of stale ones.
 #[derive(Debug)]
 pub(super) struct Gradients {
     side: usize,
@@ -62,14 +62,15 @@ pub(super) struct Gradients {
     buffers: Box<Buffers>,
 }
 
-/// What is between the passes.
+/// Intermediate results between the passes.
 #[derive(Debug)]
 struct Buffers {
     /// Rows of the window after the kernels along x: wide and narrow mean, wide and narrow derivative.
     along_x: [[Row<4>; WINDOW[1]]; WINDOW[2]],
-    /// Those along x and y: wide mean, derivative along x and along y; the narrow ones.
+    /// Rows after the kernels along x and y: wide mean, derivative along x and along y; then the same three
+    /// narrow.
     along_y: [[Row<6>; MAX_BOX[1]]; WINDOW[2]],
-    /// Whether a row of the window holds one value, and which.
+    /// The value of each uniform row of the window; `None` for a mixed row.
     uniform: [[Option<u8>; WINDOW[1]]; WINDOW[2]],
 }
 
@@ -84,7 +85,7 @@ impl Buffers {
 }
 
 impl Gradients {
-    /// Those of the empty volume, `side` texels a side.
+    /// Creates the gradients of the empty volume, `side` texels a side.
     pub(super) fn new(side: usize) -> Self {
         let texels = vec![[0; 4]; side.pow(3)];
         Gradients {
@@ -108,19 +109,19 @@ impl Gradients {
         self.texels[(z * self.side + y) * self.side + x].map(|c| c as i8)
     }
 
-    /// The bytes of a row's texels in a box.
+    /// Returns the bytes of a row's texels in a box.
     pub(super) fn row_bytes(&self, y: usize, z: usize, extent: &TexelBox) -> &[u8] {
         let row = &self.texels[(z * self.side + y) * self.side..][..self.side];
         row[extent.lo[0]..extent.hi[0]].as_flattened()
     }
 
-    /// Marks stale what depends on a box of texels of the density.
+    /// Marks the gradients stale that depend on a box of texels of the density.
     pub(super) fn mark_stale_around(&mut self, changed: &TexelBox) {
         self.stale.mark_texels(&changed.grown_by(GRADIENT_REACH, self.side));
     }
 
-    /// Whether stale ones have waited so long that they come before new texels of the density, behind which
-    /// they would else wait for ever.
+    /// Returns `true` if stale gradients have waited so long that they come before new texels of the
+    /// density, which could otherwise starve them.
     pub(super) const fn waits_long(&self) -> bool {
         self.frames_waited >= MAX_FRAMES_WAITED
     }
@@ -131,7 +132,7 @@ impl Gradients {
         self.frames_waited = if waits { self.frames_waited.saturating_add(1) } else { 0 };
     }
 
-    /// Recomputes all, on all cores.
+    /// Recomputes all gradients, on all cores.
     pub(super) fn rebuild_from(&mut self, density: &TexelCube) {
         let side = self.side;
         let slabs = self.texels.par_chunks_mut(CHUNK[2] * side * side).enumerate();
@@ -156,7 +157,8 @@ impl Gradients {
         });
     }
 
-    /// Trilinear sample at a point in texels, clamped to the edge, -1 to 1 along each axis; w is the convexity.
+    /// Returns a trilinear sample at a point in texels, clamped to the edge: -1 to 1 along each axis; w is
+    /// the convexity.
     pub(super) fn sample_trilinear(&self, point_in_texels: Vec3) -> Vec4 {
         let most = (self.side - 1) as f32;
         let point = (point_in_texels - Vec3::splat(0.5)).clamp(Vec3::ZERO, Vec3::splat(most));
@@ -169,7 +171,8 @@ impl Gradients {
     }
 }
 
-/// Computes the gradients of a box, no larger than [`MAX_BOX`], and passes its rows on by y and z.
+/// Computes the gradients of a box, no larger than [`MAX_BOX`], and passes each row to `put` with its y and
+/// z.
 fn compute_box(
     density: &TexelCube,
     extent: TexelBox,
@@ -212,8 +215,8 @@ fn compute_box(
     }
 }
 
-/// Loads a row of the density around a box, from [`GRADIENT_REACH`] before it on, by its place in the window;
-/// clamped to the edge. Returns its value if it has but one.
+/// Loads a row of the window around a box, from [`GRADIENT_REACH`] texels before the box on, clamped to the
+/// edge. Returns the row's value if it is uniform.
 fn load_row(
     density: &TexelCube,
     extent: &TexelBox,
@@ -238,7 +241,7 @@ fn load_row(
     (differs == 0).then_some(first)
 }
 
-/// The wide mean of five, 16 times; at most 4096 times 16.
+/// Returns 16 times the wide mean of five; at most 4096 times 16.
 #[inline]
 fn wide_mean([a, b, c, d, e]: [&Lanes; 5]) -> Lanes {
     let mut sums = [0; LANES];
@@ -249,7 +252,7 @@ fn wide_mean([a, b, c, d, e]: [&Lanes; 5]) -> Lanes {
     sums
 }
 
-/// The wide derivative of five, 8 times.
+/// Returns 8 times the wide derivative of five.
 #[inline]
 fn wide_derivative([a, b, _, d, e]: [&Lanes; 5]) -> Lanes {
     let mut sums = [0; LANES];
@@ -260,7 +263,7 @@ fn wide_derivative([a, b, _, d, e]: [&Lanes; 5]) -> Lanes {
     sums
 }
 
-/// The narrow mean, 16 times; at most 4096 times 16.
+/// Returns 16 times the narrow mean; at most 4096 times 16.
 #[inline]
 fn narrow_mean([_, b, c, d, _]: [&Lanes; 5]) -> Lanes {
     let mut sums = [0; LANES];
@@ -270,7 +273,7 @@ fn narrow_mean([_, b, c, d, _]: [&Lanes; 5]) -> Lanes {
     sums
 }
 
-/// The narrow derivative, twice.
+/// Returns twice the narrow derivative.
 #[inline]
 fn narrow_derivative([_, b, _, d, _]: [&Lanes; 5]) -> Lanes {
     let mut sums = [0; LANES];
@@ -280,13 +283,13 @@ fn narrow_derivative([_, b, _, d, _]: [&Lanes; 5]) -> Lanes {
     sums
 }
 
-/// Without so many bits of sums without a sign, which take all of 16 bits.
+/// Drops the lowest `bits` bits of unsigned sums, which use all 16 bits.
 #[inline]
 fn drop_bits_of_means(sums: Lanes, bits: u32) -> Lanes {
     sums.map(|sum| (sum as u16 >> bits) as i16)
 }
 
-/// Without so many bits, rounded half up.
+/// Drops the lowest `bits` bits of signed sums, rounded half up.
 #[inline]
 fn drop_bits(sums: Lanes, bits: u32) -> Lanes {
     sums.map(|sum| sum.wrapping_add(1 << (bits - 1)) >> bits)
@@ -308,7 +311,7 @@ fn filter_row_x(
     }
 }
 
-/// The same of a row of one value.
+/// Filters a row of one value, with the result of `filter_row_x`.
 fn filter_uniform_row_x(
     value: u8,
     groups: usize,
@@ -336,7 +339,7 @@ fn filter_rows_y(rows: [&Row<4>; 5], groups: usize, out: &mut Row<6>) {
     }
 }
 
-/// A group's wide and narrow gradients: x, y, z of each.
+/// Returns a group's wide and narrow gradients: x, y, z of each.
 #[inline]
 fn filter_group_z([a, b, c, d, e]: [&Row<6>; 5], group: usize) -> [[Lanes; 3]; 2] {
     let g = group;
@@ -348,7 +351,7 @@ fn filter_group_z([a, b, c, d, e]: [&Row<6>; 5], group: usize) -> [[Lanes; 3]; 2
     ]
 }
 
-/// A group's wide and narrow means, 128 times.
+/// Returns 128 times a group's wide and narrow means.
 #[inline]
 fn filter_means_z([a, b, c, d, e]: [&Row<6>; 5], g: usize) -> [Lanes; 2] {
     let five = |kernel: usize, bits: u32| {
@@ -360,8 +363,8 @@ fn filter_means_z([a, b, c, d, e]: [&Row<6>; 5], g: usize) -> [Lanes; 2] {
     ]
 }
 
-/// The wide gradient where both agree, else beyond the narrow one, as far as they differ; negative, as bytes.
-/// The fourth is the convexity.
+/// Blends the gradients: the wide one where both agree, else extrapolated beyond the narrow one, as far as
+/// they differ. Returns the negative as bytes, with the convexity as the fourth.
 #[inline]
 fn blend_gradients([wide, narrow]: [[Lanes; 3]; 2], means: [Lanes; 2]) -> [GradientTexel; LANES] {
     let convexity = convexity_bytes(means);
@@ -381,7 +384,7 @@ fn blend_gradients([wide, narrow]: [[Lanes; 3]; 2], means: [Lanes; 2]) -> [Gradi
     for (i, texel) in texels.iter_mut().enumerate() {
         let byte = |axis: usize| {
             let outward = -(w[axis][i] + (n[axis][i] - w[axis][i]) * part[i]);
-            // Rounded by the sum with a large float, whose last bits it becomes.
+            // Adding a large float rounds the value to an integer, in the lowest bits of the sum.
             let rounded = at_most(at_least(outward, -127.0), 127.0) + 12_582_912.0;
             rounded.to_bits() & 0xff
         };

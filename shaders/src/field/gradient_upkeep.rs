@@ -19,7 +19,7 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
         sink: &mut impl FnMut(Region, &[u8]),
     ) {
         while let Some(mut extent) = self.gradients.stale.take_merged_box() {
-            // A box of half a frame's work at most, the rest later.
+            // Splits a box of more than half a frame's work; the upper half is done later.
             while extent.volume() > MAX_BOX_TEXELS {
                 let middle = (extent.lo[2] + extent.hi[2]) / 2;
                 let upper = TexelBox { lo: [extent.lo[0], extent.lo[1], middle], ..extent };
@@ -43,7 +43,7 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
     }
 }
 
-/// The work on a box: on the rows of its window and their groups of texels, and on its own.
+/// Estimates the work on a box: on its window's rows and their groups of texels, and on its own groups.
 fn estimate_work(extent: &TexelBox) -> usize {
     let [x, y, z] = extent.size();
     let (groups, rows) = (x.div_ceil(LANES), (y + 2 * GRADIENT_REACH) * (z + 2 * GRADIENT_REACH));

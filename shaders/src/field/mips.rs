@@ -39,7 +39,7 @@ pub(super) fn downsample_box(
     changes
 }
 
-/// Four means of 2 x 2 x 2 texels, rounded half up, with the sums in 16-bit lanes of a word.
+/// Returns four means of 2 x 2 x 2 texels, rounded half up, summed in 16-bit lanes of a word.
 #[inline]
 fn mean_2x2x2(rows: [[u8; 8]; 4]) -> [u8; 4] {
     const EVEN: u64 = 0x00ff_00ff_00ff_00ff;
@@ -53,5 +53,5 @@ fn mean_2x2x2(rows: [[u8; 8]; 4]) -> [u8; 4] {
     [a, b, c, d]
 }
 
-/// Most texels in a row: half of those at 256.
+/// The most texels in a row: half of those at 256.
 const MAX_ROW: usize = 132;

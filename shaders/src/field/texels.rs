@@ -44,7 +44,7 @@ impl TexelCube {
         &mut self.bytes[(z * self.side + y) * self.side..][..self.side]
     }
 
-    /// Slabs of so many slices of equal z each, in order, for parallel writing.
+    /// Returns slabs of `slices_per_slab` slices of equal z, in order, for parallel writing.
     pub(super) fn slabs_mut(
         &mut self,
         slices_per_slab: usize,
@@ -84,7 +84,7 @@ impl TexelCube {
         }
     }
 
-    /// Trilinear sample, 0 to 1, at a point in texels, clamped to the edge. Texel centres lie at
+    /// Returns a trilinear sample, 0 to 1, at a point in texels, clamped to the edge. Texel centres lie at
     /// halves.
     #[inline]
     pub(super) fn sample_trilinear(&self, point_in_texels: Vec3) -> f32 {
@@ -108,7 +108,7 @@ const TOP_BITS: u64 = 0x8080_8080_8080_8080;
 /// Accumulates which texels of a box changed, and which crossed a half.
 #[derive(Debug)]
 pub(super) struct TexelChanges {
-    /// Where the box starts along x.
+    /// The first texel of the box along x.
     first_x: usize,
     /// Bits that flipped in any row, eight texels a word; the last word may be partial.
     flipped: [u64; MAX_ROW / 8 + 1],
@@ -121,18 +121,18 @@ pub(super) struct TexelChanges {
 const MAX_ROW: usize = 264;
 
 impl TexelChanges {
-    /// No change yet, in a box that starts at `first_x` along x.
+    /// Creates an accumulator without changes, for a box that starts at `first_x` along x.
     pub(super) const fn new(first_x: usize) -> Self {
         let none = TexelBox::NONE;
         TexelChanges { first_x, flipped: [0; MAX_ROW / 8 + 1], rows: none, crossed_rows: none }
     }
 
-    /// The bounding box of the texels that changed.
+    /// Returns the bounding box of the texels that changed.
     pub(super) fn changed_box(&self) -> TexelBox {
         self.bounds_of(u64::MAX, self.rows)
     }
 
-    /// The bounding box of the texels that crossed a half.
+    /// Returns the bounding box of the texels that crossed a half.
     pub(super) fn half_crossed_box(&self) -> TexelBox {
         self.bounds_of(TOP_BITS, self.crossed_rows)
     }
@@ -152,7 +152,7 @@ impl TexelChanges {
     }
 }
 
-/// The top bit of each of up to 64 bytes, the first one lowest.
+/// Returns the top bit of each of up to 64 bytes, the first byte's lowest.
 #[inline]
 pub(super) fn gather_top_bits(bytes: &[u8]) -> u64 {
     let (eights, rest) = bytes.as_chunks::<8>();
@@ -166,14 +166,14 @@ pub(super) fn gather_top_bits(bytes: &[u8]) -> u64 {
     bits
 }
 
-/// The top bits of eight bytes.
+/// Returns the top bits of eight bytes.
 #[inline]
 const fn gather_word_top_bits(bytes: u64) -> u64 {
     // Bit 7 of byte k goes to bit 56 + k; no two products meet below.
     (bytes >> 7 & 0x0101_0101_0101_0101).wrapping_mul(0x0102_0408_1020_4080) >> 56
 }
 
-/// Up to seven bytes as a word, the first one lowest.
+/// Returns up to seven bytes as a word, the first one lowest.
 #[inline]
 fn word_from_bytes(bytes: &[u8]) -> u64 {
     bytes.iter().rev().fold(0, |word, byte| word << 8 | u64::from(*byte))

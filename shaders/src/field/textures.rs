@@ -18,7 +18,7 @@ use crate::upload::{Region, Texture};
 /// most 256, and the work left to bring them up to date.
 #[derive(Debug)]
 pub struct DensityField<const N: usize, const K: usize = 1> {
-    /// The maps as noted last, and those that the textures follow.
+    /// The maps as noted last (`noted`), and those that the textures follow (`maps`).
     pub(super) noted: Box<RangeMaps<N, K>>,
     pub(super) maps: Box<RangeMaps<N, K>>,
     /// Columns in which the two may differ.
@@ -42,8 +42,8 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
         N + 2 * PAD
     };
 
-    /// The textures of the empty volume: density 0, cell distances
-    /// [`MAX_CELL_DISTANCE`](super::MAX_CELL_DISTANCE) - 1. All memory is allocated here.
+    /// Creates the textures of the empty volume: density 0, cell distances
+    /// [`MAX_CELL_DISTANCE`](super::MAX_CELL_DISTANCE) - 1. Allocates all memory.
     #[must_use]
     #[allow(clippy::new_without_default)] // megabytes: to be made on purpose
     pub fn new() -> Self {
@@ -118,34 +118,34 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
         sink(TexelBox::cube(cells.side()).to_region(Texture::Cells), cells.bytes());
     }
 
-    /// The maps as they were last noted.
+    /// Returns the maps as they were last noted.
     #[must_use]
     pub const fn noted_maps(&self) -> &RangeMaps<N, K> {
         &self.noted
     }
 
-    /// Whether a voxel of the grid is occupied in [`DensityField::noted_maps`].
+    /// Returns `true` if a voxel of the grid is occupied in [`DensityField::noted_maps`].
     #[must_use]
     #[inline]
     pub fn is_occupied(&self, voxel: [usize; 3]) -> bool {
         self.noted.contains(voxel)
     }
 
-    /// Texels along a side of the density at a level below [`LEVELS`].
+    /// Returns the texels along a side of the density at a level below [`LEVELS`].
     #[must_use]
     #[inline]
     pub fn level_side(&self, mip_level: usize) -> usize {
         self.density[mip_level].side()
     }
 
-    /// A texel of the density at a level, 255 where all is full.
+    /// Returns a texel of the density at a level, 255 where all is full.
     #[must_use]
     #[inline]
     pub fn density_texel(&self, mip_level: usize, texel: [usize; 3]) -> u8 {
         self.density[mip_level].texel(texel)
     }
 
-    /// Trilinear sample of the density, 0 to 1, at a mip level and a point in voxels, clamped to
+    /// Returns a trilinear sample of the density, 0 to 1, at a mip level and a point in voxels, clamped to
     /// the edge.
     #[must_use]
     #[inline]
@@ -155,28 +155,31 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
             .sample_trilinear((point_in_voxels + Vec3::splat(PAD as f32)) * scale)
     }
 
-    /// The direction out of the stone at a texel of level 1, 127 where the density falls by 254 in two texels.
+    /// Returns the direction out of the stone at a texel of level 1: 127 where the density falls by 254 in
+    /// two texels.
     #[must_use]
     pub fn outward_texel(&self, texel: [usize; 3]) -> [i8; 3] {
         let [x, y, z, _] = self.gradients.texel(texel);
         [x, y, z]
     }
 
-    /// How convex the surface is around a texel of level 1, as of [`DensityField::sample_convexity`] 127 times.
+    /// Returns the convexity of the surface around a texel of level 1: 127 times
+    /// [`DensityField::sample_convexity`].
     #[must_use]
     pub fn convexity_texel(&self, texel: [usize; 3]) -> i8 {
         self.gradients.texel(texel)[3]
     }
 
-    /// Trilinear sample, clamped to the edge, of the direction out of the stone at a point in voxels: longer
-    /// the nearer to the surface, at most 1 along each axis.
+    /// Returns a trilinear sample, clamped to the edge, of the direction out of the stone at a point in
+    /// voxels: longer the nearer to the surface, at most 1 along each axis.
     #[must_use]
     #[inline]
     pub fn sample_outward(&self, point_in_voxels: Vec3) -> Vec3 {
         self.sample_gradient(point_in_voxels).truncate()
     }
 
-    /// How convex the surface is at a point in voxels: 1 at the sharpest edges, -1 in the deepest cavities.
+    /// Returns the convexity of the surface at a point in voxels: 1 at the sharpest edges, -1 in the
+    /// deepest cavities.
     #[must_use]
     #[inline]
     pub fn sample_convexity(&self, point_in_voxels: Vec3) -> f32 {
@@ -187,8 +190,8 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
         self.gradients.sample_trilinear((point_in_voxels + Vec3::splat(PAD as f32)) * 0.5)
     }
 
-    /// The Chebyshev distance, in voxels, within which no surface lies around a point in voxels:
-    /// that of its cell, clamped to the edge.
+    /// Returns the Chebyshev distance, in voxels, within which no surface lies around a point in voxels:
+    /// that of the point's cell, clamped to the edge.
     #[must_use]
     #[inline]
     pub fn free_distance_voxels(&self, point_in_voxels: Vec3) -> f32 {
@@ -199,14 +202,14 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
         f32::from(self.free_cells_around(cell)) * size
     }
 
-    /// Cells along a side.
+    /// Returns the number of cells along a side.
     #[must_use]
     #[inline]
     pub fn cells_per_side(&self) -> usize {
         self.cells.free_cells_around_each().side()
     }
 
-    /// The number of cells around one, in each direction, that are free of the surface, 0 to
+    /// Returns the number of cells around `cell`, in each direction, that are free of the surface: 0 to
     /// [`MAX_CELL_DISTANCE`](super::MAX_CELL_DISTANCE) - 1. Texel t lies in cell t / [`cell_side_texels`].
     #[must_use]
     #[inline]
@@ -215,7 +218,7 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
     }
 }
 
-/// Boxes that each can be computed at once and together cover a slab of the finest texels.
+/// Returns boxes that each can be computed at once and together cover a slab of the finest texels.
 pub(super) fn slab_extents(
     density_side: usize,
     slab_index: usize,

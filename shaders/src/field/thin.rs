@@ -1,33 +1,33 @@
 //! Preserves thin features: raises texels of plates, rods and single voxels that the blur leaves
 //! below a half.
 //!
-//! A plate of one voxel peaks at 3/8 under the blur, a rod at 9/64. The values here put the surface
-//! half a voxel from the centres of a long plate's and rod's outer voxels, given what the blur
-//! leaves beside them. A rod of one voxel stands a little prouder: a ray passes what is narrower.
+//! The values here put the surface half a voxel from the centres of a long plate's and rod's outer voxels,
+//! given the blurred densities beside them. A rod of one voxel stands out a little more, since rays step
+//! over anything narrower.
 
 use super::rows::{AtLeastHalfMasks, TexelRows};
 use super::window::{BLUR_MARGIN, MARGIN_X, VoxelWindow, WINDOW_ROWS};
 
-/// A plate of one voxel: a quarter beside it.
+/// Density of a plate of one voxel, with a quarter beside it.
 const PLATE: u8 = 191;
-/// A rod of one voxel, or by itself: 0.09 beside it.
+/// Density of a rod of one voxel, or of a single voxel, with 0.09 beside it.
 const ROD: u8 = 255;
-/// A rod of one by two.
+/// Density of a rod of one by two voxels.
 const RIBBON: u8 = 217;
-/// A rod of two by at_most_two: a fifth beside it.
+/// Density of a rod of two by two voxels, with a fifth beside it.
 const SQUARE_ROD: u8 = 204;
 
-/// Voxels of a row that are thin along x, y and z: bit rows.
+/// Bit rows of the voxels that are thin along x, y and z.
 #[derive(Clone, Copy, Default)]
 struct ThinVoxels {
-    /// Both neighbours are empty.
+    /// Voxels whose neighbours are both empty.
     single: [u64; 3],
-    /// In a run of one or two.
+    /// Voxels in a run of one or two.
     at_most_two: [u64; 3],
 }
 
-/// Raises texels of thin features in so many rows along y and z, and updates `at_least_half`. The
-/// outermost rows, slices and columns only serve as neighbours.
+/// Raises texels of thin features in `row_count` rows of each of `slice_count` slices, and updates
+/// `at_least_half`. The outermost rows, slices and columns only serve as neighbours.
 pub(super) fn raise_thin_features(
     window: &VoxelWindow,
     [row_count, slice_count]: [usize; 2],
@@ -68,7 +68,7 @@ impl RaisedTexels {
     const NONE: RaisedTexels = RaisedTexels { value: 0, texels: 0 };
 }
 
-/// The texels to raise in a row of the window: a plate's, and three widths of rods'.
+/// Finds the texels to raise in a row of the window: those of plates, and of rods of three widths.
 fn find_thin_texels(window: &VoxelWindow, window_y: usize, window_z: usize) -> [RaisedTexels; 4] {
     let (y, z) = (window_y, window_z);
     let here = find_voxels_thin_along_xyz(window, y, z);
@@ -81,7 +81,7 @@ fn find_thin_texels(window: &VoxelWindow, window_y: usize, window_z: usize) -> [
         find_voxels_thin_along_xyz(window, y, z - 1),
         find_voxels_thin_along_xyz(window, y, z + 1),
     ];
-    // The neighbours along x, y and z of which `of` holds.
+    // Returns the neighbours along x, y and z for which `of` holds.
     let around = |of: &dyn Fn(&ThinVoxels) -> u64| {
         let [below, above, before, behind] = [0, 1, 2, 3].map(|i| of(&beside[i]));
         let row = of(&here);
@@ -110,12 +110,12 @@ fn find_thin_texels(window: &VoxelWindow, window_y: usize, window_z: usize) -> [
         .map(|(value, texels)| RaisedTexels { value, texels })
 }
 
-/// Bits that are set in at least three of four rows.
+/// Returns the bits that are set in at least three of four rows.
 fn at_least_three_of_four([a, b]: [u64; 2], [c, d]: [u64; 2]) -> u64 {
     a & b & (c | d) | c & d & (a | b)
 }
 
-/// The voxels of a row of the window that are in runs of one or two.
+/// Finds the voxels of a row of the window that are in runs of one or two along each axis.
 fn find_voxels_thin_along_xyz(
     window: &VoxelWindow,
     window_y: usize,
@@ -126,12 +126,12 @@ fn find_voxels_thin_along_xyz(
     if row == 0 {
         return ThinVoxels::default();
     }
-    // Of a column through the row, from two voxels before to two behind.
+    // Classifies the row by its four neighbours along an axis, two before it and two behind.
     let thin = |[a, b, d, e]: [u64; 4]| {
         let three = (b & a) | (b & d) | (d & e);
         (row & !b & !d, row & !three)
     };
-    // Rows that lie outside the window are asked for by none that counts.
+    // Rows outside the window affect only results that aren't used.
     let at =
         |y: usize, z: usize| if y < WINDOW_ROWS && z < WINDOW_ROWS { window.row(y, z) } else { 0 };
     let (y_1, y_2, z_1, z_2) =
@@ -149,7 +149,7 @@ fn raise_vanished_voxels(
     out: &mut TexelRows,
     at_least_half: &AtLeastHalfMasks,
 ) {
-    // Only texels that lie in the box have theirs all around.
+    // Only texels inside the box have all their neighbours.
     let inner = u64::MAX << MARGIN_X & u64::MAX >> MARGIN_X;
     for z in 1..slice_count - 1 {
         for y in 1..row_count - 1 {

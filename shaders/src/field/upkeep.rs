@@ -20,12 +20,12 @@ use super::textures::DensityField;
 use super::window::MARGIN_X;
 use crate::upload::{Region, Texture};
 
-/// What counts as changed in a line with a column that differs.
+/// Granularity of the changes recorded for a line with a differing column.
 #[derive(Clone, Copy)]
 enum ChangeDetail {
     /// The hull of the voxels that differ.
     DifferingVoxels,
-    /// All its voxels: after the change of a whole map, which is faster.
+    /// All voxels of the line: faster, for the change of a whole map.
     WholeLines,
 }
 
@@ -33,8 +33,8 @@ enum ChangeDetail {
 const COMPARE_TILE: usize = 8;
 
 impl<const N: usize, const K: usize> DensityField<N, K> {
-    /// Notes what a tick changed: copies the `dirty` columns of `maps`, which are all that may
-    /// differ from what was noted before. The textures follow in [`DensityField::update_textures`].
+    /// Records a tick's changes: copies the `dirty` columns of `maps`. No other column may differ from the
+    /// maps noted before. The textures follow in [`DensityField::update_textures`].
     pub fn note_dirty_columns(&mut self, maps: &RangeMaps<N, K>, dirty: &DirtyRects) {
         let is_whole_map = |rect: &ColumnRect| {
             rect.first == (0, 0) && [rect.last.0, rect.last.1].map(usize::from) == [N - 1; 2]
@@ -135,10 +135,10 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
         }
     }
 
-    /// Updates the textures within the budget and passes each region that changed, with its bytes,
-    /// to `sink`, maps first. At least one unit of work is done, so that any budget makes progress.
-    /// The cells are conservative after each call: no distance is more than the present density's,
-    /// and those that the surface may pass through are 0.
+    /// Updates the textures within the budget and passes each region that changed, with its bytes, to
+    /// `sink`, maps first. At least one unit of work is done, so that any budget makes progress. The cells
+    /// are conservative after each call: no distance is more than the present density's, and cells that the
+    /// surface may pass through are 0.
     ///
     /// Returns an estimate of the cost.
     pub fn update_textures(
@@ -164,7 +164,7 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
         if self.gradients.waits_long() {
             self.recompute_gradients(&mut meter, sink);
         }
-        // Only once all columns are compared, lest boxes be computed twice.
+        // Waits until all columns are compared, so that no box is computed twice.
         if self.uncompared.is_empty() {
             self.recompute_stale_boxes(&mut meter, sink);
             self.recompute_gradients(&mut meter, sink);
@@ -192,7 +192,7 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
             let look = (VOXEL_WORK + 2 * (K - 1)) * count_window_voxels(&extent);
             let mut goes = meter.allows_unit_of_work(Cost { work: 2 * look + cells.work, bytes });
             if goes {
-                // The voxels tell how many groups have to be blurred.
+                // The loaded voxels give the number of groups to blur.
                 self.blur.load_voxels(&self.maps, extent);
                 meter.spend(Cost::of_work(look));
                 let blur = UNIFORM_WORK * count_window_voxels(&extent)
@@ -214,7 +214,7 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
         meter.spend(Cost::of_work(affected.max_cost().work));
     }
 
-    /// Whether textures are stale or regions wait to be uploaded.
+    /// Returns `true` if textures are stale or regions wait to be uploaded.
     #[must_use]
     pub fn has_pending(&self) -> bool {
         let boxes = !self.backlog.is_empty() || !self.gradients.stale.is_empty();
@@ -281,7 +281,7 @@ impl<const N: usize, const K: usize> DensityField<N, K> {
         sink(region, &self.staging);
     }
 
-    /// An upper bound of the bytes of any region that passes through the staging buffer.
+    /// Returns an upper bound of the bytes of any region that passes through the staging buffer.
     pub(super) const fn staging_capacity() -> usize {
         let (most, map) = (MAX_BOX, N * N * size_of::<Column<K>>());
         let chunk = most[0] * most[1] * most[2];
@@ -307,7 +307,7 @@ fn emit_box(
     sink(extent.to_region(texture), stage);
 }
 
-/// The region of a map's texture that holds a run of lines.
+/// Returns the region of a map's texture that holds a run of lines.
 fn map_region<const K: usize>(run: &LineRun) -> Region {
     let LineRun { axis, lines, places } = run;
     let min = [places.first() as u32, lines.start as u32, *axis as u32];
@@ -315,7 +315,7 @@ fn map_region<const K: usize>(run: &LineRun) -> Region {
     Region { texture: Texture::Maps(K as u8), min, size }
 }
 
-/// The hull of the symmetric difference of two columns' voxels. The columns differ.
+/// Returns the hull of the symmetric difference of two columns' voxels. The columns must differ.
 fn difference_hull<const K: usize>(old: Column<K>, new: Column<K>) -> Range {
     let ranges = |column: Column<K>| column.ranges().into_iter().filter(|range| !range.is_empty());
     let first = match first_unequal(ranges(old), ranges(new)) {
@@ -329,7 +329,8 @@ fn difference_hull<const K: usize>(old: Column<K>, new: Column<K>) -> Range {
     Range::new(first, last)
 }
 
-/// The first ranges in which two columns differ; none of a column that ends before.
+/// Returns the first pair of ranges in which two columns differ; `None` for a column that has no more
+/// ranges.
 fn first_unequal(
     mut old: impl Iterator<Item = Range>,
     mut new: impl Iterator<Item = Range>,
@@ -348,7 +349,7 @@ struct AffectedCells {
     density_side: usize,
     cell_side_texels: usize,
     bounds: TexelBox,
-    /// Rows of all boxes together, overlaps counted again.
+    /// Sum of the boxes' rows, overlaps included.
     rows: usize,
 }
 
@@ -357,7 +358,7 @@ impl AffectedCells {
         AffectedCells { density_side, cell_side_texels, bounds: TexelBox::NONE, rows: 0 }
     }
 
-    /// Extended by the cells whose distances one more box of texels may change.
+    /// Returns the bounds, extended by the cells whose distances one more box of texels may change.
     fn including_texels(&self, extent: &TexelBox) -> Self {
         let cells = extent.grown_by(1, self.density_side).coarser_by(self.cell_side_texels);
         let cells_per_side = self.density_side / self.cell_side_texels;
@@ -369,7 +370,7 @@ impl AffectedCells {
         }
     }
 
-    /// Upper bounds of the work and of the bytes uploaded.
+    /// Returns upper bounds of the work and of the bytes uploaded.
     fn max_cost(&self) -> Cost {
         if self.rows == 0 {
             return Cost::NONE;
@@ -386,13 +387,13 @@ struct BoxUpdate {
     cost: Cost,
 }
 
-/// Voxels that a box of texels depends on, as they are loaded.
+/// Counts the voxels that are loaded for a box of texels.
 fn count_window_voxels(extent: &TexelBox) -> usize {
     let [x, y, z] = extent.size();
     (x + 2 * MARGIN_X) * (y + 2 * REACH) * (z + 2 * REACH)
 }
 
-/// Upper bound of the bytes to upload for a box of the finest texels, all mip levels included.
+/// Returns an upper bound of the bytes to upload for a box of the finest texels, all mip levels included.
 fn max_upload_bytes(extent: &TexelBox) -> usize {
     (0..LEVELS).map(|level| extent.coarser_by(1 << level).volume()).sum()
 }

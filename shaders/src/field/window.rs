@@ -30,19 +30,19 @@ struct VoxelSpan {
 }
 
 impl VoxelSpan {
-    /// A voxel's offset from the run's start, clamped to 0 and `len`.
+    /// Returns a voxel's offset from the run's start, clamped to 0 and `len`.
     #[inline]
     fn clamped_offset(&self, voxel: usize) -> usize {
         (voxel as isize - self.start).clamp(0, self.len as isize) as usize
     }
 
-    /// The voxels of the run that lie in a grid.
+    /// Returns the voxels of the run that lie in a grid.
     fn voxels_in_grid(self, grid_side: usize) -> std::ops::Range<usize> {
         let inside = |end: isize| end.clamp(0, grid_side as isize) as usize;
         inside(self.start)..inside(self.start + self.len as isize)
     }
 
-    /// The offset from the run's start of the first of them.
+    /// Returns the offset, from the run's start, of its first voxel in the grid.
     const fn offset_of_first_voxel_in_grid(self) -> usize {
         self.start.unsigned_abs() * (self.start < 0) as usize
     }
@@ -53,7 +53,7 @@ impl VoxelWindow {
         VoxelWindow { rows: [[0; WINDOW_ROWS]; WINDOW_ROWS] }
     }
 
-    /// A bit row along x, by the window's own y and z, from 0.
+    /// Returns a bit row along x, by the window's own y and z, from 0.
     #[inline]
     pub(super) fn row(&self, window_y: usize, window_z: usize) -> u64 {
         self.rows[window_z][window_y]
@@ -92,8 +92,8 @@ impl VoxelWindow {
         }
     }
 
-    /// Sets, in a slice of equal z, the voxels that the Y map's columns hold: a parity fill from
-    /// the columns' ends.
+    /// Sets, in a slice of equal z, the voxels that the Y map's columns hold, by a parity fill from the
+    /// columns' ends.
     fn fill_slice_from_y_map<const N: usize, const K: usize>(
         &mut self,
         maps: &RangeMaps<N, K>,
@@ -151,16 +151,16 @@ impl VoxelWindow {
     }
 }
 
-/// Where columns side by side along x begin and end, a bit for each column.
+/// The ends of columns side by side along x, a bit for each column.
 struct ColumnEnds {
-    /// By row of the window, the columns of which an interval begins or ends before it.
+    /// Indexed by row of the window: the columns with an interval that begins or ends before that row.
     toggles: [u64; WINDOW_ROWS + 1],
-    /// The columns that hold all rows; they are in no toggles.
+    /// The columns that hold all rows; `toggles` leaves them out.
     full: u64,
 }
 
-/// Finds the ends of columns side by side along x, from a span's first voxel in the grid on;
-/// `window_rows` tells the rows that a range holds.
+/// Finds the ends of columns side by side along x, from a span's first voxel in the grid on. `window_rows`
+/// maps a range to rows of the window.
 #[inline(always)]
 fn find_column_ends<const K: usize>(
     columns: &[Column<K>],
@@ -189,7 +189,7 @@ fn find_column_ends<const K: usize>(
     ColumnEnds { toggles, full }
 }
 
-/// What eight columns hold of a run of voxels.
+/// Coverage of a run of voxels by eight columns.
 enum ColumnCoverage {
     Empty,
     /// All of the run that lies in the grid.
@@ -197,13 +197,14 @@ enum ColumnCoverage {
     Mixed,
 }
 
-/// What columns hold of a span: bounds for comparing eight columns' ends at once, as a range stores
-/// them.
+/// Classifier of columns by their coverage of a span: bounds to compare the ends of eight columns at once,
+/// in the bytes in which a range stores them.
 struct ColumnClassifier {
     span: VoxelSpan,
-    /// Ends at least these: the column holds all of the run, unless it has a gap.
+    /// Lower bounds of the ends of a column that holds all of the run, unless the column has a gap.
     full: [u8; 16],
-    /// Ends at most these: the column holds nothing of the run, as it lies behind it, or before.
+    /// Upper bounds of the ends of a column that holds nothing of the run, because it lies behind it, or
+    /// before it.
     behind: [u8; 16],
     before: [u8; 16],
 }
@@ -236,7 +237,7 @@ impl ColumnClassifier {
             [ends[2 * i], ends[2 * i + 1]] = column.hull().to_bytes();
             has_gap |= column.has_gaps();
         }
-        // Without branches, so that the compiler vectorises it.
+        // Free of branches, so that the compiler vectorises it.
         let (mut full, mut behind, mut before) = (true, true, true);
         for (i, end) in ends.into_iter().enumerate() {
             full &= end >= self.full[i];
@@ -251,8 +252,8 @@ impl ColumnClassifier {
     }
 }
 
-/// The voxels of a span that a range holds, a bit each, the span's first one lowest. The span has at
-/// most 64.
+/// Returns the voxels of a span that a range holds, a bit each, the span's first voxel lowest. The span has
+/// at most 64 voxels.
 fn range_bits(range: Range, span: VoxelSpan) -> u64 {
     if range.is_empty() {
         return 0;

@@ -1,10 +1,10 @@
-//! The Vulkan renderer that both shells drive: commands for a frame, recorded into whatever images
-//! the shell names. It draws a sculpture, the studio around it and panels of text. It makes no window,
-//! no session and no decision.
+//! The Vulkan renderer that both shells drive: it records a frame's commands into images that the shell
+//! gives. It draws a sculpture, the studio around it and panels of text. It creates no window and no
+//! session, and decides nothing.
 //!
-//! Five layers, each of which imports from those before it alone: `device`, `memory`, `pipelines`,
-//! `passes`, `frame`. The renderer never reads a picture back, and waits for nothing but the frame
-//! that used the same part of its ring before.
+//! Five layers, each of which imports only from those before it: `device`, `memory`, `pipelines`, `passes`,
+//! `frame`. The renderer never reads a picture back, and waits only for the earlier frame that used the
+//! same slot of its ring.
 
 mod device;
 mod frame;

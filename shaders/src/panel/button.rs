@@ -1,4 +1,5 @@
-//! Buttons: rectangles of a panel with a label, a picture and a state. What pressing one does is the caller's.
+//! Buttons: rectangles of a panel with a label, a picture and a state. The caller decides what pressing one
+//! does.
 
 use glam::Vec2;
 use paros_core::badge::Pictogram;
@@ -12,75 +13,75 @@ use super::pose::PanelRect;
 /// A picture on a button.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PanelPicture {
-    /// Of the interface.
+    /// An icon of the interface.
     Icon(Icon),
-    /// Of a badge.
+    /// A pictogram of a badge.
     Pictogram(Pictogram),
-    /// What the shell shows in a cell, large on a card; an icon until there is something.
+    /// The shell's picture in a cell, large on a card; an icon until the cell has a picture.
     Cell {
         /// The cell's number.
         cell: u8,
-        /// The icon.
+        /// The icon shown until then.
         until: Icon,
     },
 }
 
-/// How a button looks.
+/// A button's look.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum ButtonState {
-    /// Nobody points at it.
+    /// Not pointed at.
     #[default]
     Idle,
-    /// A hand, ray or cursor is on it.
+    /// Pointed at by a hand, ray or cursor.
     Hot,
-    /// It is being pressed.
+    /// Being pressed.
     Pressed,
-    /// It is what was chosen: it has a tick, and the colour of none that is to be pressed.
+    /// Selected: shown with a tick and an olive outline.
     Chosen,
-    /// It can't be pressed.
+    /// Disabled: it can't be pressed.
     Off,
 }
 
 /// A button.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct PanelButton<'a> {
-    /// The caller's number.
+    /// The identifier, given by the caller.
     pub id: u16,
-    /// Where it is.
+    /// Position and size.
     pub rect: PanelRect,
-    /// Its text.
+    /// The text.
     pub label: Option<ButtonLabel<'a>>,
-    /// Its picture: left of the text, or over it where the button is high.
+    /// The picture: left of the text, or over it where the button is high.
     pub picture: Option<PanelPicture>,
-    /// How it looks.
+    /// The look.
     pub state: ButtonState,
-    /// Whether it is the one that leads on.
+    /// `true` for the primary button, which leads to the next step.
     pub is_primary: bool,
 }
 
 /// A button's text.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ButtonLabel<'a> {
-    /// In the panel's language.
+    /// A message in the panel's language.
     Message(Message),
-    /// In a language of its own.
+    /// A message in a given language.
     MessageIn(Message, Language),
-    /// As it stands, as a digit.
+    /// A text taken literally, such as a digit.
     Text(&'a str),
 }
 
-/// A button is a card, its picture over its text, from this height on, in millimetres.
+/// Height in millimetres from which a button is a card, with its picture over its text.
 const CARD_HEIGHT: f32 = 180.0;
 
-/// Between a card's edge and its cell's picture, and the radius of that one's corners, in millimetres.
+/// A card's margin around its cell's picture, and the radius of the picture's corners, in millimetres.
 const CELL_MARGIN: f32 = 14.0;
 const CELL_RADIUS: f32 = 14.0;
 
-/// The tick of what is chosen: its side, and how far it is from the button's two edges, in millimetres.
+/// Side of a selected button's tick, and its distance from the upper and right edges, in millimetres.
 const TICK_SIDE: f32 = 26.0;
 const TICK_INSET: f32 = 7.0;
 
-/// The number of the button at a point of a panel: the last one that has it and isn't off.
+/// Returns the identifier of the button at a point of a panel: the last one there that isn't disabled.
 #[must_use]
 pub fn find_button(buttons: &[PanelButton<'_>], at_mm: Vec2) -> Option<u16> {
     let at =
@@ -89,7 +90,7 @@ pub fn find_button(buttons: &[PanelButton<'_>], at_mm: Vec2) -> Option<u16> {
 }
 
 impl<'a> PanelButton<'a> {
-    /// An idle one with a message.
+    /// Creates an idle button with a message.
     #[must_use]
     pub const fn new(id: u16, rect: PanelRect, message: Message) -> Self {
         PanelButton {
@@ -102,13 +103,13 @@ impl<'a> PanelButton<'a> {
         }
     }
 
-    /// The same with an icon.
+    /// Returns the button with an icon.
     #[must_use]
     pub const fn with_icon(self, icon: Icon) -> Self {
         PanelButton { picture: Some(PanelPicture::Icon(icon)), ..self }
     }
 
-    /// The same with a cell's picture over its icon, if it has one.
+    /// Returns the button with a cell's picture over its icon, if it has an icon.
     #[must_use]
     pub const fn with_cell(self, cell: u8) -> Self {
         match self.picture {
@@ -119,25 +120,25 @@ impl<'a> PanelButton<'a> {
         }
     }
 
-    /// The same with another label.
+    /// Returns the button with another label.
     #[must_use]
     pub const fn with_label(self, label: ButtonLabel<'a>) -> Self {
         PanelButton { label: Some(label), ..self }
     }
 
-    /// The same in a state.
+    /// Returns the button in a state.
     #[must_use]
     pub const fn in_state(self, state: ButtonState) -> Self {
         PanelButton { state, ..self }
     }
 
-    /// The same as the one that leads on.
+    /// Returns the button as the primary one.
     #[must_use]
     pub const fn primary(self) -> Self {
         PanelButton { is_primary: true, ..self }
     }
 
-    /// The colours of its ground, its outline and what is on it.
+    /// Returns the colours of the button's ground, outline and contents.
     const fn colors(&self) -> [PanelColor; 3] {
         match (self.state, self.is_primary) {
             (ButtonState::Off, _) => [palette::GROUND, palette::LINE, palette::FAINT],
@@ -150,7 +151,7 @@ impl<'a> PanelButton<'a> {
         }
     }
 
-    /// The text, and its look without alignment.
+    /// Returns the text, its style, and the width of its place in millimetres.
     fn text(&self, language: Language, color: PanelColor) -> Option<(&'a str, TextStyle, f32)> {
         let (text, place) = match self.label? {
             ButtonLabel::Message(message) => (message.text(language), message.place()),
@@ -187,14 +188,14 @@ impl Panel {
         }
     }
 
-    /// Marks what is chosen, in its upper right corner.
+    /// Adds the tick of a selected button, in its upper right corner.
     fn add_tick(&mut self, button: PanelRect) {
         let left = button.x + button.width - TICK_INSET - TICK_SIDE;
         let place = PanelRect::new(left, button.y + TICK_INSET, TICK_SIDE, TICK_SIDE);
         self.add_icon(Icon::Tick, place, palette::OLIVE);
     }
 
-    /// Picture over text.
+    /// Adds the contents of a card: the picture over the text.
     fn add_card_contents(&mut self, language: Language, button: &PanelButton<'_>, ink: PanelColor) {
         let rect = button.rect;
         let text = button.text(language, ink);
@@ -216,7 +217,7 @@ impl Panel {
         }
     }
 
-    /// Picture left of text, both in the middle.
+    /// Adds the contents of a low button: the picture left of the text, both in the middle.
     fn add_row_contents(&mut self, language: Language, button: &PanelButton<'_>, ink: PanelColor) {
         let PanelRect { x, width, height, .. } = button.rect;
         let middle = button.rect.middle();

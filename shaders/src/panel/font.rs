@@ -1,4 +1,4 @@
-//! The panels' atlas: its texels, and where glyphs, pictograms, rims and icons are in it.
+//! The panels' atlas: its texels, and the places of glyphs, pictograms, rims and icons in it.
 
 use std::sync::OnceLock;
 
@@ -21,13 +21,13 @@ pub enum FontWeight {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Glyph {
     character: char,
-    /// How far the pen moves on, in heights of a capital letter.
+    /// Advance of the pen, in heights of a capital letter.
     pub(crate) advance: f32,
-    /// Its cell's upper left corner in the atlas, in texels.
+    /// Upper left corner of the glyph's cell in the atlas, in texels.
     pub(crate) at: [u16; 2],
-    /// Texels across and down; none without ink.
+    /// Texels across and down; zero without ink.
     pub(crate) size: [u8; 2],
-    /// The cell's upper left corner from the pen, in texels, y down.
+    /// Offset of the cell's upper left corner from the pen, in texels, y down.
     pub(crate) corner: [i8; 2],
 }
 
@@ -41,7 +41,7 @@ pub(crate) struct AtlasPicture {
     pub(crate) size: [f32; 2],
 }
 
-/// The atlas's distances, row by row: a byte of 128 on an edge, more inside. See
+/// Returns the atlas's signed distances, row by row: a byte of 128 on an edge, more inside. See
 /// [`PANEL_REACH_TEXELS`](crate::constants::PANEL_REACH_TEXELS).
 ///
 /// # Panics
@@ -58,7 +58,7 @@ pub fn atlas_texels() -> &'static [u8] {
     })
 }
 
-/// The glyph of a character; of those that the font lacks the question mark's.
+/// Returns the glyph of a character, or that of the question mark if the font lacks the character.
 pub(crate) fn glyph_of(weight: FontWeight, character: char) -> &'static Glyph {
     let glyphs: &[Glyph] = match weight {
         FontWeight::Regular => &REGULAR_GLYPHS,
@@ -68,7 +68,7 @@ pub(crate) fn glyph_of(weight: FontWeight, character: char) -> &'static Glyph {
     &glyphs[find(character).or_else(|_| find('?')).unwrap_or(0)]
 }
 
-/// How much more the pen moves on between two characters, in heights of a capital letter.
+/// Returns the kerning between two characters, added to the advance, in heights of a capital letter.
 pub(crate) fn kerning_of(weight: FontWeight, pair: [char; 2]) -> f32 {
     let kerns: &[([char; 2], f32)] = match weight {
         FontWeight::Regular => &REGULAR_KERNS,
@@ -77,7 +77,7 @@ pub(crate) fn kerning_of(weight: FontWeight, pair: [char; 2]) -> f32 {
     kerns.binary_search_by_key(&pair, |(pair, _)| *pair).map_or(0.0, |at| kerns[at].1)
 }
 
-/// A line's width, in heights of a capital letter.
+/// Returns a line's width, in heights of a capital letter.
 #[must_use]
 pub fn line_width(line: &str, weight: FontWeight) -> f32 {
     let advances: f32 = line.chars().map(|c| glyph_of(weight, c).advance).sum();
@@ -94,12 +94,13 @@ impl AtlasPicture {
         Self::at(ICONS[icon as usize], [PANEL_PICTURE_TEXELS; 2])
     }
 
-    /// The rim along the upper edge of a square: as long as the square's side, and an eighth as high.
+    /// Returns the rim along the upper edge of a square: as long as the square's side, and an eighth as
+    /// high.
     pub(crate) fn of_rim(colour: BadgeColour) -> Self {
         Self::at(RIMS[colour as usize], [PANEL_RIM_TEXELS, PANEL_RIM_TEXELS / 8.0])
     }
 
-    /// Of a cell's upper left corner, and the picture's size without the cell's margin.
+    /// Creates a picture from its cell's upper left corner, and its size without the cell's margin.
     fn at(corner: [u16; 2], size: [f32; 2]) -> Self {
         let middle = [0, 1].map(|k| f32::from(corner[k]) + PANEL_REACH_TEXELS + 0.5 * size[k]);
         AtlasPicture { middle, size }

@@ -1,4 +1,4 @@
-//! The panels' texts, of `text/messages.toml`, which the build has checked.
+//! The panels' texts, from `text/messages.toml`, which the build checks.
 
 use core::fmt;
 
@@ -6,34 +6,34 @@ pub use paros_core::badge::Language;
 
 use super::font::FontWeight;
 
-/// Size and room of a text.
+/// Size of a text, and the room that it has.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct PlaceStyle {
     /// The font's weight.
     pub weight: FontWeight,
     /// Height of a capital letter, in millimetres.
     pub capital_mm: f32,
-    /// Width of its lines, in millimetres.
+    /// Width of a line, in millimetres.
     pub width_mm: f32,
-    /// How many lines it may have.
+    /// The most lines.
     pub lines: u8,
 }
 
-/// A name in braces, and what is filled in for it.
+/// A placeholder's name, and its value.
 pub type Filling<'a> = (&'a str, FillingValue<'a>);
 
-/// What is filled in.
+/// The value of a placeholder.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum FillingValue<'a> {
-    /// In decimal.
+    /// A number, written in decimal.
     Number(u32),
-    /// As it stands, as a name.
+    /// A text taken literally, such as a name.
     Text(&'a str),
 }
 
-/// A row of the table.
+/// A row of the message table.
 struct MessageRow {
-    /// By language.
+    /// The texts, indexed by language.
     texts: [&'static str; 2],
     place: TextPlace,
     fillings: &'static [&'static str],
@@ -52,7 +52,7 @@ impl fmt::Display for FillingValue<'_> {
 }
 
 impl TextPlace {
-    /// Its size and room.
+    /// Returns the size and room of the place's texts.
     #[must_use]
     pub const fn style(self) -> PlaceStyle {
         STYLES[self as usize]
@@ -60,28 +60,29 @@ impl TextPlace {
 }
 
 impl Message {
-    /// The text, with what is filled in as a name in braces.
+    /// Returns the text, with placeholders as names in braces.
     #[must_use]
     pub const fn text(self, language: Language) -> &'static str {
         ROWS[self as usize].texts[language as usize]
     }
 
-    /// The place that it fits.
+    /// Returns the place that the text is checked to fit.
     #[must_use]
     pub const fn place(self) -> TextPlace {
         ROWS[self as usize].place
     }
 
-    /// Names of what is filled in.
+    /// Returns the names of the placeholders.
     #[must_use]
     pub const fn fillings(self) -> &'static [&'static str] {
         ROWS[self as usize].fillings
     }
 
-    /// Writes the text, filled in. A name that `fillings` lacks stays in its braces.
+    /// Writes the text with its placeholders filled in. A placeholder that `fillings` lacks stays in its
+    /// braces.
     ///
     /// # Errors
-    /// That of `to`.
+    /// The error of `to`.
     pub fn write_filled(
         self,
         to: &mut impl fmt::Write,

@@ -1,7 +1,8 @@
-//! Panels in the room: texts, icons and boxes, laid out in code, drawn by the GPU and by its CPU twin from the same list
-//! of quads, for the window and the headset.
+//! Panels in the room: texts, icons and boxes, laid out in code. The GPU and its CPU twin draw them from
+//! the same list of quads, for the window and the headset.
 //!
-//! It knows texts, sizes and colours, and where a ray meets a panel; not what a button does, nor when it is shown.
+//! This module knows texts, sizes and colours, and where a ray meets a panel. It knows neither what a
+//! button does nor when a panel is shown.
 
 pub mod button;
 mod font;

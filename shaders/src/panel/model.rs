@@ -1,4 +1,4 @@
-//! A panel: what it shows, as a list of quads, and where it stands.
+//! A panel: its contents, as a list of quads, and its pose.
 
 use core::fmt::Write as _;
 
@@ -15,24 +15,24 @@ use crate::constants::{
 };
 use crate::limits::PANEL_QUADS;
 
-/// From one line's foot to the next one's, in heights of a capital letter.
+/// Line spacing: the distance between the baselines of two lines, in heights of a capital letter.
 pub const LINE_HEIGHT: f32 = 1.9;
 
-/// Of the margin around a shape in the atlas the outermost half texel isn't drawn, so that nothing of the next cell is.
+/// Texels trimmed from the margin around a shape in the atlas, so that nothing of the next cell is drawn.
 const TRIM_TEXELS: f32 = 0.5;
 
 /// sRGB with straight alpha.
 pub type PanelColor = [u8; 4];
 
-/// How a line lies at its point.
+/// Alignment of a line at its point.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum TextAlign {
-    /// It begins there.
+    /// The line begins at the point.
     #[default]
     Left,
-    /// Its middle is there.
+    /// The line's middle is at the point.
     Middle,
-    /// It ends there.
+    /// The line ends at the point.
     Right,
 }
 
@@ -43,42 +43,42 @@ pub struct TextStyle {
     pub weight: FontWeight,
     /// Height of a capital letter, in millimetres.
     pub capital_mm: f32,
-    /// Of the letters.
+    /// Colour of the letters.
     pub color: PanelColor,
-    /// How it lies.
+    /// Alignment.
     pub align: TextAlign,
 }
 
 /// A rounded box's look.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub struct BoxStyle {
-    /// Of its corners, in millimetres.
+    /// Radius of the corners, in millimetres.
     pub radius_mm: f32,
-    /// Of its inside.
+    /// Colour of the inside.
     pub fill: PanelColor,
-    /// Of its outline.
+    /// Colour of the outline.
     pub outline: PanelColor,
-    /// How wide the outline is, within the box; 0 without.
+    /// Width of the outline, within the box, in millimetres; 0 for none.
     pub outline_mm: f32,
-    /// How far its edge fades, as a shadow's does.
+    /// Width over which the edge fades, as a shadow's does, in millimetres.
     pub softness_mm: f32,
 }
 
-/// A panel. A shell keeps it, and lays it out anew where something changed: nothing is allocated then that fits what
-/// was there before.
+/// A panel. A shell keeps it, and lays it out again when something changes. This allocates nothing as long
+/// as the new contents are no larger than earlier ones.
 #[derive(Clone, PartialEq, Default, Debug)]
 pub struct Panel {
-    /// Where it stands.
+    /// Pose in the room.
     pub pose: PanelPose,
     size_mm: [f32; 2],
     quads: Vec<PanelQuad>,
     least_capital_mm: Option<f32>,
-    /// Texts are filled in here.
+    /// Buffer in which placeholders are filled in.
     filled: String,
 }
 
 impl PlaceStyle {
-    /// The look of texts of the place.
+    /// Returns the look of the place's texts, in a colour and an alignment.
     #[must_use]
     pub const fn colored(self, color: PanelColor, align: TextAlign) -> TextStyle {
         TextStyle { weight: self.weight, capital_mm: self.capital_mm, color, align }
@@ -86,57 +86,57 @@ impl PlaceStyle {
 }
 
 impl Panel {
-    /// An empty panel of so many millimetres.
+    /// Creates an empty panel of this size, in millimetres.
     #[must_use]
     pub fn new(size_mm: [f32; 2]) -> Self {
         Panel { size_mm, ..Panel::default() }
     }
 
-    /// Empties it, and makes it so large.
+    /// Empties the panel, and sets its size.
     pub fn clear(&mut self, size_mm: [f32; 2]) {
         self.quads.clear();
         self.size_mm = size_mm;
         self.least_capital_mm = None;
     }
 
-    /// Its width and height, in millimetres.
+    /// Returns the panel's width and height, in millimetres.
     #[must_use]
     pub const fn size_mm(&self) -> [f32; 2] {
         self.size_mm
     }
 
-    /// What it is drawn of, from the back to the front.
+    /// Returns the quads that the panel is drawn of, from the back to the front.
     #[must_use]
     pub fn quads(&self) -> &[PanelQuad] {
         &self.quads
     }
 
-    /// All of it.
+    /// Returns the rectangle of the whole panel.
     #[must_use]
     pub const fn rect(&self) -> PanelRect {
         PanelRect::new(0.0, 0.0, self.size_mm[0], self.size_mm[1])
     }
 
-    /// The angle that a capital letter of its smallest text has at a distance, in degrees; None without text. Below one
-    /// it can't be read on a headset.
+    /// Returns the angle, in degrees, that a capital letter of the smallest text has at a distance; `None`
+    /// without text. Text below one degree can't be read on a headset.
     #[must_use]
     pub fn least_text_degrees(&self, distance_m: f32) -> Option<f32> {
         self.least_capital_mm.map(|mm| (mm * 1e-3).atan2(distance_m).to_degrees())
     }
 
-    /// Where a ray meets its front, as [`PanelPose::intersect_ray`].
+    /// Returns the point where a ray meets the panel's front, as [`PanelPose::intersect_ray`].
     #[must_use]
     pub fn intersect_ray(&self, origin: Vec3, direction: Vec3) -> Option<PanelPoint> {
         self.pose.intersect_ray(self.size_mm, origin, direction)
     }
 
-    /// Which of its points a point of the room is before or behind, as [`PanelPose::project_point`].
+    /// Projects a point of the room onto the panel, as [`PanelPose::project_point`].
     #[must_use]
     pub fn project_point(&self, point: Vec3) -> PanelPoint {
         self.pose.project_point(self.size_mm, point)
     }
 
-    /// Adds a quad, or leaves it out where the panel has as many as a frame draws.
+    /// Adds a quad, or drops it if the panel already has as many as a frame draws.
     fn push(&mut self, quad: PanelQuad) {
         if self.quads.len() < PANEL_QUADS {
             self.quads.push(quad);
@@ -157,7 +157,7 @@ impl Panel {
         });
     }
 
-    /// Adds a line of text, its foot at a point: where a capital letter stands.
+    /// Adds a line of text. `foot` lies on the baseline.
     pub fn add_line(&mut self, text: &str, foot: Vec2, style: &TextStyle) {
         let width = style.capital_mm * line_width(text, style.weight);
         let mut pen = match style.align {
@@ -192,7 +192,8 @@ impl Panel {
         }
     }
 
-    /// Adds a text in lines of a width at the most, about as long as each other, the first one's foot at a point. How many lines it took.
+    /// Adds a text in lines of at most `width_mm`, about equally long; `foot` lies on the first baseline.
+    /// Returns the number of lines.
     pub fn add_paragraph(
         &mut self,
         text: &str,
@@ -211,7 +212,7 @@ impl Panel {
         lines
     }
 
-    /// The same with the lines' middle at the height of a point.
+    /// Adds a text like [`Panel::add_paragraph`], with its lines vertically centred at `at`.
     pub fn add_paragraph_around(
         &mut self,
         text: &str,
@@ -225,7 +226,8 @@ impl Panel {
         self.add_paragraph(text, at + Vec2::Y * foot, width_mm, style)
     }
 
-    /// Adds a message in its place's size and lines, filled in. How many lines it took.
+    /// Adds a message with its placeholders filled in, in its place's size and width. Returns the number of
+    /// lines.
     pub fn add_message(
         &mut self,
         message: Message,
@@ -237,14 +239,14 @@ impl Panel {
         let style = place.colored(color, align);
         let mut filled = core::mem::take(&mut self.filled);
         filled.clear();
-        // A string takes any text.
+        // Writing to a string can't fail.
         let _ = message.write_filled(&mut filled, language, fillings);
         let lines = self.add_paragraph(&filled, foot, place.width_mm, &style);
         self.filled = filled;
         lines
     }
 
-    /// Adds a line of text that is written out.
+    /// Adds a line of formatted text.
     pub fn add_written_line(
         &mut self,
         text: core::fmt::Arguments<'_>,
@@ -268,8 +270,8 @@ impl Panel {
         self.add_picture(&AtlasPicture::of_pictogram(pictogram), rect, 0, color);
     }
 
-    /// Adds the picture of a cell, as large as fits a rectangle, its corners rounded: nothing is seen of it before the
-    /// cell has one.
+    /// Adds the picture of a cell, as large as fits a rectangle, with rounded corners. It is invisible
+    /// until the cell has a picture.
     pub fn add_image(&mut self, cell: u8, rect: PanelRect, radius_mm: f32) {
         let half = 0.5 * rect.width.min(rect.height);
         self.push(PanelQuad {
@@ -313,7 +315,8 @@ impl Panel {
         });
     }
 
-    /// Adds a ring around a point, or a part of it from its top clockwise, 0 to 1. Nothing for a part of 0.
+    /// Adds a ring around a point, or an arc of it: the `part`, 0 to 1, clockwise from its top. A part of 0
+    /// adds nothing.
     pub fn add_ring(
         &mut self,
         middle: Vec2,
@@ -333,7 +336,7 @@ impl Panel {
         }
     }
 
-    /// Adds a bar that is full to a part from its left, 0 to 1.
+    /// Adds a progress bar, filled from its left to `part`, 0 to 1.
     pub fn add_progress_bar(&mut self, rect: PanelRect, part: f32, colors: [PanelColor; 2]) {
         let [track, bar] = colors;
         let radius_mm = 0.5 * rect.height;
@@ -350,7 +353,7 @@ impl Panel {
     pub fn add_badge(&mut self, badge: &Badge, square: PanelRect) {
         let opaque = |[r, g, b]: [u8; 3]| [r, g, b, 255];
         let (ground, ink) = (opaque(badge.colour.ground()), opaque(badge.colour.ink()));
-        // In parts of 176 of its side.
+        // Coordinates are in 176ths of the badge's side.
         let unit = square.width / 176.0;
         let part = |x: f32, y: f32, width: f32, height: f32| {
             PanelRect::new(square.x + x * unit, square.y + y * unit, width * unit, height * unit)

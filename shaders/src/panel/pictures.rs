@@ -1,4 +1,4 @@
-//! Pictures that a shell shows on panels, a cell each: the twin reads them here, the device has a copy.
+//! A shell's pictures on panels, one for each cell: the CPU twin reads them here, the device has a copy.
 
 use glam::{Vec2, Vec3};
 
@@ -6,18 +6,18 @@ use super::quad::{QuadColor, linear_color};
 use crate::Image;
 use crate::limits::{PANEL_CELL_TEXELS, PANEL_CELLS};
 
-/// The pictures of the cells, as far as there are any.
+/// The pictures of the cells that have one.
 #[derive(Clone, Default, Debug)]
 pub struct PanelPictures {
     cells: [Option<Image>; PANEL_CELLS],
 }
 
 impl PanelPictures {
-    /// Without a picture.
+    /// All cells without a picture.
     pub const EMPTY: Self = PanelPictures { cells: [const { None }; PANEL_CELLS] };
 
-    /// Puts a picture into a cell. False, without effect, where there is no such cell or the picture isn't
-    /// [`PANEL_CELL_TEXELS`] wide and high.
+    /// Sets a cell's picture. Returns `false`, without effect, if there is no such cell or the picture
+    /// isn't [`PANEL_CELL_TEXELS`] wide and high.
     pub fn set(&mut self, cell: u8, picture: &Image) -> bool {
         let fits = is_cell_picture(cell, picture);
         if fits {
@@ -26,10 +26,10 @@ impl PanelPictures {
         fits
     }
 
-    /// The colour at a place of a cell's picture, 0 to 1 from its upper left corner, between its four nearest texels;
-    /// of a cell without one nothing is seen.
+    /// Returns the bilinearly interpolated colour at a place of a cell's picture, 0 to 1 from its upper
+    /// left corner; transparent if the cell has no picture.
     pub(crate) fn color_at(&self, cell: f32, place: Vec2) -> QuadColor {
-        // A number below 0 or none is the first cell's; a panel makes neither.
+        // A negative number or NaN selects the first cell; no panel has either.
         let Some(Some(picture)) = self.cells.get(cell as usize) else {
             return QuadColor { rgb: Vec3::ZERO, alpha: 0.0 };
         };
@@ -46,7 +46,7 @@ impl PanelPictures {
     }
 }
 
-/// Whether there is such a cell, and the picture is as large as one.
+/// Returns `true` if there is such a cell, and the picture has a cell's size.
 pub(crate) const fn is_cell_picture(cell: u8, picture: &Image) -> bool {
     (cell as usize) < PANEL_CELLS
         && picture.width == PANEL_CELL_TEXELS

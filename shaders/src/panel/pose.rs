@@ -1,15 +1,17 @@
-//! Where a panel is in the room, and where rays and fingers meet it.
+//! A panel's pose in the room, and where rays and fingers meet it.
 
 use glam::{Quat, Vec2, Vec3};
 
-/// A panel's place: its middle, and its turn, as of OpenXR's quads: x to the right, y up, z towards who reads it.
+/// A panel's pose: its middle and rotation, as of OpenXR's quads: x to the right, y up, z towards the
+/// reader.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct PanelPose {
-    /// In metres of the room.
+    /// The middle, in metres of the room.
     pub middle: Vec3,
-    /// Of the panel's axes.
+    /// Rotation of the panel's axes.
     pub rotation: Quat,
-    /// How large its millimetres are: 1 in a room, less where it is held before the eye of a window.
+    /// Scale of the panel's millimetres: 1 in a room, less where the panel is held before the eye of a
+    /// window.
     pub scale: f32,
 }
 
@@ -18,7 +20,7 @@ pub struct PanelPose {
 pub struct PanelPoint {
     /// Millimetres from the panel's upper left corner, y down.
     pub at_mm: Vec2,
-    /// Metres along a ray; of a finger its height before the panel, negative behind it.
+    /// Metres along a ray; for a finger, its height before the panel, negative behind it.
     pub distance: f32,
 }
 
@@ -29,22 +31,22 @@ pub struct PanelRect {
     pub x: f32,
     /// Upper side.
     pub y: f32,
-    /// To the right side.
+    /// Width, to the right.
     pub width: f32,
-    /// To the lower side.
+    /// Height, downwards.
     pub height: f32,
 }
 
 impl Default for PanelPose {
-    /// In the room's origin, towards +z.
+    /// Returns the pose at the room's origin, facing +z.
     fn default() -> Self {
         PanelPose { middle: Vec3::ZERO, rotation: Quat::IDENTITY, scale: 1.0 }
     }
 }
 
 impl PanelPose {
-    /// A panel upright, its middle at a place, towards eyes at another: turned to them, and tilted by no more than they
-    /// are above or below.
+    /// Returns the pose of a panel at `middle` that faces `eyes`: turned and tilted towards them, with its
+    /// lower side level.
     #[must_use]
     pub fn facing(middle: Vec3, eyes: Vec3) -> Self {
         let towards = eyes - middle;
@@ -54,14 +56,16 @@ impl PanelPose {
         PanelPose { middle, rotation, scale: 1.0 }
     }
 
-    /// The upper left corner of a panel of this size, and its vectors of a millimetre to the right and down, in metres.
+    /// Returns the upper left corner of a panel of this size, and the vectors of a millimetre to the right
+    /// and of a millimetre down, in metres.
     pub(crate) fn frame(&self, [width, height]: [f32; 2]) -> [Vec3; 3] {
         let right = self.rotation * Vec3::X * (1e-3 * self.scale);
         let down = self.rotation * Vec3::NEG_Y * (1e-3 * self.scale);
         [self.middle - right * (0.5 * width) - down * (0.5 * height), right, down]
     }
 
-    /// Where a ray of the room meets the front of a panel of this size; None beside it, from behind, or away from it.
+    /// Returns the point where a ray of the room meets the front of a panel of this size; `None` if the ray
+    /// passes beside it, comes from behind, or points away.
     #[must_use]
     pub fn intersect_ray(
         &self,
@@ -74,7 +78,7 @@ impl PanelPose {
         PanelRect { x: 0.0, y: 0.0, width, height }.contains(hit.at_mm).then_some(hit)
     }
 
-    /// The same with the panel's plane.
+    /// Intersects a ray like [`PanelPose::intersect_ray`], but with the panel's whole plane.
     pub(crate) fn intersect_plane(
         &self,
         size_mm: [f32; 2],
@@ -84,7 +88,7 @@ impl PanelPose {
         let normal = self.rotation * Vec3::Z;
         let falling = -normal.dot(direction);
         let height = normal.dot(origin - self.middle);
-        // A direction or place that is no number fails both.
+        // A direction or origin with a NaN fails both comparisons.
         let meets = falling > 1e-6 && height >= 0.0;
         meets.then(|| {
             let along = height / falling;
@@ -93,7 +97,8 @@ impl PanelPose {
         })
     }
 
-    /// The point of the panel of this size, or of its plane, that a point of the room is before or behind.
+    /// Projects a point of the room onto the plane of a panel of this size. The distance is the point's
+    /// height before the panel.
     #[must_use]
     pub fn project_point(&self, size_mm: [f32; 2], point: Vec3) -> PanelPoint {
         let local = self.rotation.inverse() * (point - self.middle);
@@ -104,26 +109,26 @@ impl PanelPose {
 }
 
 impl PanelRect {
-    /// Of its sides: left, upper, width, height.
+    /// Creates a rectangle from its left side, upper side, width and height.
     #[must_use]
     pub const fn new(x: f32, y: f32, width: f32, height: f32) -> Self {
         PanelRect { x, y, width, height }
     }
 
-    /// Whether a point is within or on its edge.
+    /// Returns `true` if a point is inside or on the edge.
     #[must_use]
     pub fn contains(&self, at_mm: Vec2) -> bool {
         let Vec2 { x, y } = at_mm - Vec2::new(self.x, self.y);
         (0.0..=self.width).contains(&x) && (0.0..=self.height).contains(&y)
     }
 
-    /// Its middle.
+    /// Returns the middle.
     #[must_use]
     pub fn middle(&self) -> Vec2 {
         Vec2::new(self.x + 0.5 * self.width, self.y + 0.5 * self.height)
     }
 
-    /// It, grown to every side.
+    /// Returns the rectangle, grown by `by` on every side.
     #[must_use]
     pub fn grown(&self, by: f32) -> Self {
         let PanelRect { x, y, width, height } = *self;

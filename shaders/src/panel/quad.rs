@@ -1,4 +1,4 @@
-//! The rectangles that a panel is drawn of, and the colour of a point of one: the twin of `wgsl/panel.wgsl`.
+//! The quads that a panel is drawn of, and the colour at a point of a quad: the twin of `wgsl/panel.wgsl`.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
@@ -16,16 +16,16 @@ use crate::constants::{
 pub struct PanelQuad {
     /// Millimetres from the panel's upper left corner, y down.
     pub middle: [f32; 2],
-    /// Half its width and height, in millimetres: of a shape with its margin, of others without.
+    /// Half the width and height, in millimetres: with the margin for a shape, without it for other kinds.
     pub half: [f32; 2],
-    /// By kind. A box: its corners' radius, its outline's width and how far its edge fades, in millimetres. A shape: its
-    /// middle in the atlas, in texels, and the texels of a millimetre to the right. A ring: its width in millimetres,
-    /// and the part of it from its top clockwise. An image: its corners' radius in millimetres, and its cell's number
-    /// as the fourth.
+    /// Parameters by kind. A box: its corners' radius, its outline's width and the width over which its
+    /// edge fades, in millimetres. A shape: its middle in the atlas, in texels, and the texels of a
+    /// millimetre to the right. A ring: its width in millimetres, and the part of it from its top
+    /// clockwise. An image: its corners' radius in millimetres, and as the fourth its cell's number.
     pub shape: [f32; 4],
-    /// sRGB and straight alpha.
+    /// Fill colour: sRGB with straight alpha.
     pub fill: [u8; 4],
-    /// Of a box's outline.
+    /// Outline colour of a box.
     pub outline: [u8; 4],
     /// `PANEL_BOX`, `PANEL_SHAPE`, `PANEL_RING` or `PANEL_IMAGE`.
     pub kind: u32,
@@ -39,7 +39,7 @@ pub(crate) struct QuadColor {
 }
 
 impl PanelQuad {
-    /// Half the width and height that are drawn, in millimetres.
+    /// Returns half the width and height that are drawn, in millimetres.
     pub(crate) fn drawn_half(&self) -> Vec2 {
         let margin = match self.kind {
             PANEL_SHAPE => 0.0,
@@ -49,7 +49,8 @@ impl PanelQuad {
         Vec2::from_array(self.half) + Vec2::splat(margin)
     }
 
-    /// The colour at a point, in millimetres from its middle, y down; a pixel is `pixel_mm` wide there.
+    /// Returns the colour at a point, in millimetres from the quad's middle, y down; a pixel is `pixel_mm`
+    /// wide there.
     pub(crate) fn color_at(&self, at: Vec2, pixel_mm: f32, pictures: &PanelPictures) -> QuadColor {
         let coverage = |distance: f32, width: f32| (distance / width + 0.5).clamp(0.0, 1.0);
         if self.kind == PANEL_IMAGE {
@@ -84,7 +85,7 @@ impl PanelQuad {
         }
     }
 
-    /// The distance to a rounded box's edge, positive inside.
+    /// Returns the distance to a rounded box's edge, positive inside.
     fn box_distance(&self, at: Vec2) -> f32 {
         let radius = self.shape[0];
         let beyond = at.abs() - Vec2::from_array(self.half) + Vec2::splat(radius);
@@ -92,7 +93,7 @@ impl PanelQuad {
         radius - length(outside) - beyond.max_element().min(0.0)
     }
 
-    /// The distance to the edge of a part of a ring with round ends, positive inside.
+    /// Returns the distance to the edge of a part of a ring with round ends, positive inside.
     fn ring_distance(&self, at: Vec2) -> f32 {
         let [width, part, ..] = self.shape;
         let middle_radius = self.half[0] - 0.5 * width;
@@ -109,7 +110,7 @@ impl PanelQuad {
         0.5 * width - length(at - start).min(length(at - end))
     }
 
-    /// The distance to a shape's edge by the atlas, positive inside.
+    /// Returns the distance to a shape's edge by the atlas, positive inside.
     fn shape_distance(&self, at: Vec2) -> f32 {
         let [u, v, along, across] = self.shape;
         let texel = [u + at.x * along - at.y * across, v + at.x * across + at.y * along];
@@ -118,7 +119,7 @@ impl PanelQuad {
     }
 }
 
-/// The atlas at a place in texels, between its four nearest texels, 0 to 1.
+/// Samples the atlas bilinearly at a place in texels, 0 to 1.
 fn sample_atlas([u, v]: [f32; 2]) -> f32 {
     let texels = atlas_texels();
     let [width, height] = ATLAS_SIZE.map(|side| side as i32);
@@ -132,7 +133,7 @@ fn sample_atlas([u, v]: [f32; 2]) -> f32 {
     row(0) * (1.0 - t) + row(1) * t
 }
 
-/// Of sRGB bytes.
+/// Converts sRGB bytes to a linear colour.
 pub(crate) fn linear_color(color: [u8; 4]) -> QuadColor {
     let [r, g, b, alpha] = color.map(|c| f32::from(c) / 255.0);
     let linear = |c: f32| match c <= 0.04045 {
@@ -142,7 +143,7 @@ pub(crate) fn linear_color(color: [u8; 4]) -> QuadColor {
     QuadColor { rgb: Vec3::new(linear(r), linear(g), linear(b)), alpha }
 }
 
-/// By the hardware's square root; glam's is libm's here, as the core needs it.
+/// Returns a vector's length, by the hardware's square root; glam uses libm's here, as the core needs it.
 fn length(v: Vec2) -> f32 {
     (v.x * v.x + v.y * v.y).sqrt()
 }

@@ -1,6 +1,7 @@
-//! Line breaking: as many words on a line as fit. The build wraps by this too, so that what it has checked fits.
+//! Line breaking: as many words on a line as fit. The build wraps by this code too, so that texts that it
+//! accepts fit.
 
-/// The lines of a text, broken at spaces: each as long as fits a width. A word that is wider has a line of its own.
+/// The lines of a text, broken at spaces: each as long as fits a width. A wider word has a line of its own.
 #[derive(Clone, Debug)]
 pub(crate) struct WrappedLines<'a, F> {
     rest: &'a str,
@@ -9,7 +10,7 @@ pub(crate) struct WrappedLines<'a, F> {
 }
 
 impl<'a, F: Fn(&str) -> f32> WrappedLines<'a, F> {
-    /// Of a text, for a width in the unit of `measure`, which gives a line's width.
+    /// Creates the lines of a text, for a width in the unit of `measure`, which returns a line's width.
     pub(crate) const fn new(text: &'a str, width: f32, measure: F) -> Self {
         WrappedLines { rest: text, width, measure }
     }
@@ -37,7 +38,8 @@ impl<'a, F: Fn(&str) -> f32> Iterator for WrappedLines<'a, F> {
     }
 }
 
-/// A text's narrowest width, in steps, in which it has no more lines: so that no line is left with a word alone.
+/// Returns the narrowest width, in steps, at which a text has no more lines than at `width`, so that no
+/// word is left alone on a line.
 pub(crate) fn even_width(text: &str, width: f32, measure: impl Fn(&str) -> f32) -> f32 {
     const STEP: f32 = 0.04;
     let lines = |room| WrappedLines::new(text, room, &measure);
@@ -57,7 +59,7 @@ pub(crate) fn even_width(text: &str, width: f32, measure: impl Fn(&str) -> f32) 
 mod tests {
     use super::{WrappedLines, even_width};
 
-    /// Lines of a text whose letters are one wide.
+    /// Returns the lines of a text whose letters are one wide.
     fn wrapped(text: &str, width: f32) -> Vec<&str> {
         WrappedLines::new(text, width, |line: &str| line.chars().count() as f32).collect()
     }

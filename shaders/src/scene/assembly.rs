@@ -27,20 +27,20 @@ use crate::limits::EDIT_PARTICLES;
 /// Input of a frame that is newer than the last tick.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub struct LatestInput {
-    /// Latest grip poses of the left and the right hand, in metres; None falls back to the tick's.
+    /// Latest grip poses of the left and the right hand, in metres; `None` falls back to the tick's.
     pub grips: [Option<RoomPose>; 2],
-    /// Whether hands are drawn besides what they hold.
+    /// `true` to draw the hands besides what they hold.
     pub show_hands: bool,
     /// Interpolation factor from the tick before the last (0) to the last (1); clamped.
     pub tick_fraction: f32,
     /// Monotonic time in seconds, of any epoch.
     pub time_seconds: f64,
-    /// Where a pull of the trigger takes each hand's bit from where it is, in metres of the room; None for as far as the
-    /// hand pushes it.
+    /// Displacement of each hand's bit by a pull of the trigger, in metres of the room; `None` for as far
+    /// as the hand pushes the bit.
     pub next_bites: [Option<Vec3>; 2],
-    /// Whether the mirror's plane and the reflected tools are drawn while it works.
+    /// `true` to draw the mirror's plane and the reflected tools while the mirror is on.
     pub show_mirror: bool,
-    /// Whether what a squeeze of a hand would take is lit.
+    /// `true` to light what a squeeze of a hand would take.
     pub light_targets: bool,
 }
 
@@ -82,7 +82,7 @@ impl Default for SceneAssembler {
 }
 
 impl SceneAssembler {
-    /// Without a tick yet.
+    /// Creates an assembler that has followed no tick yet.
     #[must_use]
     pub fn new() -> Self {
         SceneAssembler {
@@ -175,26 +175,26 @@ impl SceneAssembler {
         &self.list
     }
 
-    /// The sculpture's placement in the last assembled frame.
+    /// Returns the sculpture's placement in the last assembled frame.
     #[must_use]
     pub const fn sculpture_placement(&self) -> SculpturePlacement {
         self.sculpture
     }
 
-    /// How far the light of the last assembled frame is that of a find, 0 to 1: see
+    /// Returns the part, 0 to 1, to which the last assembled frame has the light of a find: see
     /// [`RenderStyle::lighting_a_find`](crate::gpu::RenderStyle::lighting_a_find).
     #[must_use]
     pub fn found_part(&self) -> f32 {
         self.found.smooth_part()
     }
 
-    /// The draw list of the last assembled frame.
+    /// Returns the draw list of the last assembled frame.
     #[must_use]
     pub const fn draw_list(&self) -> &DrawList {
         &self.list
     }
 
-    /// The particles.
+    /// Returns the particles.
     #[must_use]
     pub const fn particles(&self) -> &Particles {
         &self.particles
@@ -265,7 +265,7 @@ impl SceneAssembler {
         self.add_bit(bench, bit, bit_pose(grip, tool), tint);
     }
 
-    /// Adds a bit of the size that it has.
+    /// Adds a bit at its current size.
     fn add_bit(
         &mut self,
         bench: &Workbench,
@@ -299,7 +299,7 @@ impl SceneAssembler {
                 WorldEvent::Islands(report) if report.removed > 0 => {
                     self.drop_island(world, seed);
                 }
-                // A flake falls as an island does.
+                // A flake falls like an island.
                 WorldEvent::Split { .. } => self.drop_island(world, seed),
                 _ => {}
             }
@@ -346,7 +346,7 @@ impl SceneAssembler {
         }
     }
 
-    /// Lets an island that was removed fall as a stone, or spawns motes where it was if it is too small for one.
+    /// Drops a removed island as a falling stone, or spawns motes in its place if it is too small for one.
     fn drop_island<const N: usize, const K: usize>(&mut self, world: &World<N, K>, seed: u64)
     where
         Grid<N>: Size,
@@ -367,7 +367,7 @@ impl SceneAssembler {
     }
 }
 
-/// The transform from an item's own space, at a pose, to the room.
+/// Returns the transform from an item's own space, at a pose, to the room.
 pub(super) fn room_from_pose((position, rotation): RoomPose) -> Affine3A {
     Affine3A::from_rotation_translation(rotation, position)
 }

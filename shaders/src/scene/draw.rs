@@ -12,7 +12,7 @@ use crate::limits::INSTANCES;
 pub struct MeshInstance {
     /// Affine transform from the mesh to the room (metres): three rows of four.
     pub transform: [f32; 12],
-    /// Colour factors, and the emissive part; for a particle the opacity.
+    /// Colour factors, and as the fourth the emissive part; for a particle the opacity.
     pub tint: [f32; 4],
 }
 
@@ -21,15 +21,15 @@ pub struct MeshInstance {
 pub struct Batch {
     /// The mesh.
     pub mesh: MeshId,
-    /// With what it is drawn: the mesh's own group, or one that it was added to.
+    /// The group that the mesh is drawn in: its own, or another that it was added to.
     pub group: DrawGroup,
-    /// Its first instance.
+    /// The batch's first instance.
     pub first: u32,
     /// Number of instances, not 0.
     pub count: u32,
 }
 
-/// What a draw list holds without allocating.
+/// Capacity of a draw list, allocated when the list is created.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct DrawListCapacity {
     /// Instances.
@@ -47,7 +47,7 @@ pub struct DrawList {
 }
 
 impl DrawList {
-    /// An empty list with capacity for all instances.
+    /// Creates an empty list with capacity for all instances.
     #[must_use]
     pub(crate) fn new() -> Self {
         DrawList {
@@ -57,25 +57,25 @@ impl DrawList {
         }
     }
 
-    /// All instances, ordered by mesh.
+    /// Returns all instances, ordered by mesh.
     #[must_use]
     pub fn instances(&self) -> &[MeshInstance] {
         &self.instances
     }
 
-    /// One batch for each mesh drawn and each group that it is drawn in.
+    /// Returns one batch for each mesh drawn and each group that it is drawn in.
     #[must_use]
     pub fn batches(&self) -> &[Batch] {
         &self.batches
     }
 
-    /// The instances of one mesh in its own group.
+    /// Returns the instances of one mesh in its own group.
     #[must_use]
     pub fn instances_of(&self, mesh: MeshId) -> &[MeshInstance] {
         self.instances_in_group(mesh, mesh.draw_group())
     }
 
-    /// The instances of one mesh in a group.
+    /// Returns the instances of one mesh in a group.
     #[must_use]
     pub fn instances_in_group(&self, mesh: MeshId, group: DrawGroup) -> &[MeshInstance] {
         let is_it = |batch: &&Batch| batch.mesh == mesh && batch.group == group;
@@ -85,7 +85,7 @@ impl DrawList {
             .map_or(&[], |b| &self.instances[b.first as usize..][..b.count as usize])
     }
 
-    /// The capacity, which never grows.
+    /// Returns the capacity, which never grows.
     #[must_use]
     pub fn capacity(&self) -> DrawListCapacity {
         let instances = self.instances.capacity().max(self.pending.capacity());
@@ -115,7 +115,7 @@ impl DrawList {
         }
     }
 
-    /// Counting sort of the added instances by group and mesh; stable.
+    /// Sorts the added instances by group and mesh: a stable counting sort.
     pub(crate) fn batch_by_mesh(&mut self) {
         self.instances.clear();
         self.batches.clear();
@@ -145,7 +145,7 @@ impl DrawList {
 }
 
 impl Batch {
-    /// Whether it is drawn into the shadow map.
+    /// Returns `true` if the batch is drawn into the shadow map.
     #[must_use]
     pub fn casts_shadow(&self) -> bool {
         self.mesh.casts_shadow() && self.group == self.mesh.draw_group()
@@ -164,7 +164,7 @@ impl MeshInstance {
     }
 }
 
-/// The three rows of four of an affine transform.
+/// Returns the three rows of four of an affine transform.
 fn matrix_rows(transform: Affine3A) -> [f32; 12] {
     let (m, t) = (transform.matrix3, transform.translation);
     let row = |i: usize| [m.x_axis[i], m.y_axis[i], m.z_axis[i], t[i]];

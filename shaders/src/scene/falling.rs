@@ -1,7 +1,7 @@
-//! Falling stones: what an islands' pass removed, until it lands and breaks into chips.
+//! Falling stones: removed islands, until they land and break into chips.
 //!
-//! Cosmetic only, as the particles are. Each is the coarse cells that it was of; it falls as one body, slides off
-//! the stone that it lies on, and is gone where it meets stool, bench or floor.
+//! Cosmetic only, like the particles. A stone consists of coarse cells of the removed island. It falls as
+//! one rigid body, slides off stone that it lies on, and breaks where it meets stool, bench or floor.
 
 use glam::{Affine3A, Quat, Vec3};
 use paros_core::edit::Pose;
@@ -17,21 +17,22 @@ use super::particles::{
 use crate::constants::MARBLE_BASE_COLOR;
 use crate::limits::{FALLING_STONE_CELLS, FALLING_STONES};
 
-/// Longest fall, in seconds: then it breaks where it is.
+/// Longest fall, in seconds; after it a stone breaks where it is.
 pub const MAX_FALL_SECONDS: f32 = 2.0;
 
-/// Speed at which it slides off what it lies on, away from the stool's middle, in metres a second.
+/// Speed at which a stone slides off stone that it lies on, away from the stool's middle, in metres a
+/// second.
 const SLIDE_SPEED: f32 = 0.45;
 
-/// Of fewer cells it is dust at once.
+/// The fewest cells of a stone; a smaller island becomes motes at once.
 const LEAST_CELLS: usize = 2;
 
-/// How much larger than a cell its shard is drawn, so that it has no holes.
+/// Scale of a cell's shard, relative to the cell, so that a stone has no holes.
 const OVERLAP: f32 = 1.25;
 
 #[derive(Clone, Debug)]
 struct FallingStone {
-    /// Of each cell, from the stone's middle, in metres. Keeps its capacity.
+    /// Offsets of the cells from the stone's middle, in metres. Keeps its capacity.
     cells: Vec<Vec3>,
     cell_size: f32,
     position: Vec3,
@@ -50,7 +51,7 @@ pub(super) struct FallingStones {
 }
 
 impl FallingStones {
-    /// None yet. All memory is allocated here.
+    /// Creates the stones, none of them falling. Allocates all memory.
     pub(super) fn new() -> Self {
         let stone = || FallingStone {
             cells: Vec::with_capacity(FALLING_STONE_CELLS),
@@ -69,7 +70,8 @@ impl FallingStones {
         self.stones.iter_mut().for_each(|stone| stone.seconds_left = 0.0);
     }
 
-    /// Lets what the last tick removed fall, in the place of the oldest stone. Returns whether it was large enough.
+    /// Drops what the last tick removed, in the place of the oldest stone. Returns `true` if it was large
+    /// enough.
     pub(super) fn drop_removed(
         &mut self,
         lattice: &IslandLattice,
@@ -136,12 +138,12 @@ impl FallingStones {
 }
 
 impl FallingStone {
-    /// Where its cells are, in the room.
+    /// Returns the positions of the cells, in the room.
     fn places(&self) -> impl Iterator<Item = Vec3> {
         self.cells.iter().map(|cell| self.position + self.rotation * *cell)
     }
 
-    /// Moves it on; returns whether it lands.
+    /// Advances the fall by a time step; returns `true` if the stone lands.
     fn advance_time(&mut self, seconds: f32, is_on_stone: bool) -> bool {
         self.seconds_left -= seconds;
         let before = self.position.y;
@@ -165,7 +167,7 @@ impl FallingStone {
         lands && self.velocity.y < 0.0 || self.seconds_left <= 0.0
     }
 
-    /// Turns it into chips and dust where its cells are.
+    /// Turns the stone into chips and dust at its cells.
     fn break_into(&mut self, particles: &mut Particles) {
         self.seconds_left = 0.0;
         for (i, at) in (0u64..).zip(self.places()) {

@@ -4,10 +4,10 @@ use paros_core::session::FOUND_PERCENT;
 use paros_core::volume::{Grid, Size};
 use paros_core::{World, WorldEvent};
 
-/// How long the light takes to change, in seconds.
+/// Time that the light takes to change, in seconds.
 const CHANGE_SECONDS: f32 = 2.5;
 
-/// Whether the session's figure is found, and how far the light has changed since.
+/// State of the light: whether the session's figure is found, and how far the light has changed since.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FoundLight {
     is_found: bool,
@@ -19,7 +19,7 @@ impl FoundLight {
         FoundLight { is_found: false, part: 0.0 }
     }
 
-    /// Follows a tick. What was found before the first tick that is seen is lit so at once.
+    /// Follows a tick. A figure found before the first tick that is seen is lit at once.
     pub(super) fn follow_tick<const N: usize, const K: usize>(
         &mut self,
         world: &World<N, K>,
@@ -45,7 +45,7 @@ impl FoundLight {
         }
     }
 
-    /// How far the light has changed, 0 to 1, without a jolt at either end.
+    /// Returns how far the light has changed, 0 to 1, smoothed at both ends.
     pub(super) fn smooth_part(&self) -> f32 {
         self.part * self.part * (3.0 - 2.0 * self.part)
     }

@@ -1,5 +1,5 @@
-//! Guides of the hands: what the next bites take, the bit where stone hides it, and the mirror's plane with the
-//! reflection of each tool. Drawn alone: nothing of the core's is decided by them.
+//! Guides of the hands: the extent of the next bites, the bit where stone hides it, and the mirror's plane
+//! with the reflection of each tool. For display only: the core's state doesn't depend on them.
 
 use core::f32::consts::{FRAC_PI_2, TAU};
 
@@ -16,7 +16,7 @@ use super::meshes::{DrawGroup, MeshId};
 use super::placing::bit_pose;
 use crate::limits::BITE_DOTS;
 
-/// Colour of what guides, and its opacity where it is a dot, a reflection, an edge of the plane, and hidden.
+/// Colour of the guides, and the opacity of dots, of reflections, of the plane's edges and of hidden bits.
 const AMBER: [f32; 3] = [1.6, 1.0, 0.45];
 const DOT_OPACITY: f32 = 0.9;
 const REFLECTED_OPACITY: f32 = 0.45;
@@ -25,12 +25,12 @@ const HIDDEN_OPACITY: f32 = 0.30;
 /// A dot's size, and the thickness of the plane's edges, in metres.
 const DOT: f32 = 0.0035;
 const EDGE: f32 = 0.0025;
-/// A bit as far from the sculpture's box as this is no more guided, in metres.
+/// Distance from the sculpture's box, in metres, from which on a bit has no guides.
 const NEAR_BOX: f32 = 0.08;
-/// Steps from the deepest point of a bite to beyond its widest, along which its rim on the stone is sought.
+/// Steps from the deepest point of a bite to beyond its widest, in the search for its rim on the stone.
 const RIM_STEPS: u32 = 48;
 
-/// Adds the guides of both hands, and of the mirror where it works and `latest` wants it.
+/// Adds the guides of both hands, and those of the mirror if it is on and `latest` shows it.
 pub(super) fn add_guides<const N: usize, const K: usize>(
     list: &mut DrawList,
     world: &World<N, K>,
@@ -73,11 +73,11 @@ pub(super) fn add_guides<const N: usize, const K: usize>(
 struct GuidedBit {
     hand: usize,
     bit: ToolBit,
-    /// Its pose as contact allows it, in the grid.
+    /// The bit's pose as contact allows it, in the grid.
     frozen: Pose,
-    /// The pose that it is drawn at, in the room.
+    /// The pose at which the bit is drawn, in the room.
     shown: RoomPose,
-    /// The pose to which the next bites take it, in the grid.
+    /// The pose to which the next bites take the bit, in the grid.
     bite: Pose,
 }
 
@@ -104,7 +104,7 @@ impl GuidedBit {
         let shown = bit_pose((grip.0 + world.push_out_metres(hand), grip.1), tool);
         let pushed = match latest.next_bites[hand] {
             Some(way) => frame.to_grid(frame.to_room(&frozen).0 + way, Quat::IDENTITY).position,
-            // Pulled, it follows the hand to where that is, bite by bite.
+            // With the trigger pulled, the bit follows the hand to its pose, bite by bite.
             None => state.raw_pose.position,
         };
         let bite = Pose { position: pushed, rotation: frozen.rotation };
@@ -117,7 +117,7 @@ impl GuidedBit {
         Grid<N>: Size,
     {
         let way = self.bite.position - self.frozen.position;
-        // A bit that lies as deep as its hand wants it still takes what it overlaps.
+        // A bit that is already where its hand pushes it still takes the stone that it overlaps.
         let against = world.hand_contact(self.hand).map_or(Vec3::ZERO, |contact| -contact.normal);
         let Some(inward) = way.try_normalize().or(against.try_normalize()) else { return };
         let frame = world.stool_frame();
@@ -143,7 +143,8 @@ impl GuidedBit {
     }
 }
 
-/// A bit's shape in voxels: half extents of a box, or the radii of a ball or a disc as those of one that it fills.
+/// A bit's shape in voxels: the radius of a ball, or the half extents of a box. A disc becomes the box
+/// around it.
 enum VoxelShape {
     Ball(f32),
     Box(Vec3),
@@ -156,14 +157,14 @@ fn bit_shape_in_voxels(bit: ToolBit, voxel_metres: f32) -> VoxelShape {
         BitShape::Box { half_extents_um } => {
             VoxelShape::Box(Vec3::from_array(half_extents_um.map(voxels)))
         }
-        // Its normal is x; it cuts two voxels.
+        // The disc's normal is x; the disc cuts two voxels.
         BitShape::Disc { radius_um } => {
             VoxelShape::Box(Vec3::new(1.0, voxels(radius_um), voxels(radius_um)))
         }
     }
 }
 
-/// The distance from a shape's middle to its surface in a direction of its own.
+/// Returns the distance from a shape's middle to its surface, in a direction in the shape's own space.
 fn reach_along(shape: &VoxelShape, unit_direction: Vec3) -> f32 {
     match shape {
         VoxelShape::Ball(radius) => *radius,
@@ -173,7 +174,7 @@ fn reach_along(shape: &VoxelShape, unit_direction: Vec3) -> f32 {
     }
 }
 
-/// Whether a point of the grid, in voxels, lies in the stone.
+/// Returns `true` if a point of the grid, in voxels, lies in the stone.
 fn is_stone<const N: usize, const K: usize>(world: &World<N, K>, point: Vec3) -> bool
 where
     Grid<N>: Size,
@@ -182,8 +183,8 @@ where
     is_in && world.volume().rows().contains(point.to_array().map(|c| c as usize))
 }
 
-/// The reflection of a pose in the plane that halves the grid along x, in the room. Bits are alike on both sides of
-/// their own x, so that a reflected one is one that is turned.
+/// Returns the reflection of a pose in the plane that halves the grid along x, in the room. Bits are
+/// symmetric along their own x, so that a reflected bit is a turned one.
 fn mirror_pose<const N: usize, const K: usize>(world: &World<N, K>, pose: &Pose) -> RoomPose
 where
     Grid<N>: Size,

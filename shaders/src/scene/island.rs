@@ -1,4 +1,4 @@
-//! Where removed islands were: a subsampled copy of the volume, updated in its dirty rectangles.
+//! Positions of removed islands: a subsampled copy of the volume, updated in its dirty rectangles.
 
 use glam::Vec3;
 use paros_core::World;
@@ -42,7 +42,7 @@ impl IslandLattice {
         }
     }
 
-    /// Whether the sample nearest to a point, in voxels of the grid, is occupied.
+    /// Returns `true` if the sample nearest to a point, in voxels of the grid, is occupied.
     pub(super) fn holds(&self, grid_side: usize, point: Vec3) -> bool {
         let step = grid_side.div_ceil(LATTICE) as f32;
         let at = (point / step).floor();
@@ -51,9 +51,9 @@ impl IslandLattice {
         is_in && self.rows[y][z] >> x & 1 != 0
     }
 
-    /// Calls `visit_grid_point` with the positions, in voxels, of samples that the last tick removed and that have a
-    /// neighbour which it didn't: those that are seen of what they made. At most `most` of them; returns how
-    /// wide each is that they hide what they made, in voxels.
+    /// Calls `visit_grid_point` with the positions, in voxels, of samples that the last tick removed and
+    /// that have a neighbour which it didn't remove: the surface of what was removed. Visits at most `most`
+    /// samples. Returns the width, in voxels, at which the visited samples cover that surface.
     pub(super) fn for_removed_outer_samples(
         &self,
         grid_side: usize,
@@ -86,7 +86,7 @@ impl IslandLattice {
                 count += 1;
             }
         }
-        // Fewer samples stand for as much surface.
+        // The fewer the samples, the more surface each covers.
         step as f32 * (stride as f32).sqrt()
     }
 
@@ -115,7 +115,8 @@ impl IslandLattice {
     }
 }
 
-/// Indices of the samples, one for every `sample_step` voxels, from the first voxel to the last.
+/// Returns the indices of the samples, one for every `sample_step` voxels, from the first voxel to the
+/// last.
 fn centred_sample_indices_between(
     first_voxel: u8,
     last_voxel: u8,

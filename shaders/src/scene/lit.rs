@@ -1,4 +1,4 @@
-//! What is lit as a squeeze would take it: items of the bench, and the stool.
+//! Highlight of what a squeeze would take: items of the bench, and the stool.
 
 use paros_core::World;
 use paros_core::session::{BenchItem, GrabTarget};
@@ -6,13 +6,13 @@ use paros_core::volume::{Grid, Size};
 
 use super::assembly::PLAIN;
 
-/// Colour factors of what is lit, and its emissive part: warm, and bright in the shade too.
+/// Colour factors and emissive part of a lit item: warm, and bright in the shade too.
 pub const LIT: [f32; 4] = [1.3, 1.08, 0.75, 0.7];
 
-/// The same of the stool, which is large and bright itself.
+/// Colour factors and emissive part of the lit stool, which is large and bright itself.
 pub const LIT_STOOL: [f32; 4] = [1.2, 1.05, 0.82, 0.25];
 
-/// What is lit in a frame: what each hand's squeeze would take, and the stool while one holds it.
+/// The lit targets of a frame: what each hand's squeeze would take, and the stool while a hand holds it.
 #[derive(Clone, Copy, Default, Debug)]
 pub(super) struct LitTargets([Option<GrabTarget>; 2]);
 
@@ -27,7 +27,7 @@ impl LitTargets {
         }))
     }
 
-    /// How an item is tinted; a tool with the bit on it.
+    /// Returns an item's tint; a tool's bit has the tool's tint.
     pub(super) fn item_tint(&self, item: BenchItem) -> [f32; 4] {
         if self.0.contains(&Some(GrabTarget::Item(item))) { LIT } else { PLAIN }
     }

@@ -7,7 +7,7 @@ use paros_core::session::{Tool, ToolBit};
 #[derive(Clone, Copy, PartialEq, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct MeshVertex {
-    /// In metres.
+    /// Position, in metres.
     pub position: [f32; 3],
     /// Unit outward normal, signed normalised; the fourth is 0.
     pub normal: [i8; 4],
@@ -19,15 +19,15 @@ pub struct MeshVertex {
 /// The range of a mesh in the tables.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct MeshRange {
-    /// Its first index.
+    /// The mesh's first index.
     pub first_index: u32,
     /// Number of indices: three a triangle, counter-clockwise as seen from outside.
     pub index_count: u32,
-    /// Offset added to its indices.
+    /// Offset added to the mesh's indices.
     pub base_vertex: u32,
     /// Number of vertices.
     pub vertex_count: u32,
-    /// Bounding radius about its origin, in metres.
+    /// Bounding radius about the mesh's origin, in metres.
     pub radius: f32,
 }
 
@@ -38,30 +38,30 @@ pub enum DrawGroup {
     Handheld,
     /// The room, bench and stool.
     Surroundings,
-    /// Chips and dust, blended by the tint's fourth component; guides likewise.
+    /// Chips, dust and guides, blended by the tint's fourth component.
     Particles,
-    /// What is seen only where something is in front of it, blended likewise.
+    /// Guides seen only where something is in front of them, blended by the tint's fourth component.
     Hidden,
 }
 
-/// What a hand does.
+/// A hand's shape.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum HandShape {
-    /// It is held open.
+    /// Held open.
     Open,
-    /// It is closed on a handle.
+    /// Closed on a handle.
     Closed,
 }
 
 include!(concat!(env!("OUT_DIR"), "/meshes.rs"));
 
 impl DrawGroup {
-    /// How many there are.
+    /// Number of groups.
     pub(crate) const COUNT: usize = 4;
 }
 
 impl MeshId {
-    /// The mesh of a tool's body.
+    /// Returns the mesh of a tool's body.
     #[must_use]
     pub const fn of_tool(tool: Tool) -> Self {
         match tool {
@@ -72,7 +72,7 @@ impl MeshId {
         }
     }
 
-    /// The mesh of a bit.
+    /// Returns the mesh of a bit.
     #[must_use]
     pub const fn of_bit(bit: ToolBit) -> Self {
         match bit {
@@ -92,7 +92,7 @@ impl MeshId {
         }
     }
 
-    /// The mesh of the left hand.
+    /// Returns the mesh of the left hand.
     #[must_use]
     pub const fn of_left_hand(shape: HandShape) -> Self {
         match shape {
@@ -101,7 +101,7 @@ impl MeshId {
         }
     }
 
-    /// The mesh of the right hand.
+    /// Returns the mesh of the right hand.
     #[must_use]
     pub const fn of_right_hand(shape: HandShape) -> Self {
         match shape {
@@ -110,20 +110,20 @@ impl MeshId {
         }
     }
 
-    /// Its range in the tables.
+    /// Returns the mesh's range in the tables.
     #[must_use]
     pub const fn range(self) -> &'static MeshRange {
         &TABLE[self as usize]
     }
 
-    /// Whether it is drawn into the shadow map: not the garden, which is out of the sun's way, nor
-    /// particles, which are too small.
+    /// Returns `true` if the mesh is drawn into the shadow map. The garden isn't, as it is out of the sun's
+    /// way, nor are particles, which are too small.
     #[must_use]
     pub const fn casts_shadow(self) -> bool {
         !matches!(self, MeshId::Outside | MeshId::Speck | MeshId::Chip)
     }
 
-    /// Its draw group.
+    /// Returns the mesh's draw group.
     #[must_use]
     pub const fn draw_group(self) -> DrawGroup {
         match self {
@@ -137,14 +137,14 @@ impl MeshId {
         }
     }
 
-    /// Its vertices.
+    /// Returns the mesh's vertices.
     #[must_use]
     pub fn vertices(self) -> &'static [MeshVertex] {
         let mesh = self.range();
         &all_vertices()[mesh.base_vertex as usize..][..mesh.vertex_count as usize]
     }
 
-    /// Its indices, relative to its first vertex.
+    /// Returns the mesh's indices, relative to its first vertex.
     #[must_use]
     pub fn indices(self) -> &'static [u16] {
         let mesh = self.range();
@@ -152,13 +152,13 @@ impl MeshId {
     }
 }
 
-/// All vertices.
+/// Returns all vertices.
 #[must_use]
 pub fn all_vertices() -> &'static [MeshVertex] {
     bytemuck::cast_slice(&VERTICES.0)
 }
 
-/// All indices, each relative to its mesh's first vertex.
+/// Returns all indices, each relative to its mesh's first vertex.
 #[must_use]
 pub fn all_indices() -> &'static [u16] {
     bytemuck::cast_slice(&INDICES.0)

@@ -1,6 +1,6 @@
 //! Particle system for chips and dust: a ring buffer of particles that fly, bounce, rest and fade.
 //!
-//! Cosmetic only, in no digest; deterministic given the events and time steps.
+//! Cosmetic only, in no digest of the world; deterministic given the events and time steps.
 
 use glam::{Affine3A, Quat, Vec3};
 use paros_core::internals::{BENCH_TOP, BOX_SIDE, STOOL_TOP, is_over_bench};
@@ -49,7 +49,7 @@ pub const MOTE_SECONDS: f32 = 1.2;
 /// Longest life of any particle, in seconds.
 pub const MAX_LIFE_SECONDS: f32 = 2.4;
 
-/// Longest time step, in seconds; longer ones are cut.
+/// Longest time step, in seconds; longer steps are clamped.
 pub(super) const MAX_STEP_SECONDS: f32 = 0.1;
 
 impl Default for Particles {
@@ -59,25 +59,25 @@ impl Default for Particles {
 }
 
 impl Particles {
-    /// No particles, and capacity for all.
+    /// Creates a system without particles, with capacity for all.
     #[must_use]
     pub fn new() -> Self {
         Particles { ring: Vec::with_capacity(PARTICLES), next: 0 }
     }
 
-    /// Forgets all.
+    /// Removes all particles.
     pub fn clear(&mut self) {
         self.ring.clear();
         self.next = 0;
     }
 
-    /// Number of particles alive.
+    /// Returns the number of particles alive.
     #[must_use]
     pub fn alive_count(&self) -> usize {
         self.ring.iter().filter(|p| p.seconds_left > 0.0).count()
     }
 
-    /// Spawns one with this position and velocity; `seed` varies it. Replaces the oldest when full.
+    /// Spawns a particle with this position and velocity; `seed` varies it. Replaces the oldest when full.
     pub fn spawn(
         &mut self,
         kind: ParticleKind,
@@ -124,7 +124,7 @@ impl Particles {
     pub(super) fn add_instances(&self, list: &mut DrawList) {
         for p in self.ring.iter().filter(|p| p.seconds_left > 0.0) {
             let mesh = if p.kind == ParticleKind::Dust { MeshId::Speck } else { MeshId::Chip };
-            // Fades over the last third of its time; a mote all the while.
+            // Particles fade over the last third of their life, motes over all of it.
             let fade = match p.kind {
                 ParticleKind::Mote => p.seconds_left / p.life_seconds,
                 ParticleKind::Chip | ParticleKind::Dust => {
@@ -166,8 +166,8 @@ impl Particle {
     }
 }
 
-/// Height of the ground under a point, in metres: stool, bench or floor, if `previous_height` was above
-/// it.
+/// Returns the height of the ground under a point, in metres: the stool or the bench, if `previous_height`
+/// was above it, else the floor.
 pub(super) fn ground_height_metres(point: Vec3, previous_height: f32) -> f32 {
     let aside = point - STOOL_TOP;
     let on_stool = aside.x * aside.x + aside.z * aside.z < 0.55 * BOX_SIDE * BOX_SIDE;
@@ -180,13 +180,13 @@ pub(super) fn ground_height_metres(point: Vec3, previous_height: f32) -> f32 {
     }
 }
 
-/// Pseudo-random number in 0..1: a seed's of this number.
+/// Returns a pseudo-random number in 0..1: the one of this number from a seed.
 pub(super) fn random_fraction(seed: u64, number: u64) -> f32 {
     let hash = paros_core::internals::mix_bits(seed.wrapping_mul(64).wrapping_add(number));
     (hash >> 40) as f32 / (1u64 << 24) as f32
 }
 
-/// Pseudo-random vector in the cube from -1 to 1, from three numbers of a seed.
+/// Returns a pseudo-random vector in the cube from -1 to 1, from three numbers of a seed.
 pub(super) fn random_in_cube(seed: u64, first_number: u64) -> Vec3 {
     let i = first_number;
     Vec3::new(random_fraction(seed, i), random_fraction(seed, i + 1), random_fraction(seed, i + 2))

@@ -19,21 +19,21 @@ const CLEARANCE: f32 = 0.004;
 /// Ticks over which a fallen item comes to lie flat.
 const SETTLE: f32 = 10.0;
 
-/// Distance from a tool's grip to the centre of its bit, in metres.
+/// Returns the distance from a tool's grip to the centre of its bit, in metres.
 #[must_use]
 pub fn grip_to_bit_metres(tool: Tool) -> f32 {
     tool.length_um() as f32 * 1e-6
 }
 
-/// Pose of the bit of a tool held at a grip pose.
+/// Returns the pose of the bit of a tool held at a grip pose.
 #[must_use]
 pub fn bit_pose(grip: RoomPose, tool: Tool) -> RoomPose {
     let (position, rotation) = grip;
     (position + rotation * Vec3::new(0.0, 0.0, -grip_to_bit_metres(tool)), rotation)
 }
 
-/// Display pose of an item that is neither held nor mounted; None otherwise. At home, tools lie across
-/// the bench and bits stand in their rack; the core's own poses, which hands reach for, differ.
+/// Returns the display pose of an item that is neither held nor mounted; `None` otherwise. At home, tools
+/// lie across the bench and bits stand in their rack; the core's own poses, which hands reach for, differ.
 #[must_use]
 pub fn display_pose_unless_held_or_mounted(bench: &Workbench, item: BenchItem) -> Option<RoomPose> {
     let (position, rotation) = bench.pose_of(item)?;
@@ -50,7 +50,7 @@ pub fn display_pose_unless_held_or_mounted(bench: &Workbench, item: BenchItem) -
     })
 }
 
-/// Display pose of an item in its place on the bench.
+/// Returns the display pose of an item in its place on the bench.
 #[must_use]
 pub fn display_pose_at_home(item: BenchItem) -> RoomPose {
     let position = item.home_position();
@@ -67,14 +67,14 @@ pub fn display_pose_at_home(item: BenchItem) -> RoomPose {
     }
 }
 
-/// The stool's angle, in radians from 0 to tau, counter-clockwise from above.
+/// Returns the stool's angle, in radians from 0 to tau, counter-clockwise from above.
 #[must_use]
 pub fn stool_turn_0_to_tau(frame: &StoolFrame) -> f32 {
     let (_, turn) = frame.to_room(&Pose::ZERO);
     (2.0 * turn.y.atan2(turn.w)).rem_euclid(core::f32::consts::TAU)
 }
 
-/// The yaw of a rotation, without pitch and roll.
+/// Returns the yaw of a rotation, without pitch and roll.
 fn yaw_rotation(rotation: Quat) -> Quat {
     let ahead = rotation * Vec3::NEG_Z;
     let bearing =
@@ -82,7 +82,7 @@ fn yaw_rotation(rotation: Quat) -> Quat {
     Quat::from_rotation_y(bearing)
 }
 
-/// Height of a lying item's axis over the ground, in metres.
+/// Returns the height of a lying item's axis over the ground, in metres.
 fn lying_axis_height_metres(bench: &Workbench, item: BenchItem) -> f32 {
     let bit = match item {
         BenchItem::Tool(tool) => bench.mounted_bit(tool),

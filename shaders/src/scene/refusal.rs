@@ -1,4 +1,4 @@
-//! Marks of what closure brought back: the edges of the box around it, on the turning sculpture, fading.
+//! Marks of what closure restored: the edges of the box around it, on the turning sculpture, fading.
 
 use glam::{Affine3A, IVec3, Quat, Vec3};
 use paros_core::World;
@@ -11,16 +11,16 @@ use super::meshes::MeshId;
 use super::particles::MAX_STEP_SECONDS;
 use crate::limits::REFUSAL_MARKS;
 
-/// How long a mark is seen after the last edit that was refused, in seconds.
+/// Seconds that a mark is shown after the last refused edit.
 pub const REFUSAL_SECONDS: f32 = 0.7;
 
 /// Thickness of an edge in its middle, in metres; it ends in points.
 const THICKNESS: f32 = 0.004;
 
-/// Dull red, unlike the stone and what flies off it; the fourth part is the opacity at first.
+/// Dull red, unlike the stone and its chips; the fourth component is the opacity at first.
 const TINT: [f32; 4] = [0.5, 0.1, 0.06, 0.8];
 
-/// By how much a mark stands off its box, in metres: a bite is smaller than the bit, which would hide it.
+/// Gap between a mark and its box, in metres: a bite is smaller than the bit, which would hide the mark.
 pub const REFUSAL_MARGIN: f32 = 0.008;
 
 /// A box on the sculpture.
@@ -32,13 +32,13 @@ struct Mark {
     seconds_left: f32,
 }
 
-/// The marks of both hands. All that a mirrored edit brought back has one box, which spans both sides; it is
-/// marked along the bit's path in the tick, and along its mirror.
+/// The marks of both hands. A mirrored edit reports one box of all that closure restored, which spans both
+/// sides; the marks are its parts along the bit's path in the tick, and along the path's mirror image.
 #[derive(Debug)]
 pub(super) struct RefusalMarks {
-    /// Of each hand, at its bit and at the bit's mirror.
+    /// For each hand, the marks at its bit and at the bit's mirror image.
     marks: [[Option<Mark>; REFUSAL_MARKS / 2]; 2],
-    /// Of each hand, where along x its bit was after the last tick, in voxels: its next path begins there.
+    /// For each hand, the x of its bit after the last tick, in voxels: its next path begins there.
     path_starts: [Option<f32>; 2],
 }
 
@@ -51,8 +51,8 @@ impl RefusalMarks {
         *self = Self::new();
     }
 
-    /// Marks what closure brought back of a hand's edits of the last tick, in place of the hand's last mark.
-    /// Nothing is marked where more was removed. Call it after every tick.
+    /// Marks what closure restored of a hand's edits in the last tick, in place of the hand's last marks.
+    /// Does nothing if the edits removed more than was restored. Call it after every tick.
     pub(super) fn follow_tick<const N: usize, const K: usize>(
         &mut self,
         world: &World<N, K>,
@@ -115,8 +115,8 @@ impl RefusalMarks {
     }
 }
 
-/// The parts of a mirrored edit's box along the bit's path and along its mirror; one where they meet.
-/// `path_ends` are those along x, in voxels.
+/// Splits a mirrored edit's box into its parts along the bit's path and along the path's mirror image;
+/// returns one box if they meet. `path_ends` are the path's ends along x, in voxels.
 fn split_by_mirror<const N: usize, const K: usize>(
     world: &World<N, K>,
     hand: usize,
@@ -132,7 +132,7 @@ where
         BitShape::Disc { radius_um } => radius_um as f32,
         BitShape::Box { half_extents_um } => IVec3::from_array(half_extents_um).as_vec3().length(),
     });
-    // And what rounding takes.
+    // One voxel more for rounding.
     let reach = bit * 1e-6 / BOX_SIDE * N as f32 + 1.0;
     let [a, b] = path_ends;
     let clip = |low: f32, high: f32| {
@@ -146,13 +146,13 @@ where
         return [voxels, VoxelBox::EMPTY];
     }
     if own.is_empty() && mirror.is_empty() {
-        // A tick was left out.
+        // A tick was skipped.
         return [voxels, VoxelBox::EMPTY];
     }
     [own, mirror].map(|x| VoxelBox::new([x, y, z]))
 }
 
-/// The twelve edges of a box: the middle of each, and its extent along its axis.
+/// Returns the twelve edges of a box: the middle of each, and its extent along its axis.
 fn box_edges(lo: Vec3, hi: Vec3) -> impl Iterator<Item = (Vec3, Vec3)> {
     (0..3).flat_map(move |axis| {
         (0..4).map(move |edge| {

@@ -1,4 +1,4 @@
-//! The studio while nobody works in it: every tool with its first bit in its place, the stool unturned.
+//! The studio at rest: every tool with its first bit in its place, the stool unturned.
 
 use glam::Affine3A;
 use paros_core::internals::{BOX_SIDE, STOOL_TOP};
@@ -9,13 +9,13 @@ use super::draw::DrawList;
 use super::meshes::MeshId;
 use super::placing::{bit_pose, display_pose_at_home};
 
-/// Where the sculpture stands on the unturned stool.
+/// Returns the sculpture's placement on the unturned stool.
 #[must_use]
 pub const fn resting_placement() -> SculpturePlacement {
     SculpturePlacement { turn_radians: 0.0, side: BOX_SIDE, foot: STOOL_TOP }
 }
 
-/// The draw list of the studio at rest, for pictures without a world.
+/// Returns the draw list of the studio at rest, for pictures without a world.
 #[must_use]
 pub fn resting_studio() -> DrawList {
     let mut list = DrawList::new();

@@ -8,13 +8,13 @@ pub(crate) struct Bvh {
     triangles: Vec<BvhTriangle>,
 }
 
-/// A triangle, and the number by which a hit tells it.
+/// A triangle, and the number that identifies it in a hit.
 pub(crate) struct BvhTriangle {
     pub(crate) number: u32,
     pub(crate) corners: [Vec3; 3],
 }
 
-/// Where a ray hits a triangle.
+/// A ray's hit on a triangle.
 #[derive(Clone, Copy)]
 pub(crate) struct BvhHit {
     /// The triangle's number.
@@ -28,7 +28,7 @@ pub(crate) struct BvhHit {
 /// The side of a triangle that a ray hits.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum HitFace {
-    /// From which its corners wind counter-clockwise.
+    /// The side from which the corners wind counter-clockwise.
     Front,
     Back,
 }
@@ -54,7 +54,7 @@ impl Bvh {
         bvh
     }
 
-    /// The nearest hit of a ray between distances 0 and `max_distance`.
+    /// Returns the nearest hit of a ray between distances 0 and `max_distance`.
     pub(crate) fn nearest_hit(
         &self,
         origin: Vec3,
@@ -124,8 +124,8 @@ impl Bvh {
 }
 
 impl Node {
-    /// Slab test: the distance at which a ray enters the box, 0 if it starts inside. `inverse_direction`
-    /// has the reciprocals of the direction's components.
+    /// Slab test: returns the distance at which a ray enters the box, 0 if it starts inside.
+    /// `inverse_direction` has the reciprocals of the direction's components.
     fn entry_distance(
         &self,
         origin: Vec3,

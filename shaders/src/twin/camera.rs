@@ -8,7 +8,7 @@ use super::march::Ray;
 /// of the sculpture is lit alike.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Camera {
-    /// Which side of the sculpture is seen, in radians: 0 looks at +z, growing towards +x.
+    /// The side of the sculpture that is seen, in radians: 0 looks at +z, growing towards +x.
     pub azimuth: f32,
     /// Height above the horizon, in radians.
     pub elevation: f32,
@@ -21,14 +21,14 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera at such a distance that it sees the whole cube.
+    /// Creates a camera at a distance from which it sees the whole cube.
     #[must_use]
     pub fn orbiting(azimuth_radians: f32, elevation_radians: f32) -> Self {
         let (azimuth, elevation) = (azimuth_radians, elevation_radians);
         Camera { azimuth, elevation, distance: 3.2, height: 0.43, angle: 0.41 }
     }
 
-    /// The studio ray through a point of the picture, in half heights from its middle: x from
+    /// Returns the studio ray through a point of the picture, in half heights from its middle: x from
     /// -aspect to aspect, y from -1 to 1, growing to the right and up.
     #[must_use]
     pub fn ray_through(&self, right_half_heights: f32, up_half_heights: f32) -> Ray {

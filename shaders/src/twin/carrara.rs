@@ -1,7 +1,7 @@
 //! The fast path's marble, after Carrara's: a cool white ground with soft grey clouds, and grey veins of one
 //! direction at two scales, blurred on one side, from which hair lines branch.
 //!
-//! Source: Perlin, "An image synthesizer" (1985); the places are bent by noise (Quilez, "Domain warping").
+//! Source: Perlin, "An image synthesizer" (1985); positions are warped by noise (Quilez, "Domain warping").
 
 use std::sync::OnceLock;
 
@@ -10,18 +10,19 @@ use rayon::prelude::*;
 
 use super::noise;
 
-/// Across the great veins, and across the hair lines.
+/// Directions across the great veins, and across the hair lines.
 const ACROSS: Vec3 = Vec3::new(0.62, 0.55, -0.56);
 const ACROSS_HAIR: Vec3 = Vec3::new(0.30, 0.78, -0.55);
-/// Great veins along the cube's side, and hair lines.
+/// Number of great veins along the cube's side, and of hair lines.
 const VEINS: f32 = 2.9;
 const HAIRS: f32 = 6.1;
-/// Widths of a vein on its sharp side and on its blurred one, and of a hair line, in their distances.
+/// Widths of a vein on its sharp side and on its blurred side, and of a hair line, as parts of the distance
+/// between two such lines.
 const SHARP: f32 = 0.030;
 const BLURRED: f32 = 0.17;
 const HAIR: f32 = 0.040;
 
-/// Greyness of a point of the unit cube, 0 to 1.
+/// Returns the greyness of a point of the unit cube, 0 to 1.
 fn grey_at(point: Vec3) -> f32 {
     let wave = |scale: f32, offset: f32| {
         noise::sample_noise(noise::noise_texture(), point * scale + Vec3::splat(offset))
@@ -29,7 +30,7 @@ fn grey_at(point: Vec3) -> f32 {
     let bent = Vec3::new(wave(1.9, 0.0), wave(1.9, 5.3), wave(1.9, 9.1)) * 0.16;
     let frayed = wave(6.1, 2.7) * 0.030 + wave(15.0, 11.9) * 0.010;
     let at = point + bent;
-    // Signed distance to the nearest vein, -0.5 to 0.5 of the way between two.
+    // Signed distance to the nearest vein, -0.5 to 0.5 of the distance between two veins.
     let vein = nearest_line(at.dot(ACROSS) * VEINS + frayed * VEINS + 0.31);
     let width = if vein < 0.0 { SHARP } else { BLURRED };
     let strength = 0.25 + 0.75 * smoothstep(wave(2.3, 7.7) * 1.8 + 0.6);
@@ -43,12 +44,12 @@ fn grey_at(point: Vec3) -> f32 {
     (core * strength + hair + cloud).clamp(0.0, 1.0)
 }
 
-/// Signed distance to the nearest whole number.
+/// Returns the signed distance to the nearest whole number.
 fn nearest_line(phase: f32) -> f32 {
     phase - phase.round()
 }
 
-/// 1 at 0, and falling to both sides with longer tails than a Gaussian.
+/// Returns 1 at 0, and falls to both sides with longer tails than a Gaussian.
 fn falloff(distance: f32) -> f32 {
     1.0 / (1.0 + distance * distance).powi(2)
 }
@@ -61,7 +62,7 @@ fn smoothstep(t: f32) -> f32 {
 /// Texels along a side of [`grey_texture_3d`].
 pub const TEXTURE_SIDE: usize = 128;
 
-/// Greyness over the unit cube, as bytes of 0 to 255; x fastest, then y, then z. Made once.
+/// Returns the greyness over the unit cube, as bytes of 0 to 255; x fastest, then y, then z. Computed once.
 #[must_use]
 pub fn grey_texture_3d() -> &'static [u8] {
     static TEXTURE: OnceLock<Box<[u8]>> = OnceLock::new();
@@ -78,7 +79,8 @@ pub fn grey_texture_3d() -> &'static [u8] {
     })
 }
 
-/// Trilinear sample of [`grey_texture_3d`] at a point of the unit cube, 0 to 1, clamped to the edge.
+/// Returns a trilinear sample of [`grey_texture_3d`] at a point of the unit cube, 0 to 1, clamped to the
+/// edge.
 #[must_use]
 pub fn sample_grey_clamped(cube_point: Vec3) -> f32 {
     let texels = grey_texture_3d();

@@ -1,7 +1,7 @@
 //! The fast path: ray marching of the blurred density to its level set of a half, gradient normal,
 //! shading. The twin of `wgsl/fast.wgsl`.
 //!
-//! Not in the paper, whose blobs depend on seven voxels and so look like voxels. The GPU's cone
+//! This path isn't in the paper, whose blobs depend on seven voxels and so look like voxels. The GPU's cone
 //! marching, which finds where a ray may start, is left out: rays start at the grid's box here.
 
 use glam::Vec3;
@@ -20,17 +20,17 @@ use crate::constants::{
 };
 use crate::field::{DensityField, LEVELS, PAD};
 
-/// Texels that a ray fetches: the twin of what [`Drawn::Counts`](crate::gpu::Drawn::Counts) tells.
+/// The number of texels that a ray fetches: the twin of [`Drawn::Counts`](crate::gpu::Drawn::Counts).
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct RayFetches {
-    /// For its march, one a turn.
+    /// Texels for the march, one an iteration.
     pub march: u32,
-    /// For its surface and its light.
+    /// Texels for the surface and its light.
     pub shading: u32,
 }
 
-/// Where a ray in voxels first meets the surface, the level set of a half. It may lie up to a voxel
-/// outside of the grid, but not under the ground.
+/// Finds the point where a ray in voxels first meets the surface, the level set of a half. The point may
+/// lie up to a voxel outside of the grid, but not under the ground.
 #[must_use]
 pub fn find_surface<const N: usize, const K: usize>(
     field: &DensityField<N, K>,
@@ -39,7 +39,8 @@ pub fn find_surface<const N: usize, const K: usize>(
     find_surface_counting(field, grid_ray, &mut RayFetches::default())
 }
 
-/// [`find_surface`], counting its fetches. The ray starts at the grid's box, where the GPU's starts at its beam's end.
+/// Does the same as [`find_surface`], and counts the fetches. The ray starts at the grid's box, where the
+/// GPU's starts at its beam's end.
 #[must_use]
 pub fn find_surface_counting<const N: usize, const K: usize>(
     field: &DensityField<N, K>,
@@ -57,27 +58,28 @@ pub fn find_surface_counting<const N: usize, const K: usize>(
     Some(refine_hit(field, grid_ray, &hit))
 }
 
-/// The sun as a surface sees it.
+/// The sunlight on a surface.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SunLight {
-    /// Unit vector towards it, in the grid.
+    /// Unit vector towards the sun, in the grid.
     pub direction: Vec3,
-    /// Its irradiance at normal incidence, over pi.
+    /// The sun's irradiance at normal incidence, over pi.
     pub color: Vec3,
-    /// See [`halfway_to_eye`].
+    /// The result of [`halfway_to_eye`].
     pub halfway: Vec3,
 }
 
-/// The unit vector between those towards the sun and towards an eye from the grid's middle: the same all over the
-/// sculpture, so that both eyes of a visitor share its highlights.
+/// Returns the unit vector halfway between the direction to the sun and the direction from the grid's
+/// middle to an eye. It is the same all over the sculpture, so that both eyes of a visitor share its
+/// highlights.
 #[must_use]
 pub fn halfway_to_eye(to_sun: Vec3, eye_in_voxels: Vec3, grid_side: usize) -> Vec3 {
     let back = eye_in_voxels - Vec3::splat(0.5 * grid_side as f32);
     (to_sun + back.normalize_or_zero()).normalize_or(to_sun)
 }
 
-/// The linear radiance of a surface point, before tone mapping: marble under a sun and an ambient irradiance
-/// over pi.
+/// Returns the linear radiance of a surface point, before tone mapping: marble under a sun and an ambient
+/// irradiance over pi.
 #[must_use]
 pub fn shade_surface<const N: usize, const K: usize>(
     field: &DensityField<N, K>,
@@ -88,8 +90,8 @@ pub fn shade_surface<const N: usize, const K: usize>(
     shade_surface_with_figure(field, surface, sun, ambient_over_pi, 0.0)
 }
 
-/// The same where a share of the stone is the hidden figure's, as [`FigureShares`](crate::field::FigureShares) tells it:
-/// warm and shining where that is bared.
+/// Does the same as [`shade_surface`] where a share of the stone is the hidden figure's, from
+/// [`FigureShares`](crate::field::FigureShares): warm and shining where the figure is bared.
 #[must_use]
 pub fn shade_surface_with_figure<const N: usize, const K: usize>(
     field: &DensityField<N, K>,
@@ -102,7 +104,8 @@ pub fn shade_surface_with_figure<const N: usize, const K: usize>(
     shade_surface_counting(field, surface, sun, ambient_over_pi, figure_share, fetches)
 }
 
-/// The same, counting its fetches. The shadow map's is left out: the twin asks the room's meshes.
+/// Does the same as [`shade_surface_with_figure`], and counts the fetches. The shadow map's fetch is left
+/// out: the twin casts a ray at the room's meshes instead.
 #[must_use]
 pub fn shade_surface_counting<const N: usize, const K: usize>(
     field: &DensityField<N, K>,
@@ -112,7 +115,7 @@ pub fn shade_surface_counting<const N: usize, const K: usize>(
     figure_share: f32,
     fetches: &mut RayFetches,
 ) -> Vec3 {
-    // That above the surface, and the marble.
+    // The density above the surface, and the marble.
     fetches.shading += 2;
     let SunLight { direction: to_sun, color: sun_color, halfway } = *sun;
     let scale = N as f32 / FAST_REFERENCE_SIDE;
@@ -145,8 +148,8 @@ pub fn shade_surface_counting<const N: usize, const K: usize>(
     stone * warm * worn * (direct + ambient_over_pi * open) + sun_color * gloss + shining
 }
 
-/// The sun's highlight at a point, as a part of the sunlight: a spherical Gaussian (Wang et al. 2009), broad where the
-/// stone is rough, with the sparkle of its crystals.
+/// Returns the sun's highlight at a point, as a part of the sunlight: a spherical Gaussian (Wang et al.
+/// 2009), broad where the stone is rough, with the sparkle of its crystals.
 fn highlight(
     surface: &SurfacePoint,
     halfway: Vec3,
@@ -173,11 +176,11 @@ fn highlight(
 
 /// The end of a march: the first sample of density a half or more.
 struct DensityHit {
-    /// Its distance from the ray's origin, in voxels.
+    /// Distance from the ray's origin, in voxels.
     t: f32,
-    /// Its density.
+    /// Density of the sample.
     density: f32,
-    /// Length of the step to it, in voxels.
+    /// Length of the step to the sample, in voxels.
     step_voxels: f32,
 }
 
@@ -188,7 +191,7 @@ fn march_density<const N: usize, const K: usize>(
     fetches: &mut RayFetches,
 ) -> Option<DensityHit> {
     let (mut t, mut step_voxels) = (near, overshooting_step_voxels(0.0));
-    // From an origin so far that a step is less than the distance's precision, `t` doesn't grow.
+    // If the origin is so far away that a step is less than the distance's precision, `t` doesn't grow.
     let mut steps_left = 8 * N;
     while t < far && steps_left > 0 {
         // Steps by density.
@@ -219,14 +222,14 @@ fn march_density<const N: usize, const K: usize>(
     None
 }
 
-/// The march's step at a density, in voxels. It ends a little behind a plane of that density, yet a
-/// wall one voxel thick can't be stepped over.
+/// Returns the march's step at a density, in voxels. The step ends a little behind a plane of that density,
+/// but can't step over a wall one voxel thick.
 fn overshooting_step_voxels(density: f32) -> f32 {
     let ([a, b], [c, d]) = (FAST_STEP_FAR, FAST_STEP_NEAR);
     (a - b * density).max(c - d * density)
 }
 
-/// The density at which a step is so long: [`overshooting_step_voxels`] inverted.
+/// Returns the density at which a step has this length: the inverse of [`overshooting_step_voxels`].
 fn density_of_step_length(step_voxels: f32) -> f32 {
     let ([a, b], [c, d]) = (FAST_STEP_FAR, FAST_STEP_NEAR);
     ((a - step_voxels) / b).max((c - step_voxels) / d)
@@ -251,9 +254,9 @@ fn refine_hit<const N: usize, const K: usize>(
     SurfacePoint { position, normal, distance }
 }
 
-/// Soft shadow by cone tracing: two samples towards the sun, the first of which is that above the surface, the second
-/// farther and of a coarser mip level. Visibility, 0 to 1; `reference_voxel` is the side of one of the reference grid's
-/// voxels, in voxels.
+/// Soft shadow by cone tracing: two samples towards the sun, the first of which is `above`, just above the
+/// surface, the second farther and of a coarser mip level. Returns the visibility, 0 to 1;
+/// `reference_voxel` is the side of the reference grid's voxels, in voxels.
 fn sun_visibility<const N: usize, const K: usize>(
     field: &DensityField<N, K>,
     grid_point: Vec3,
@@ -266,7 +269,8 @@ fn sun_visibility<const N: usize, const K: usize>(
     [above, far].map(|density| 1.0 - FAST_SHADOW_OPACITY * density).iter().product()
 }
 
-/// The mip level of what is above the surface: of the same size in the stone at either size of the grid.
+/// Returns the mip level of the sample above the surface: the same size in the stone at either size of the
+/// grid.
 const fn level_above(grid_side: usize) -> usize {
     if grid_side as f32 > FAST_REFERENCE_SIDE { 3 } else { 2 }
 }

@@ -14,11 +14,12 @@ use crate::field::{DensityField, FigureShares};
 /// Switches of the paper's path, for its experiments. The default is the path as the paper has it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct TwinSettings {
-    /// The blob surface and equation 1; else the voxel's face (section 5's first experiment).
+    /// `true` for the blob surface and equation 1; `false` for the voxel's face (section 5's first
+    /// experiment).
     pub sdf: bool,
-    /// Marble, sun, shadow and ambient light; else the normal as a colour.
+    /// `true` for marble, sun, shadow and ambient light; `false` for the normal as a colour.
     pub shading: bool,
-    /// Look at all three maps on every step, not only on a quick hit. The picture is the same.
+    /// `true` to read all three maps at every step, not only at a quick hit. The picture is the same.
     pub full_march: bool,
 }
 
@@ -28,7 +29,7 @@ impl Default for TwinSettings {
     }
 }
 
-/// What a fragment reads.
+/// The inputs of a fragment.
 #[derive(Clone, Copy)]
 pub struct TwinScene<'a, const N: usize, const K: usize = 1> {
     /// The sculpture.
@@ -39,13 +40,13 @@ pub struct TwinScene<'a, const N: usize, const K: usize = 1> {
     pub turn_cos_sin: [f32; 2],
     /// The parts of the path that are on.
     pub settings: TwinSettings,
-    /// The fast path's textures, if that is the path.
+    /// The fast path's textures; `None` for the paper's path.
     pub field: Option<&'a DensityField<N, K>>,
-    /// The hidden figure, if there is one; the fast path shows where it is bared.
+    /// The hidden figure, if there is one; the fast path shows it where it is bared.
     pub figure: Option<&'a FigureShares>,
     /// The light.
     pub light: TwinLight,
-    /// The room that stands in the sun's way, if there is one.
+    /// The room, which may hide the sun, if there is one.
     pub room: Option<&'a LitRoom>,
 }
 
@@ -65,7 +66,7 @@ pub struct ShadedHit {
 }
 
 impl<'a, const N: usize, const K: usize> TwinScene<'a, N, K> {
-    /// A sculpture on a stool rotated by an angle, counter-clockwise from above.
+    /// Creates the scene of a sculpture on a stool rotated by an angle, counter-clockwise from above.
     #[must_use]
     pub fn new(maps: &'a RangeMaps<N, K>, turn_radians: f32, settings: TwinSettings) -> Self {
         TwinScene {
@@ -100,27 +101,27 @@ impl<'a, const N: usize, const K: usize> TwinScene<'a, N, K> {
         Vec3::new(c * d.x + s * d.z, d.y, c * d.z - s * d.x)
     }
 
-    /// A studio point in the grid, in voxels. The cube's base is centred on the studio's origin.
+    /// Converts a studio point to the grid, in voxels. The cube's base is centred on the studio's origin.
     #[must_use]
     pub fn point_to_grid(&self, studio_point: Vec3) -> Vec3 {
         (self.direction_to_grid(studio_point) + Vec3::new(0.5, 0.0, 0.5)) * N as f32
     }
 
-    /// A point of the grid, in voxels, in the studio, in sides of the cube.
+    /// Converts a point of the grid, in voxels, to the studio, in sides of the cube.
     #[must_use]
     pub fn point_to_studio(&self, grid_point: Vec3) -> Vec3 {
         self.direction_to_studio(grid_point / N as f32 - Vec3::new(0.5, 0.0, 0.5))
     }
 
-    /// The sun's irradiance over pi at a surface point of the sculpture, of this normal in the studio: none where the
-    /// room hides the sun. Its own shadow is left out.
+    /// Returns the sun's irradiance over pi at a surface point of the sculpture, with this normal in the
+    /// studio: zero where the room hides the sun. The sculpture's own shadow is left out.
     fn sun_color_at(&self, grid_point: Vec3, studio_normal: Vec3) -> Vec3 {
         let faces_sun = studio_normal.dot(self.light.sun_direction) > 0.0;
         let hides = |room: &LitRoom| !room.lets_sun_to(self.point_to_studio(grid_point));
         if faces_sun && self.room.is_some_and(hides) { Vec3::ZERO } else { self.light.sun_color }
     }
 
-    /// A studio ray in the grid, in voxels.
+    /// Converts a studio ray to the grid, in voxels.
     #[must_use]
     pub fn ray_to_grid(&self, studio_ray: &Ray) -> Ray {
         Ray {
@@ -181,7 +182,7 @@ pub fn shade_ray<const N: usize, const K: usize>(
     })
 }
 
-/// Lambertian marble under the sun and the ambient light; point and normal are those of the grid.
+/// Shades Lambertian marble under the sun and the ambient light; point and normal are in the grid.
 fn shade_marble<const N: usize, const K: usize>(
     scene: &TwinScene<'_, N, K>,
     grid_point: Vec3,

@@ -19,11 +19,11 @@ pub const BASIS_FACTORS: [f32; 9] = [
     0.546_274_2,
 ];
 
-/// Convolution with the clamped cosine: a factor for each harmonic, over pi.
+/// Factors of the convolution with the clamped cosine, one for each harmonic, over pi.
 pub const COSINE_FACTORS: [f32; 9] =
     [1.0, 2.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0, 0.25, 0.25, 0.25, 0.25, 0.25];
 
-/// The nine harmonics in a direction of length 1.
+/// Returns the nine harmonics in a direction of length 1.
 #[must_use]
 pub fn sh_basis(direction: Vec3) -> [f32; 9] {
     let d = direction;
@@ -40,7 +40,7 @@ pub fn sh_basis(direction: Vec3) -> [f32; 9] {
     ]
 }
 
-/// Irradiance over pi of a surface with this normal under a radiance in harmonics.
+/// Returns the irradiance over pi of a surface with this normal under a radiance in harmonics.
 #[must_use]
 pub fn irradiance_over_pi(radiance_sh: &[[f32; 3]; 9], normal: Vec3) -> Vec3 {
     let mut sum = Vec3::ZERO;

@@ -14,13 +14,13 @@ pub struct Image {
 }
 
 impl Image {
-    /// A picture of one colour.
+    /// Creates a picture of one colour.
     #[must_use]
     pub fn filled(width: usize, height: usize, color: [u8; 3]) -> Self {
         Image { width, height, pixels: color.repeat(width * height) }
     }
 
-    /// The colour of a pixel, counted from the top left.
+    /// Returns the colour of a pixel; x and y count from the top left.
     #[must_use]
     pub fn pixel(&self, x: usize, y: usize) -> [u8; 3] {
         let i = 3 * (y * self.width + x);
@@ -30,7 +30,7 @@ impl Image {
     /// Writes the picture as a PNG file.
     ///
     /// # Errors
-    /// What the writer reports, or a picture without pixels or too large for the format.
+    /// An error of the writer, or a picture without pixels or too large for the format.
     pub fn write_png(&self, writer: impl Write) -> std::io::Result<()> {
         let mut png = PngWriter::new(writer, [self.width, self.height], None)?;
         png.write_image(self)?;
@@ -49,23 +49,23 @@ impl Image {
     }
 }
 
-/// The frames of an animated PNG, which plays for ever.
+/// The frames of an animated PNG, which loops for ever.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Animation {
-    /// How many there are.
+    /// Number of frames.
     pub frames: u16,
-    /// How long all of them together are shown.
+    /// Duration of all frames together, in seconds.
     pub seconds: u16,
 }
 
-/// Writes a PNG file, picture by picture if it is animated (APNG, PNG's third edition).
+/// A writer of a PNG file, picture by picture if the file is animated (APNG, PNG's third edition).
 pub struct PngWriter<W: Write>(png::Writer<W>);
 
 impl<W: Write> PngWriter<W> {
-    /// A file of pictures of `[width, height]` pixels: of one, or of an animation's.
+    /// Creates a file for one picture of `[width, height]` pixels, or for an animation's.
     ///
     /// # Errors
-    /// What the writer reports, or a picture without pixels or too large for the format.
+    /// An error of the writer, or a picture without pixels or too large for the format.
     pub fn new(
         writer: W,
         [width, height]: [usize; 2],
@@ -85,7 +85,7 @@ impl<W: Write> PngWriter<W> {
     /// Writes the next picture.
     ///
     /// # Errors
-    /// What the writer reports, a picture of another size, or one too many.
+    /// An error of the writer, a picture of another size, or one picture too many.
     pub fn write_image(&mut self, image: &Image) -> std::io::Result<()> {
         Ok(self.0.write_image_data(&image.pixels)?)
     }
@@ -93,14 +93,14 @@ impl<W: Write> PngWriter<W> {
     /// Ends the file.
     ///
     /// # Errors
-    /// What the writer reports, or a picture too few.
+    /// An error of the writer, or a picture too few.
     pub fn finish(self) -> std::io::Result<()> {
         Ok(self.0.finish()?)
     }
 }
 
-/// Pictures side by side, `columns` in a row, with thin dark gaps; a cell is as large as the
-/// largest of them. Without pictures or columns, a picture without pixels.
+/// Arranges pictures side by side, `columns` in a row, with thin dark gaps; a cell is as large as the
+/// largest of them. Without pictures or columns, returns a picture without pixels.
 #[must_use]
 pub fn contact_sheet(images: &[Image], columns: usize) -> Image {
     const GAP: usize = 4;

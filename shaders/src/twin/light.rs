@@ -11,8 +11,9 @@ use crate::constants::{
     SHADOW_RADIUS_NEAR, SHADOW_SAMPLES,
 };
 
-/// Stochastic soft shadow: the visibility, 0 to 1, in direction `to_light` from a point in the cube
-/// of `grid_side` voxels. It is 1 times the damping for every occupied sample up to the cube's border.
+/// Stochastic soft shadow: returns the visibility, 0 to 1, in direction `to_light` from a point in the cube
+/// of `grid_side` voxels. It is the product of the damping of every occupied sample up to the cube's
+/// border.
 ///
 /// The samples are dispersed in a cone that is wide at the point and narrow at the border. `dither`
 /// in 0..1 rotates the pattern, so that neighbouring fragments differ.
@@ -37,7 +38,7 @@ pub fn cone_visibility(
     visibility
 }
 
-/// The points sampled in a shadow ray's cone, dispersed around `length` of its axis.
+/// Returns the points sampled in a shadow ray's cone, dispersed around the first `length` of its axis.
 pub fn cone_sample_points(axis: &Ray, length: f32, dither: f32) -> impl Iterator<Item = Vec3> {
     let (u, v) = tangent_basis(axis.direction);
     let axis = *axis;
@@ -56,8 +57,8 @@ pub fn cone_sample_points(axis: &Ray, length: f32, dither: f32) -> impl Iterator
     })
 }
 
-/// The unit circle's point at an angle of about `turns`, at least 0 and less than 1, by its rational
-/// parametrisation for each quadrant. Unlike sine and cosine it is the same on every GPU.
+/// Returns the point of the unit circle at an angle of about `turns`, at least 0 and less than 1, by the
+/// rational parametrisation of each quadrant. Unlike sine and cosine, the result is the same on every GPU.
 #[must_use]
 pub fn rational_circle_point(turns: f32) -> [f32; 2] {
     let quarter = (turns * 4.0).floor();
@@ -67,13 +68,13 @@ pub fn rational_circle_point(turns: f32) -> [f32; 2] {
     if quarter >= 2.0 { [-x, -y] } else { [x, y] }
 }
 
-/// Ambient irradiance over pi of a surface with this normal, in the studio.
+/// Returns the ambient irradiance over pi of a surface with this normal, in the studio.
 #[must_use]
 pub fn ambient_over_pi(studio_normal: Vec3) -> Vec3 {
     harmonics::irradiance_over_pi(&AMBIENT_HARMONICS, studio_normal)
 }
 
-/// Radiance of the studio in a direction, without the sun: a cool sky over a warm floor, and a
+/// Returns the radiance of the studio in a direction, without the sun: a cool sky over a warm floor, and a
 /// large soft box on the side away from the sun.
 #[must_use]
 pub fn environment_radiance(direction: Vec3) -> Vec3 {
@@ -84,7 +85,7 @@ pub fn environment_radiance(direction: Vec3) -> Vec3 {
     sky + Vec3::new(0.34, 0.44, 0.60) * (side * side * side)
 }
 
-/// Orthonormal basis: two unit vectors at right angles to a unit vector (Duff et al. 2017).
+/// Returns an orthonormal basis: two unit vectors at right angles to a unit vector (Duff et al. 2017).
 #[must_use]
 pub fn tangent_basis(unit_normal: Vec3) -> (Vec3, Vec3) {
     let d = unit_normal;

@@ -11,14 +11,14 @@ use crate::constants::{
     MARBLE_VEIN_GREY, MARBLE_VEIN_NORMAL,
 };
 
-/// Diffuse reflectance at a point of the unit cube.
+/// Returns the diffuse reflectance at a point of the unit cube.
 #[must_use]
 pub fn reflectance(noise_texture: &[i8], cube_point: Vec3) -> Vec3 {
     Vec3::from_array(MARBLE_BASE_COLOR)
         .lerp(Vec3::from_array(MARBLE_VEIN_COLOR), vein_grey(noise_texture, cube_point))
 }
 
-/// Greyness of a point of the unit cube, 0 to 1.
+/// Returns the greyness of a point of the unit cube, 0 to 1.
 fn vein_grey(noise_texture: &[i8], cube_point: Vec3) -> f32 {
     let NoiseOctaves { sum: turbulence, first: cloud } =
         sum_octaves(noise_texture, cube_point * MARBLE_NOISE_SCALE);
@@ -35,9 +35,9 @@ fn vein_grey(noise_texture: &[i8], cube_point: Vec3) -> f32 {
 
 /// Octaves of noise at a point.
 struct NoiseOctaves {
-    /// Their sum, with halving amplitude.
+    /// Sum of the octaves, with halving amplitude.
     sum: f32,
-    /// The first one by itself.
+    /// The first octave.
     first: f32,
 }
 

@@ -11,14 +11,14 @@ use crate::constants::MARCH_FRACTION_BITS;
 /// A half-line. `direction` has unit length.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Ray {
-    /// Where it starts.
+    /// The start.
     pub origin: Vec3,
-    /// Where it goes.
+    /// The direction, of unit length.
     pub direction: Vec3,
 }
 
 impl Ray {
-    /// The point at a distance from the origin.
+    /// Returns the point at a distance from the origin.
     #[must_use]
     #[inline]
     pub fn at(&self, distance: f32) -> Vec3 {
@@ -29,34 +29,34 @@ impl Ray {
 /// The first occupied sample on a ray.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct VoxelHit {
-    /// The voxel it lies in.
+    /// The voxel that the sample lies in.
     pub voxel: [usize; 3],
-    /// Its distance from the ray's origin, in voxels.
+    /// The sample's distance from the ray's origin, in voxels.
     pub distance: f32,
 }
 
 /// A part of a ray, by distances from its origin.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct RaySpan {
-    /// Where it begins; at least 0.
+    /// The distance of its start; at least 0.
     pub near: f32,
-    /// Where it ends.
+    /// The distance of its end.
     pub far: f32,
 }
 
-/// Which maps a step of a march reads; the answer is the same.
+/// The maps that a step of a march reads; the result is the same.
 #[derive(Clone, Copy)]
 enum MapReadOrder {
-    /// The dominant axis's, and the other two only where that one holds the sample.
+    /// The dominant axis's map, and the other two only if that map holds the sample.
     DominantFirst,
     /// All three.
     AllThree,
 }
 
-/// The first occupied sample of a ray given in voxels, stepping from layer centre to layer centre
+/// Returns the first occupied sample of a ray given in voxels, stepping from layer centre to layer centre
 /// of the ray's dominant axis: at most N steps, and none outside the cube.
 ///
-/// A step reads the dominant axis's map, and the other two only where that one holds the sample.
+/// A step reads the dominant axis's map, and the other two only if that map holds the sample.
 #[must_use]
 pub fn march_maps<const N: usize, const K: usize>(
     maps: &RangeMaps<N, K>,
@@ -65,7 +65,8 @@ pub fn march_maps<const N: usize, const K: usize>(
     march_reading(maps, grid_ray, MapReadOrder::DominantFirst)
 }
 
-/// [`march_maps`] with every step reading all three maps, for comparison; the answer is the same.
+/// Does the same as [`march_maps`], but every step reads all three maps, for comparison. The result is the
+/// same.
 #[must_use]
 pub fn march_all_maps<const N: usize, const K: usize>(
     maps: &RangeMaps<N, K>,
@@ -87,8 +88,8 @@ fn march_reading<const N: usize, const K: usize>(
     }
 }
 
-/// Slab test: the part of a ray in the cube from the origin to `side` along each axis. `None` if it
-/// misses.
+/// Slab test: returns the part of a ray in the cube from the origin to `side` along each axis; `None` if
+/// the ray misses.
 #[must_use]
 pub fn clip_to_cube(ray: &Ray, side: f32) -> Option<RaySpan> {
     let (mut near, mut far) = (0.0f32, f32::INFINITY);
@@ -107,7 +108,7 @@ pub fn clip_to_cube(ray: &Ray, side: f32) -> Option<RaySpan> {
     (near < far).then_some(RaySpan { near, far })
 }
 
-/// Whether the voxel that holds a point is occupied; outside the cube is empty.
+/// Returns `true` if the voxel that holds a point is occupied. Outside the cube all is empty.
 #[must_use]
 #[inline]
 pub fn is_point_occupied<const N: usize, const K: usize>(
@@ -121,7 +122,7 @@ pub fn is_point_occupied<const N: usize, const K: usize>(
         && maps.contains([grid_point.x as usize, grid_point.y as usize, grid_point.z as usize])
 }
 
-/// The axis most parallel to a direction; the earlier one of equals.
+/// Returns the axis most parallel to a direction; of equal axes the earlier one.
 #[must_use]
 pub fn dominant_axis(direction: Vec3) -> Axis {
     let size = direction.abs();
@@ -151,7 +152,7 @@ fn first_sample_hit_along_axis<const N: usize, const K: usize, const AXIS: usize
         layer += step;
         distance += each;
     }
-    // Voxels in fixed point, as the shader steps, so that both look at the same ones.
+    // Steps in fixed point, as the shader does, so that both look at the same voxels.
     let fixed = |c: f32| (c * ONE_VOXEL) as i32;
     let mut place = ray.at(distance).to_array().map(|c| fixed(c + 1.0));
     let slide = (ray.direction * each).to_array().map(fixed);
@@ -162,7 +163,7 @@ fn first_sample_hit_along_axis<const N: usize, const K: usize, const AXIS: usize
         }
         let mut voxel = place.map(|c| (c >> MARCH_FRACTION_BITS) - 1);
         voxel[AXIS] = layer as i32;
-        // Rounding may carry a place out of the grid, where all is empty.
+        // Rounding may carry a position out of the grid, where all is empty.
         if voxel.iter().all(|&c| (0..N as i32).contains(&c)) {
             let voxel = voxel.map(|c| c as usize);
             let hit = match read_order {

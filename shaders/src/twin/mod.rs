@@ -1,6 +1,6 @@
-//! CPU renderer: section 4 of the paper and the fast path in plain Rust on `f32`, a function call
-//! for each fragment; the reference for the GPU's pictures. Takes range maps or a
-//! [`DensityField`](crate::field::DensityField), a camera and the scene's meshes, if they are to be seen, gives an
+//! CPU renderer: section 4 of the paper and the fast path in plain Rust on `f32`, a function call for each
+//! fragment; the reference for the GPU's pictures. Takes range maps or a
+//! [`DensityField`](crate::field::DensityField), a camera and optionally the scene's meshes, gives an
 //! [`Image`](image::Image); knows nothing of Vulkan.
 
 mod bvh;

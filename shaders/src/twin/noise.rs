@@ -9,7 +9,7 @@ use glam::Vec3;
 
 use crate::constants::{NOISE_CELLS, NOISE_TEXELS};
 
-/// The noise texture, x fastest, then y, then z; a byte is 127 times the noise. Made once.
+/// Returns the noise texture, x fastest, then y, then z; a byte is 127 times the noise. Computed once.
 #[must_use]
 pub fn noise_texture() -> &'static [i8] {
     static TEXTURE: OnceLock<Box<[i8]>> = OnceLock::new();
@@ -25,7 +25,7 @@ pub fn noise_texture() -> &'static [i8] {
     })
 }
 
-/// Trilinear sample of the texture at a point in lattice cells, repeating; about -1 to 1.
+/// Returns a trilinear sample of the texture at a point in lattice cells, repeating; about -1 to 1.
 #[must_use]
 pub fn sample_noise(noise_texture: &[i8], lattice_point: Vec3) -> f32 {
     let texels = NOISE_TEXELS as f32 / NOISE_CELLS as f32;
@@ -42,7 +42,7 @@ pub fn sample_noise(noise_texture: &[i8], lattice_point: Vec3) -> f32 {
     mix_trilinear(at, part) / 127.0
 }
 
-/// Gradient noise at a point in lattice cells, repeating after [`NOISE_CELLS`].
+/// Returns gradient noise at a point in lattice cells, repeating after [`NOISE_CELLS`].
 #[must_use]
 pub fn gradient_noise(lattice_point: Vec3) -> f32 {
     let CellPoint { low, part } = split_at_cell(lattice_point);
@@ -67,7 +67,7 @@ fn split_at_cell(point: Vec3) -> CellPoint {
     CellPoint { low, part: point - Vec3::from_array(low.map(|c| c as f32)) }
 }
 
-/// Trilinear interpolation of the values at the corners (0 or 1 along each axis) of a cell.
+/// Interpolates trilinearly the values at the corners (0 or 1 along each axis) of a cell.
 fn mix_trilinear(value_at_corner: impl Fn(i32, i32, i32) -> f32, part: Vec3) -> f32 {
     let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
     let line = |dy, dz| mix(value_at_corner(0, dy, dz), value_at_corner(1, dy, dz), part.x);
@@ -75,7 +75,7 @@ fn mix_trilinear(value_at_corner: impl Fn(i32, i32, i32) -> f32, part: Vec3) -> 
     mix(face(0), face(1), part.z)
 }
 
-/// The gradient at a lattice point: one of the twelve directions from a cube's centre to its edges.
+/// Returns the gradient at a lattice point: one of the twelve directions from a cube's centre to its edges.
 fn edge_midpoint_gradient(lattice_point: [i32; 3]) -> Vec3 {
     let [x, y, z] = lattice_point.map(|c| c.rem_euclid(NOISE_CELLS as i32) as u32);
     let hash = hash_u32(x | y << 8 | z << 16) % 12;
@@ -87,7 +87,7 @@ fn edge_midpoint_gradient(lattice_point: [i32; 3]) -> Vec3 {
     gradient
 }
 
-/// Integer hash: a permutation of 32-bit numbers (Wellons's "lowbias32" constants).
+/// Hashes an integer: a permutation of 32-bit numbers (Wellons's "lowbias32" constants).
 #[must_use]
 pub fn hash_u32(mut x: u32) -> u32 {
     x ^= x >> 16;

@@ -1,6 +1,7 @@
 //! Panels in the CPU's pictures: rays through their planes, their quads blended one over the other.
 //!
-//! The twin of `wgsl/panel.wgsl`. A pixel's width on a panel comes from the rays of its neighbours, as the program's does.
+//! The twin of `wgsl/panel.wgsl`. A pixel's width on a panel comes from the rays of its neighbours, as in
+//! the program.
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -10,22 +11,22 @@ use super::render::encode_srgb;
 use crate::gpu::Eye;
 use crate::panel::{Panel, PanelPictures, PanelRect, linear_color};
 
-/// How far a panel's shadow reaches beyond it, in millimetres, at the most.
+/// The farthest that a panel's shadow reaches beyond the panel, in millimetres.
 const BEYOND: f32 = 100.0;
 
 /// A pixel's ray in the room.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PixelRay {
-    /// Metres.
+    /// Origin, in metres.
     pub(crate) origin: Vec3,
-    /// Of any length.
+    /// Direction, of any length.
     pub(crate) direction: Vec3,
     /// The directions of the pixels to the right and below, less this one's.
     pub(crate) to_next: [Vec3; 2],
 }
 
-/// Renders panels alone before a linear colour, as an eye sees them: `samples` rays along a side of each pixel. Their
-/// cells have no pictures.
+/// Renders panels alone before a linear colour, as an eye sees them, with `samples` rays along a side of
+/// each pixel. Picture cells stay empty.
 #[must_use]
 pub fn render_panels(
     panels: &[Panel],
@@ -37,7 +38,7 @@ pub fn render_panels(
     render_panels_with_pictures(panels, &PanelPictures::EMPTY, eye, size, samples, backdrop)
 }
 
-/// The same with pictures in their cells.
+/// Does the same as [`render_panels`], with pictures in the panels' cells.
 #[must_use]
 pub fn render_panels_with_pictures(
     panels: &[Panel],
@@ -71,15 +72,15 @@ pub fn render_panels_with_pictures(
     image
 }
 
-/// Draws a panel straight on, as wide as the picture, over a colour in sRGB: quad by quad, as fast as a headset's processor
-/// shows a panel before there are programs. Its cells have no pictures.
+/// Draws a panel straight on, as wide as the picture, over a colour in sRGB: quad by quad, fast enough for
+/// a headset's processor to show a panel before the GPU's programs are compiled. Picture cells stay empty.
 #[must_use]
 pub fn render_panel_flat(panel: &Panel, ground: [u8; 3], [width, height]: [usize; 2]) -> Image {
     let pixel_mm = panel.size_mm()[0] / width.max(1) as f32;
     let [red, green, blue] = ground;
     let ground_color = linear_color([red, green, blue, 255]).rgb;
     let mut colors = vec![ground_color; width * height];
-    // Those whose middles lie between.
+    // The pixels whose middles lie between.
     let pixels = |low: f32, high: f32, count: usize| {
         let first = (low / pixel_mm - 0.5).ceil().max(0.0) as usize;
         first..((high / pixel_mm + 0.5).floor().max(0.0) as usize).min(count)
@@ -100,7 +101,7 @@ pub fn render_panel_flat(panel: &Panel, ground: [u8; 3], [width, height]: [usize
     Image { width, height, pixels: colors.into_iter().flat_map(encode).collect() }
 }
 
-/// The linear colour along a ray whose picture without panels is `under`, so many metres away.
+/// Returns the linear colour along a ray: the panels over `under`, which is `depth_limit` metres away.
 pub(crate) fn blend_panels(
     panels: &[Panel],
     pictures: &PanelPictures,

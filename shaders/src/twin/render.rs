@@ -30,7 +30,7 @@ pub struct RenderOptions {
     pub samples: usize,
     /// The parts of the path that are on.
     pub settings: TwinSettings,
-    /// The fast path, the smooth surface of the blurred volume, instead of the paper's.
+    /// `true` for the fast path, the smooth surface of the blurred volume; `false` for the paper's.
     pub fast: bool,
 }
 
@@ -42,7 +42,7 @@ impl Default for RenderOptions {
 }
 
 impl RenderOptions {
-    /// The default size with the paper's path.
+    /// Returns the defaults with the paper's path.
     #[must_use]
     pub fn paper_path() -> Self {
         RenderOptions { fast: false, ..Self::default() }
@@ -86,13 +86,13 @@ pub fn render_image_with_panels<const N: usize, const K: usize>(
     render_scene(maps, camera, options, &Surroundings { room: Some(room), panels }, progress)
 }
 
-/// What a picture shows around the sculpture: the room, or else the studio; and panels in the room.
+/// The surroundings of the sculpture in a picture: the room, or else the studio; and panels in the room.
 struct Surroundings<'a> {
     room: Option<&'a LitRoom>,
     panels: &'a [Panel],
 }
 
-/// The studio at rest, in its light.
+/// Returns the studio at rest, in its light.
 #[must_use]
 pub fn lit_studio() -> LitRoom {
     let RenderStyle { sun_direction, sun_color, ambient, .. } =
@@ -108,7 +108,7 @@ fn render_scene<const N: usize, const K: usize>(
     &Surroundings { room, panels }: &Surroundings<'_>,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Image {
-    // The camera stands still, so that the stool turns against the azimuth.
+    // The camera stands still; the stool turns instead, against the azimuth.
     let field = options.fast.then(|| {
         let mut field = DensityField::new();
         field.rebuild_from(maps);
@@ -139,16 +139,16 @@ fn render_scene<const N: usize, const K: usize>(
 /// Pixels across and down of a finished sculpture's picture.
 pub const PORTRAIT_SIZE: [usize; 2] = [720; 2];
 
-/// The camera of a finished sculpture's picture.
+/// Returns the camera of a finished sculpture's picture.
 #[must_use]
 pub fn portrait_camera() -> Camera {
     Camera::orbiting(0.4, 0.25)
 }
 
-/// The bytes of a PNG file with a sculpture's picture in the lit room, of [`PORTRAIT_SIZE`].
+/// Renders a sculpture's picture in the lit room, of [`PORTRAIT_SIZE`], as the bytes of a PNG file.
 ///
 /// # Errors
-/// What keeps a picture from being encoded.
+/// The PNG encoder's error, as text.
 pub fn render_portrait_png<const N: usize, const K: usize>(
     maps: &RangeMaps<N, K>,
 ) -> Result<Vec<u8>, String> {
@@ -160,7 +160,7 @@ pub fn render_portrait_png<const N: usize, const K: usize>(
     Ok(png)
 }
 
-/// Supersampling: the mean tone-mapped colour of a pixel's rays.
+/// Supersampling: returns the mean tone-mapped colour of a pixel's rays.
 fn tone_mapped_pixel<const N: usize, const K: usize>(
     scene: &TwinScene<'_, N, K>,
     camera: &Camera,
@@ -198,13 +198,13 @@ fn tone_mapped_pixel<const N: usize, const K: usize>(
     sum / (side * side)
 }
 
-/// What a ray sees: its radiance, and how far away, in sides of the cube.
+/// The result of a ray: its radiance, and the distance of what it met, in sides of the cube.
 struct RayColor {
     radiance: Vec3,
     depth: f32,
 }
 
-/// The radiance along a ray: that of the sculpture, or of what surrounds it.
+/// Returns the radiance along a ray: that of the sculpture, or of its surroundings.
 fn trace_ray<const N: usize, const K: usize>(
     scene: &TwinScene<'_, N, K>,
     ray: &Ray,
@@ -226,19 +226,19 @@ fn trace_ray<const N: usize, const K: usize>(
     }
 }
 
-/// Radiance to sRGB bytes, through the tone curve.
+/// Converts radiance to sRGB bytes, through the tone curve.
 #[must_use]
 pub fn tone_map_to_srgb(radiance: Vec3) -> [u8; 3] {
     encode_srgb(tone_map(radiance))
 }
 
-/// Reinhard's tone curve: radiance to display intensity, `TONE_WHITE_POINT` to 1.
+/// Reinhard's tone curve: maps radiance to display intensity, and `TONE_WHITE_POINT` to 1.
 pub(crate) fn tone_map(radiance: Vec3) -> Vec3 {
     radiance * (Vec3::ONE + radiance / (TONE_WHITE_POINT * TONE_WHITE_POINT))
         / (Vec3::ONE + radiance)
 }
 
-/// Linear intensity to sRGB bytes (IEC 61966-2-1).
+/// Converts linear intensity to sRGB bytes (IEC 61966-2-1).
 pub(crate) fn encode_srgb(intensity: Vec3) -> [u8; 3] {
     intensity.to_array().map(|c| {
         let c = c.clamp(0.0, 1.0);

@@ -1,6 +1,7 @@
 //! The lit room around the sculpture, ray cast: the scene's meshes under the studio's light, as the GPU draws them.
 //!
-//! The twin of `wgsl/scene.wgsl`. Where that looks into a shadow map, a ray is cast towards the sun.
+//! The twin of `wgsl/scene.wgsl`. Where the program looks into a shadow map, the twin casts a ray towards
+//! the sun.
 
 use glam::{Affine3A, Vec3};
 
@@ -15,7 +16,7 @@ use crate::scene::{DrawGroup, DrawList, MeshInstance, SculpturePlacement};
 
 /// Offset of a shadow ray's origin along the normal, in metres: `NORMAL_OFFSET` of the program.
 const NORMAL_OFFSET: f32 = 0.012;
-/// Most faces seen from behind that a ray passes; they aren't drawn.
+/// The most back faces that a ray passes through; back faces aren't drawn.
 const MOST_BACK_FACES: u32 = 16;
 const FAR: f32 = 60.0;
 
@@ -24,31 +25,31 @@ const FAR: f32 = 60.0;
 pub struct TwinLight {
     /// Unit vector towards the sun.
     pub sun_direction: Vec3,
-    /// Its irradiance at normal incidence, over pi.
+    /// The sun's irradiance at normal incidence, over pi.
     pub sun_color: Vec3,
     /// Ambient radiance, as [`AMBIENT_HARMONICS`](crate::constants::AMBIENT_HARMONICS).
     pub ambient: [[f32; 3]; 9],
 }
 
 impl TwinLight {
-    /// Ambient irradiance over pi of a surface with this normal.
+    /// Returns the ambient irradiance over pi of a surface with this normal.
     #[must_use]
     pub fn ambient_over_pi(&self, normal: Vec3) -> Vec3 {
         harmonics::irradiance_over_pi(&self.ambient, normal)
     }
 }
 
-/// The room's triangles, and where the sculpture stands among them.
+/// The room's triangles, and the sculpture's placement among them.
 pub struct LitRoom {
     bvh: Bvh,
-    /// Those that cast shadows; the garden stands in the sun's way, and casts none.
+    /// The triangles that cast shadows; the garden stands in the sun's way, but casts none.
     casters: Bvh,
     triangles: Vec<[RoomCorner; 3]>,
-    /// Where the sculpture stands.
+    /// The sculpture's placement.
     pub stand: SculpturePlacement,
     /// The room's light.
     pub light: TwinLight,
-    /// Whether the studio of pictures without a room stands around it.
+    /// `true` if the plain studio, of pictures without a room, surrounds these triangles.
     pub(super) is_in_studio: bool,
 }
 
@@ -72,14 +73,14 @@ pub struct RoomHit {
 }
 
 impl LitRoom {
-    /// The room of a frame's scene, but for what is blended over it.
+    /// Creates the room of a frame's scene, without the parts that are blended over it.
     #[must_use]
     pub fn new(scene: &DrawList, stand: SculpturePlacement, light: TwinLight) -> Self {
         Self::of_groups(scene, &[DrawGroup::Handheld, DrawGroup::Surroundings], stand, light)
     }
 
-    /// The hands and tools of a frame's scene alone, in the plain studio of [`render_image`](crate::render_image): as
-    /// cheap as that one.
+    /// Creates a room of only the hands and tools of a frame's scene, in the plain studio of
+    /// [`render_image`](crate::render_image): as cheap as that studio.
     #[must_use]
     pub fn of_hands_in_studio(scene: &DrawList, stand: SculpturePlacement) -> Self {
         let RenderStyle { sun_direction, sun_color, ambient, .. } = RenderStyle::default();
@@ -120,7 +121,8 @@ impl LitRoom {
         LitRoom { bvh, casters, triangles, stand, light, is_in_studio: false }
     }
 
-    /// Where a ray of the studio, in sides of the cube around the sculpture's foot, meets the room.
+    /// Finds the point where a ray of the studio, in sides of the cube around the sculpture's foot, meets
+    /// the room.
     #[must_use]
     pub fn cast_ray(&self, studio_ray: &Ray) -> Option<RoomHit> {
         let origin = self.to_room(studio_ray.origin);
@@ -140,7 +142,7 @@ impl LitRoom {
         None
     }
 
-    /// The linear radiance of such a point, before tone mapping.
+    /// Returns the linear radiance of a point of the room, before tone mapping.
     #[must_use]
     pub fn shade<const N: usize, const K: usize>(
         &self,
@@ -174,7 +176,7 @@ impl LitRoom {
         color * (irradiance + Vec3::splat(glow))
     }
 
-    /// Whether the room leaves the sun to a point of the studio.
+    /// Returns `true` if the room doesn't hide the sun from a point of the studio.
     pub(super) fn lets_sun_to(&self, studio_point: Vec3) -> bool {
         self.is_lit_from(self.to_room(studio_point))
     }
@@ -188,7 +190,7 @@ impl LitRoom {
     }
 }
 
-/// A vertex of an instance, in the room.
+/// Transforms a vertex of an instance to the room.
 fn room_corner(vertex: &crate::scene::MeshVertex, instance: &MeshInstance) -> RoomCorner {
     let t = &instance.transform;
     let columns = [0, 1, 2, 3].map(|k| Vec3::new(t[k], t[4 + k], t[8 + k]));
@@ -210,7 +212,7 @@ fn room_corner(vertex: &crate::scene::MeshVertex, instance: &MeshInstance) -> Ro
     }
 }
 
-/// The weights of a triangle's corners at a point of it: the parts of its area.
+/// Returns the barycentric weights of a triangle's corners at a point in it.
 fn barycentric_weights([a, b, c]: [Vec3; 3], point: Vec3) -> [f32; 3] {
     let whole = (b - a).cross(c - a);
     let part = |p: Vec3, q: Vec3| (p - point).cross(q - point).dot(whole);
@@ -219,7 +221,7 @@ fn barycentric_weights([a, b, c]: [Vec3; 3], point: Vec3) -> [f32; 3] {
     if sum == 0.0 { [1.0, 0.0, 0.0] } else { weights.map(|weight| weight / sum) }
 }
 
-/// `contact_openness` of the program; the place is in voxels.
+/// The twin of the program's `contact_openness`: `above` is in voxels.
 fn contact_openness<const N: usize, const K: usize>(
     field: &DensityField<N, K>,
     above: Vec3,

@@ -1,7 +1,7 @@
 //! The studio around the sculpture: a round stool on a floor that runs into the backdrop.
 //!
-//! Not in the paper, where a game engine draws it: a signed distance field, sphere traced. The
-//! sculpture's shadow on it comes from marching the same range maps.
+//! In the paper a game engine draws the surroundings; here they are a signed distance field, sphere traced.
+//! The sculpture's shadow on them comes from marching the same range maps.
 
 use core::f32::consts::TAU;
 
@@ -22,7 +22,7 @@ const SUN_RADIUS: f32 = 0.09;
 const SHADOW_RAYS: u32 = 4;
 const FAR: f32 = 14.0;
 
-/// Linear radiance of the studio along a studio ray that misses the sculpture.
+/// Returns the linear radiance of the studio along a studio ray that misses the sculpture.
 #[must_use]
 pub fn shade_background<const N: usize, const K: usize>(
     scene: &TwinScene<'_, N, K>,
@@ -51,14 +51,14 @@ pub fn shade_background<const N: usize, const K: usize>(
     }
 }
 
-/// Radiance of the backdrop: a soft spot of light on the wall behind the stool.
+/// Returns the radiance of the backdrop: a soft spot of light on the wall behind the stool.
 fn backdrop_radiance(direction: Vec3) -> Vec3 {
     let pool = Vec3::new(0.05, -0.08, -1.0).normalize().dot(direction);
     let light = smoothstep((pool - 0.90) / 0.1);
     Vec3::new(0.035, 0.038, 0.045).lerp(Vec3::new(0.17, 0.168, 0.165), light)
 }
 
-/// Sphere tracing: distance along a ray to the floor or the stool, which lie below y = 0.
+/// Sphere tracing: returns the distance along a ray to the floor or the stool, which lie below y = 0.
 fn distance_to_stool_or_floor(studio_ray: &Ray) -> Option<f32> {
     let falling = -studio_ray.direction.y;
     let to_height = |y: f32| (studio_ray.origin.y - y) / falling;
@@ -80,7 +80,7 @@ fn distance_to_stool_or_floor(studio_ray: &Ray) -> Option<f32> {
     (floor < FAR).then_some(floor)
 }
 
-/// Signed distance to the stool and the floor.
+/// Returns the signed distance to the stool and the floor.
 fn studio_distance(point: Vec3) -> f32 {
     stool_distance(point).min(point.y - FLOOR)
 }
@@ -101,7 +101,7 @@ fn stool_distance(point: Vec3) -> f32 {
     top.min(column)
 }
 
-/// Signed distance to an upright cylinder with rounded rims, centred on the origin.
+/// Returns the signed distance to an upright cylinder with rounded rims, centred on the origin.
 fn cylinder_distance(point: Vec3, radius: f32, half_height: f32, rim: f32) -> f32 {
     let side = length_2d(point.x, point.z) - radius + rim;
     let cap = point.y.abs() - half_height + rim;
@@ -115,7 +115,7 @@ fn studio_normal(point: Vec3) -> Vec3 {
     Vec3::new(slope(Vec3::X), slope(Vec3::Y), slope(Vec3::Z)).normalize()
 }
 
-/// Area-light shadow: the part of the sun's disc that a studio point sees past stool and sculpture,
+/// Area-light shadow: returns the part of the sun's disc that a studio point sees past stool and sculpture,
 /// times the cosine of incidence.
 fn sun_visibility_times_cosine<const N: usize, const K: usize>(
     scene: &TwinScene<'_, N, K>,
@@ -144,8 +144,8 @@ fn sun_visibility_times_cosine<const N: usize, const K: usize>(
     facing * stool_sun_visibility(start, sun) * seen as f32 / SHADOW_RAYS as f32
 }
 
-/// Distance field soft shadow of the stool: by the shadow ray's closest approach (Aaltonen and
-/// Quilez). Visibility, 0 to 1.
+/// Distance field soft shadow of the stool, by the shadow ray's closest approach (Aaltonen and Quilez).
+/// Returns the visibility, 0 to 1.
 fn stool_sun_visibility(start: Vec3, to_sun: Vec3) -> f32 {
     let (mut distance, mut seen) = (0.02, 1.0f32);
     for _ in 0..32 {
@@ -162,7 +162,7 @@ fn stool_sun_visibility(start: Vec3, to_sun: Vec3) -> f32 {
     smoothstep(seen)
 }
 
-/// Ambient occlusion by stool and sculpture at a studio point: the part of the ambient light left.
+/// Ambient occlusion by stool and sculpture at a studio point: returns the part of the ambient light left.
 fn ambient_openness<const N: usize, const K: usize>(
     scene: &TwinScene<'_, N, K>,
     point: Vec3,
@@ -189,7 +189,8 @@ fn ambient_openness<const N: usize, const K: usize>(
     open.max(0.0) * free / samples as f32
 }
 
-/// Length of (x, y) by the hardware's square root; glam's is libm's here, as the core needs it.
+/// Returns the length of (x, y), by the hardware's square root; glam uses libm's here, as the core needs
+/// it.
 fn length_2d(x: f32, y: f32) -> f32 {
     (x * x + y * y).sqrt()
 }

@@ -13,7 +13,7 @@ use crate::constants::{
 /// A point to be shaded.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SurfacePoint {
-    /// Where it is, in voxels.
+    /// Position, in voxels.
     pub position: Vec3,
     /// The outward unit normal.
     pub normal: Vec3,
@@ -21,8 +21,8 @@ pub struct SurfacePoint {
     pub distance: f32,
 }
 
-/// Sphere tracing of the blobs around a hit voxel, from half a voxel before the sample. If the ray
-/// misses them, its closest approach is taken. The normal is equation 1.
+/// Sphere traces the blobs around a hit voxel, from half a voxel before the sample. If the ray misses the
+/// blobs, takes its closest approach. The normal is that of equation 1.
 #[must_use]
 pub fn trace_blobs_or_closest_approach<const N: usize, const K: usize>(
     maps: &RangeMaps<N, K>,
@@ -51,7 +51,8 @@ pub fn trace_blobs_or_closest_approach<const N: usize, const K: usize>(
     }
 }
 
-/// Where a ray enters the hit voxel, with the normal of that face, for pictures without blobs.
+/// Returns the point where a ray enters the hit voxel, with the normal of that face, for pictures without
+/// blobs.
 #[must_use]
 pub fn entry_face_point(grid_ray: &Ray, hit: &VoxelHit) -> SurfacePoint {
     let centre = voxel_centre(hit.voxel);
@@ -70,12 +71,12 @@ pub fn entry_face_point(grid_ray: &Ray, hit: &VoxelHit) -> SurfacePoint {
     SurfacePoint { position: grid_ray.at(distance), normal, distance }
 }
 
-/// Which of a voxel's six neighbours are occupied: -x, +x, -y, +y, -z, +z.
+/// Occupancy of a voxel's six neighbours: -x, +x, -y, +y, -z, +z.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Neighbours(pub [bool; 6]);
 
 impl Neighbours {
-    /// The neighbours of a voxel; outside the cube is empty.
+    /// Returns the neighbours of a voxel; outside the cube all is empty.
     #[must_use]
     pub fn around_voxel<const N: usize, const K: usize>(
         maps: &RangeMaps<N, K>,
@@ -91,8 +92,8 @@ impl Neighbours {
         Neighbours(occupied)
     }
 
-    /// Signed distance from a point, given from the hit voxel's centre, to the smooth union of the
-    /// blobs of that voxel and its occupied neighbours, in voxels.
+    /// Returns the signed distance from a point, given from the hit voxel's centre, to the smooth union of
+    /// the blobs of that voxel and its occupied neighbours, in voxels.
     #[must_use]
     pub fn blob_distance(&self, from_voxel_centre: Vec3) -> f32 {
         let point = from_voxel_centre;
@@ -108,9 +109,9 @@ impl Neighbours {
         -BLOB_BLEND_WIDTH * sum.ln()
     }
 
-    /// The unit normal of equation 1 (Shepard 1968): the directions from the occupied neighbours to
-    /// a point, given from the hit voxel's centre, weighted by inverse square distance. A voxel
-    /// without neighbours is a ball.
+    /// Returns the unit normal of equation 1 (Shepard 1968): the directions from the occupied neighbours to
+    /// a point, given from the hit voxel's centre, weighted by inverse square distance. A voxel without
+    /// neighbours is a ball.
     #[must_use]
     pub fn shepard_normal(&self, from_voxel_centre: Vec3) -> Vec3 {
         let point = from_voxel_centre;
@@ -129,12 +130,12 @@ fn voxel_centre(voxel: [usize; 3]) -> Vec3 {
     Vec3::from_array(voxel.map(|c| c as f32 + 0.5))
 }
 
-/// A vector's component in the direction of a neighbour, one of the six.
+/// Returns a vector's component in the direction of a neighbour, one of the six.
 fn component_towards_neighbour(vector: Vec3, neighbour: usize) -> f32 {
     if neighbour % 2 == 1 { vector[neighbour / 2] } else { -vector[neighbour / 2] }
 }
 
-/// The unit step to a neighbour, one of the six.
+/// Returns the unit step to a neighbour, one of the six.
 fn neighbour_offset(neighbour: usize) -> Vec3 {
     let mut offset = Vec3::ZERO;
     offset[neighbour / 2] = if neighbour % 2 == 1 { 1.0 } else { -1.0 };

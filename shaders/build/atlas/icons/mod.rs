@@ -5,17 +5,17 @@ mod things;
 
 use paros_core::badge::{BadgePart, BadgePoint, BadgeShape, Pictogram};
 
-/// An icon: the name of its variant, what it shows, its parts.
+/// An icon: the name of its variant, its description, its parts.
 pub(crate) struct IconShape {
     pub(crate) name: &'static str,
     pub(crate) shows: &'static str,
     pub(crate) parts: Vec<BadgePart>,
 }
 
-/// The name of an icon's variant, what it shows, its parts.
+/// The name of an icon's variant, its description, its parts.
 type IconRow = (&'static str, &'static str, &'static [BadgePart]);
 
-/// All of them, in the order of the generated `Icon`.
+/// Returns all icons, in the order of the generated `Icon`.
 pub(crate) fn all_icons() -> Vec<IconShape> {
     let icon = |name, shows, parts: &[BadgePart]| IconShape { name, shows, parts: parts.to_vec() };
     let mut all = vec![
@@ -50,7 +50,7 @@ fn pictogram(number: u8) -> &'static [BadgePart] {
     Pictogram::new(number).expect("there are 64").parts()
 }
 
-/// The mirror image, left for right.
+/// Returns the mirror image, left for right.
 fn mirrored(parts: &[BadgePart]) -> Vec<BadgePart> {
     let point = |[x, y]: BadgePoint| [64 - x, y];
     let points = |all: &[BadgePoint]| -> &'static [BadgePoint] {

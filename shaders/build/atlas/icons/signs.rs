@@ -19,7 +19,7 @@ const RING: &[BadgePoint] = &[
     [57, 32],
 ];
 
-/// In the order of their variants.
+/// The signs, in the order of their variants.
 pub(super) const SIGNS: &[IconRow] = &[
     ("Tick", "A tick: done, or yes.", &[line(9, &[[9, 34], [25, 50], [55, 16]])]),
     (

@@ -1,4 +1,4 @@
-//! Hands, people, tools and what is carved.
+//! Hands, people, tools and things to carve.
 
 use super::{BadgePart, IconRow, cut, disc, line, oval, polygon};
 
@@ -12,7 +12,7 @@ pub(super) const RIGHT_HAND: &[BadgePart] = &[
     polygon(&[[17, 32], [54, 37], [52, 50], [46, 61], [28, 61], [19, 54]]),
 ];
 
-/// In the order of their variants.
+/// The things, in the order of their variants.
 pub(super) const THINGS: &[IconRow] = &[
     (
         "Trigger",

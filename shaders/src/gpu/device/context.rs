@@ -24,7 +24,7 @@ pub struct Instance {
 
 /// A logical device with one graphics queue. Every object made on it holds a reference.
 pub struct Gpu {
-    /// Its instance, which outlives it.
+    /// The instance, which outlives the device.
     pub instance: Arc<Instance>,
     /// The physical device.
     pub physical_device: vk::PhysicalDevice,
@@ -43,7 +43,7 @@ pub struct Gpu {
     pub(crate) memory: vk::PhysicalDeviceMemoryProperties,
 }
 
-/// A physical device to be used.
+/// The chosen physical device, and its queue family.
 struct DeviceChoice {
     physical: vk::PhysicalDevice,
     /// Index of the queue family.
@@ -70,7 +70,7 @@ impl Instance {
     /// Loads Vulkan and creates an instance.
     ///
     /// # Errors
-    /// [`Error::NoLoader`], or a call that failed: a layer or an extension that isn't there.
+    /// [`Error::NoLoader`], or a failed call, for example because a layer or an extension is missing.
     pub fn create(options: &Options) -> Result<Arc<Self>, Error> {
         Self::create_with(options, |entry, info| {
             // SAFETY: all that `info` points to lives until the call returns.
@@ -84,7 +84,7 @@ impl Instance {
     /// creates it, and may add extensions.
     ///
     /// # Errors
-    /// [`Error::NoLoader`], or what `make` met with.
+    /// [`Error::NoLoader`], or the error of `make`.
     pub fn create_with<E: From<Error>>(
         options: &Options,
         make: impl FnOnce(&ash::Entry, &vk::InstanceCreateInfo<'_>) -> Result<vk::Instance, E>,
@@ -122,7 +122,7 @@ impl Instance {
         Ok(Arc::new(instance))
     }
 
-    /// The warnings and errors of validation so far.
+    /// Returns the warnings and errors of validation so far.
     #[must_use]
     pub fn validation_messages(&self) -> Vec<String> {
         self.messages.lock().map(|messages| messages.clone()).unwrap_or_default()
@@ -183,7 +183,7 @@ unsafe extern "system" fn store_message(
 }
 
 impl Gpu {
-    /// The best device of this machine, without presentation.
+    /// Creates a device on the best physical device of this machine, without presentation.
     ///
     /// # Errors
     /// See [`Instance::create`] and [`Gpu::choose`].
@@ -191,11 +191,11 @@ impl Gpu {
         Gpu::choose(Instance::create(options)?, options, |_, _| true)
     }
 
-    /// Chooses the best suitable physical device and creates a logical device on it. `presents` says
-    /// of a physical device and a queue family whether they can present to the shell's window.
+    /// Chooses the best suitable physical device and creates a logical device on it. `presents` returns
+    /// `true` if a physical device and a queue family can present to the shell's window.
     ///
     /// # Errors
-    /// [`Error::NoDevice`] with what each lacks, or a call that failed.
+    /// [`Error::NoDevice`] with the reason for each physical device, or a failed call.
     pub fn choose(
         instance: Arc<Instance>,
         options: &Options,
@@ -238,11 +238,11 @@ impl Gpu {
         })
     }
 
-    /// Has `make` create a logical device on a given physical device: with OpenXR the runtime chooses
-    /// and creates, and may add extensions.
+    /// Has `make` create a logical device on a given physical device: with OpenXR the runtime chooses the
+    /// physical device, creates the logical one, and may add extensions.
     ///
     /// # Errors
-    /// [`Error::NoDevice`] with what it lacks, or what `make` met with.
+    /// [`Error::NoDevice`] with what the device lacks, or the error of `make`.
     pub fn create_with<E: From<Error>>(
         instance: Arc<Instance>,
         options: &Options,
@@ -290,20 +290,20 @@ impl Gpu {
         }))
     }
 
-    /// Side of the largest square render target, in pixels.
+    /// Returns the side of the largest square render target, in pixels.
     #[must_use]
     pub fn max_image_side(&self) -> u32 {
         let limits = self.properties().limits;
         limits.max_image_dimension2_d.min(limits.max_framebuffer_width)
     }
 
-    /// Whether it is a software implementation on the CPU.
+    /// Returns `true` if the device is a software implementation on the CPU.
     #[must_use]
     pub fn is_software(&self) -> bool {
         self.properties().device_type == vk::PhysicalDeviceType::CPU
     }
 
-    /// Whether it shares the processor's memory, as a headset's does.
+    /// Returns `true` for an integrated GPU, which shares the processor's memory, as a headset's does.
     #[must_use]
     pub fn is_integrated(&self) -> bool {
         self.properties().device_type == vk::PhysicalDeviceType::INTEGRATED_GPU

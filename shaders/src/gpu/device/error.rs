@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-/// Why the renderer could not start or draw.
+/// An error that keeps the renderer from starting or drawing.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Error {
     /// The Vulkan loader can't be opened.
@@ -20,13 +20,13 @@ pub enum Error {
     Call {
         /// The attempted action, an infinitive: "make a buffer".
         action: &'static str,
-        /// Its result code.
+        /// The call's result code.
         result: vk::Result,
     },
 }
 
 impl Error {
-    /// Whether the device is lost, and with it everything that was made on it.
+    /// Returns `true` if the device is lost, and with it everything that was made on it.
     #[must_use]
     pub const fn is_lost(&self) -> bool {
         matches!(self, Error::Call { result: vk::Result::ERROR_DEVICE_LOST, .. })

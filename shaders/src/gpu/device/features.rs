@@ -24,10 +24,10 @@ pub struct DeviceFeatures {
     pub timestamp_period_fs: u64,
 }
 
-/// The features that a device supports of those requested.
+/// The requested features, as far as the device supports them.
 pub(crate) struct NegotiatedFeatures {
     pub(crate) enabled: DeviceFeatures,
-    /// Texts for the user about those that are requested and missing.
+    /// Texts for the user about requested features that are missing.
     pub(crate) missing: Vec<&'static str>,
 }
 
@@ -53,7 +53,7 @@ impl DeviceFeatures {
         NegotiatedFeatures { enabled, missing }
     }
 
-    /// The features that a physical device and its queue family support.
+    /// Queries the features that a physical device and its queue family support.
     fn query_device(
         instance: &ash::Instance,
         physical: vk::PhysicalDevice,
@@ -141,7 +141,7 @@ fn has_extension(instance: &ash::Instance, physical: vk::PhysicalDevice, name: &
 mod tests {
     use super::*;
 
-    /// The extensions and the `pNext` chain of the create info.
+    /// Returns the extensions and the `pNext` chain of the create info.
     fn requested_structures(needs: DeviceFeatures) -> (Vec<&'static CStr>, Vec<vk::StructureType>) {
         needs.with_create_info(0, &Options::default(), |info| {
             let (names, count) = (info.pp_enabled_extension_names, info.enabled_extension_count);

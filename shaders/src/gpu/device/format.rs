@@ -9,30 +9,31 @@ use super::context::Gpu;
 pub struct TargetFormat {
     /// Colour format; an sRGB one, as the programs output linear light.
     pub color: vk::Format,
-    /// Samples per pixel, 1, 2 or 4, of those that [`TargetFormat::has_samples`]; several are resolved within the pass, into the shell's image of one.
+    /// Samples per pixel: 1, 2 or 4, if [`TargetFormat::has_samples`]. Several samples are resolved
+    /// within the pass, into the shell's single-sampled image.
     pub samples: u32,
     /// Multiview: layers of an image, one for each eye, 1 or 2.
     pub views: u32,
     /// Image layout of the shell's colour image after the pass.
     pub final_layout: vk::ImageLayout,
-    /// Whether depth is stored, in an image of the shell's, of format [`TargetFormat::choose_depth`].
+    /// `true` if depth is stored, in an image of the shell's, of format [`TargetFormat::choose_depth`].
     pub keep_depth: bool,
-    /// Whether the shell has a fragment density map for each image, which tells how densely its
-    /// parts are shaded: a view of format [`TargetFormat::DENSITY`], made with
-    /// `VK_IMAGE_USAGE_FRAGMENT_DENSITY_MAP_BIT_EXT`, in the layout for that use, a layer for each
-    /// eye or one for both. A device that was not asked for
-    /// [`Options::density_map`], or lacks it, draws without. No tiler has run this yet, and no
-    /// software driver has the extension: what was checked is what the calls are given.
+    /// `true` if the shell has a fragment density map for each image, which sets how densely its parts are
+    /// shaded: a view of format [`TargetFormat::DENSITY`], made with
+    /// `VK_IMAGE_USAGE_FRAGMENT_DENSITY_MAP_BIT_EXT`, in the layout for that use, with a layer for each eye
+    /// or one for both. A device created without [`Options::density_map`], or without the feature, draws
+    /// without maps. No tiler has run this yet, and no software driver has the extension: tests only check
+    /// the arguments of the calls.
     ///
     /// [`Options::density_map`]: crate::gpu::Options::density_map
     pub density_map: bool,
-    /// Whether the shell's images are subsampled (`VK_IMAGE_CREATE_SUBSAMPLED_BIT_EXT`), which wants density maps: so
-    /// are the renderer's own then.
+    /// `true` if the shell's images are subsampled (`VK_IMAGE_CREATE_SUBSAMPLED_BIT_EXT`), which requires
+    /// density maps: the renderer's own attachments are then subsampled too.
     pub is_subsampled: bool,
-    /// Whether the picture is drawn into an image of the renderer's own and then scaled up into the shell's. The picture
-    /// can have fewer pixels ([`RenderTarget::set_drawn_extent`]). The overlay and the panels in the room are drawn
-    /// after that, in full resolution and without depth test. The shell's images need
-    /// `VK_IMAGE_USAGE_TRANSFER_DST_BIT`.
+    /// `true` if the picture is drawn into an image of the renderer's own and then scaled up into the
+    /// shell's. The picture can have fewer pixels ([`RenderTarget::set_drawn_extent`]). The overlay and the
+    /// panels in the room are drawn after that, in full resolution and without depth test. The shell's
+    /// images need `VK_IMAGE_USAGE_TRANSFER_DST_BIT`.
     ///
     /// [`RenderTarget::set_drawn_extent`]: crate::gpu::RenderTarget::set_drawn_extent
     pub scales_up: bool,
@@ -42,7 +43,7 @@ impl TargetFormat {
     /// Format of density maps: shading density along x and y.
     pub const DENSITY: vk::Format = vk::Format::R8G8_UNORM;
 
-    /// The depth format of a device: 32-bit float if supported, else 24 or 16 bits.
+    /// Returns the depth format of a device: 32-bit float if supported, else 24 or 16 bits.
     #[must_use]
     pub fn choose_depth(gpu: &Gpu) -> vk::Format {
         let wanted = vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT;
@@ -57,7 +58,8 @@ impl TargetFormat {
         formats.into_iter().find(has).unwrap_or(vk::Format::D16_UNORM)
     }
 
-    /// Whether a device draws so many samples a pixel: 1 and 4 each does, 2 most do.
+    /// Returns `true` if a device supports this many samples a pixel: each device supports 1 and 4, most
+    /// support 2.
     #[must_use]
     pub fn has_samples(gpu: &Gpu, samples: u32) -> bool {
         // SAFETY: the physical device is one of this instance's.
@@ -68,7 +70,7 @@ impl TargetFormat {
         both.contains(sample_count(samples))
     }
 
-    /// The format of the frame's pass, and of the pass that draws the overlay.
+    /// Returns the formats of the frame's pass, and of the pass that draws the overlay.
     pub(crate) const fn pass_formats(&self) -> [Self; 2] {
         if self.scales_up {
             let aside = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
@@ -82,7 +84,7 @@ impl TargetFormat {
         sample_count(self.samples)
     }
 
-    /// View mask: one bit for each view.
+    /// Returns the view mask: one bit for each view.
     pub(crate) const fn multiview_mask(&self) -> u32 {
         (1 << self.views) - 1
     }

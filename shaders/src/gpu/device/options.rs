@@ -9,20 +9,19 @@ pub struct Options {
     pub instance_extensions: Vec<&'static CStr>,
     /// Device extensions that the shell needs, for its swapchain.
     pub device_extensions: Vec<&'static CStr>,
-    /// Whether the Khronos validation layer is enabled, its messages collected.
+    /// `true` to enable the Khronos validation layer and collect its messages.
     pub validation: bool,
-    /// Part of the wanted device's name, ignoring case; without it the best device is chosen.
+    /// Part of the wanted device's name, ignoring case; `None` chooses the best device.
     pub device_name: Option<String>,
-    /// Whether 16-bit floats stay unused where supported.
+    /// `true` to leave 16-bit floats unused where supported.
     pub single_precision: bool,
-    /// Whether to upload by copy commands alone, without compute writes.
+    /// `true` to upload by copy commands alone, without compute writes.
     pub copies_only: bool,
-    /// Whether fragment density maps are requested, for a format with
-    /// [`TargetFormat::density_map`].
+    /// `true` to request fragment density maps, for a format with [`TargetFormat::density_map`].
     ///
     /// [`TargetFormat::density_map`]: crate::gpu::TargetFormat::density_map
     pub density_map: bool,
-    /// Whether fragment counts are requested, for benchmarks.
+    /// `true` to request fragment counts, for benchmarks.
     pub fragment_counts: bool,
     /// Replaces the device's function table, to measure calls or inject faults.
     pub device_hook: Option<fn(ash::Device) -> ash::Device>,

@@ -6,7 +6,7 @@ use ash::vk;
 
 use super::context::Gpu;
 
-/// A handle destroyed on drop. Its owner waits for the device before.
+/// A handle destroyed on drop. Its owner must wait for the device first.
 pub(crate) struct OwnedHandle<T: Destroy> {
     gpu: Arc<Gpu>,
     pub(crate) raw: T,

@@ -5,7 +5,7 @@ use ash::vk;
 /// The Vulkan version required: 1.1, which has multiview in its core.
 pub(crate) const API_VERSION: u32 = vk::API_VERSION_1_1;
 
-/// Preference among device types: the lower, the better.
+/// Returns the rank of a device type: the lower, the better.
 pub(crate) const fn rank_device_type_best_first(kind: vk::PhysicalDeviceType) -> u8 {
     match kind {
         vk::PhysicalDeviceType::DISCRETE_GPU => 0,
@@ -16,10 +16,10 @@ pub(crate) const fn rank_device_type_best_first(kind: vk::PhysicalDeviceType) ->
     }
 }
 
-/// What a device lacks, as text for the user after its name.
+/// A device's shortcoming, as text for the user after the device's name.
 type Lack = String;
 
-/// Index of a queue family that supports graphics and presentation, or what the device lacks.
+/// Returns the index of a queue family that supports graphics and presentation, or what the device lacks.
 pub(crate) fn find_graphics_queue_family(
     instance: &ash::Instance,
     physical: vk::PhysicalDevice,
@@ -54,7 +54,7 @@ fn check_api_version(version: u32) -> Result<(), Lack> {
     Ok(())
 }
 
-/// The device's name, for display.
+/// Returns the device's name, for display.
 pub(crate) fn device_name(properties: &vk::PhysicalDeviceProperties) -> String {
     let name = properties.device_name_as_c_str();
     name.map_or_else(|_| "unnamed".into(), |name| name.to_string_lossy().into_owned())

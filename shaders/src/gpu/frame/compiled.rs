@@ -1,4 +1,4 @@
-//! What of a renderer takes long to make: its programs, which the driver compiles.
+//! The part of a renderer that takes long to make: its programs, which the driver compiles.
 
 use std::sync::Arc;
 
@@ -19,8 +19,8 @@ use crate::gpu::pipelines::scatter::TexelWriter;
 use crate::twin::{carrara, noise};
 use crate::upload::VolumeFormat;
 
-/// A renderer whose programs are compiled and whose textures are empty. Nothing has been submitted for it: it is made
-/// on one thread while another uses the device's queue.
+/// A renderer whose programs are compiled and whose textures are empty. Making it submits nothing, so that
+/// one thread can make it while another uses the device's queue.
 pub struct CompiledRenderer {
     pub(super) gpu: Arc<Gpu>,
     pub(super) format: TargetFormat,
@@ -47,8 +47,8 @@ impl core::fmt::Debug for CompiledRenderer {
 }
 
 impl CompiledRenderer {
-    /// Compiles the programs, as [`Renderer::new`](super::renderer::Renderer::new) takes them, and computes the
-    /// textures that are the same for all renderers.
+    /// Compiles the programs, with the arguments of [`Renderer::new`](super::renderer::Renderer::new), and
+    /// computes the textures that are the same for all renderers.
     ///
     /// # Errors
     /// A call that failed; out of memory, most likely.
@@ -87,7 +87,7 @@ impl CompiledRenderer {
             true => Some(TexelWriter::new(gpu, &textures, staged, pipelines.cache)?),
             false => None,
         };
-        // Both are kept.
+        // Computed now; both are cached.
         let (_, _) = (noise::noise_texture(), carrara::grey_texture_3d());
         let gpu = gpu.clone();
         Ok(CompiledRenderer {
@@ -108,7 +108,7 @@ impl CompiledRenderer {
     }
 }
 
-/// Creates a pool of command buffers that are recorded anew each frame.
+/// Creates a pool of command buffers that are re-recorded each frame.
 fn create_command_pool(gpu: &Arc<Gpu>) -> Result<OwnedHandle<vk::CommandPool>, Error> {
     let info = vk::CommandPoolCreateInfo::default()
         .queue_family_index(gpu.queue_family)

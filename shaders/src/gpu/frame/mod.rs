@@ -1,6 +1,6 @@
-//! Frames: what a shell requests of one, and the renderer that records and submits it.
-//! Takes a request (eyes, the sculpture's placement, light, scene) and regions to upload, draws into a
-//! render target; knows nothing of windows, sessions or where the pictures go.
+//! Frames: a shell's request, and the renderer that records and submits it.
+//! Takes a request (eyes, the sculpture's placement, light, scene) and regions to upload, and draws into a
+//! render target; knows nothing of windows, sessions or the pictures' destination.
 
 pub(crate) mod compiled;
 mod mesh_buffers;

@@ -15,7 +15,7 @@ use crate::gpu::memory::textures::TEXTURE_COUNT;
 use crate::gpu::passes::target::RenderTarget;
 use crate::upload::Region;
 
-/// A colour image with as many layers as there are views, and depth beside it if that is kept.
+/// A colour image with a layer for each view, and a depth image if depth is kept.
 pub struct OffscreenTarget {
     /// The render target, of one image.
     pub target: RenderTarget,
@@ -31,7 +31,7 @@ impl core::fmt::Debug for OffscreenTarget {
 }
 
 impl OffscreenTarget {
-    /// The format of targets that are read back.
+    /// Returns the format of targets that are read back.
     #[must_use]
     pub const fn readback_format(samples: u32, views: u32, keep_depth: bool) -> TargetFormat {
         TargetFormat {
@@ -96,8 +96,8 @@ impl OffscreenTarget {
         Ok(bytemuck::cast_slice(&bytes).to_vec())
     }
 
-    /// Reads the depths of a view back, 1 on the near plane. None if depth isn't kept, is multisampled
-    /// or isn't in floats.
+    /// Reads the depths of a view back, 1 on the near plane. Returns `None` if depth isn't kept, is
+    /// multisampled or isn't in floats.
     ///
     /// # Errors
     /// A lost device.
@@ -155,11 +155,11 @@ impl OffscreenTarget {
 pub struct ImageLayer {
     /// The image.
     pub raw: vk::Image,
-    /// Its format.
+    /// The image's format.
     pub format: vk::Format,
     /// Pixels across and down.
     pub extent: [u32; 2],
-    /// Its image layout, restored after the copy.
+    /// The layer's image layout, restored after the copy.
     pub layout: vk::ImageLayout,
     /// Index of the layer.
     pub index: u32,
@@ -184,8 +184,7 @@ pub fn read_layer(gpu: &Arc<Gpu>, layer: &ImageLayer) -> Result<Vec<u8>, Error> 
     Ok(buffer.read().to_vec())
 }
 
-/// Writes all pixels of a layer of an image of the device's, whatever it held before, and leaves it in its layout.
-/// Waits for the queue.
+/// Overwrites all pixels of an image layer, and leaves the layer in `layer.layout`. Waits for the queue.
 ///
 /// # Errors
 /// A lost device.
@@ -202,7 +201,7 @@ pub fn write_layer(gpu: &Arc<Gpu>, layer: &ImageLayer, bytes: &[u8]) -> Result<(
     })
 }
 
-/// The copy between a whole layer and a buffer that holds it row by row.
+/// Returns the copy between a whole layer and a buffer that holds it row by row.
 fn copy_of_layer(layer: &ImageLayer) -> vk::BufferImageCopy {
     let [width, height] = layer.extent;
     vk::BufferImageCopy {

@@ -171,7 +171,7 @@ impl Renderer {
         self.record_panels(commands, target, pixels);
     }
 
-    /// Records the panels, whose state the overlay has left another's.
+    /// Records the panels. Binds all state again, since the overlay has bound its own.
     fn record_panels(
         &self,
         commands: vk::CommandBuffer,
@@ -292,8 +292,8 @@ impl Renderer {
         }
     }
 
-    /// Records a render pass over a framebuffer, or the part of it that is drawn, its contents by `inside`. A multiview pass makes
-    /// bound state undefined, so each pass binds what it needs.
+    /// Records a render pass over a framebuffer, or over the part of it that is drawn; `inside` records the
+    /// contents. A multiview pass makes bound state undefined, so each pass binds what it needs.
     fn record_pass(
         &self,
         commands: vk::CommandBuffer,

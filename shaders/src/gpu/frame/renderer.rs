@@ -58,17 +58,17 @@ pub struct Renderer {
     volume: VolumeFormat,
     /// The overlay of the current frame.
     pub overlay: Overlay,
-    /// Of tiles, and of beams.
+    /// The passes of the march starts: of tiles, and of beams.
     pub(crate) march_starts: [RenderPass; 2],
     pub(crate) shadow: ShadowMap,
     pub(crate) frame: RenderPass,
-    /// Draws the overlay after the frame's pass, where the picture is scaled up.
+    /// The pass that draws the overlay after the frame's pass; `None` unless the picture is scaled up.
     pub(crate) overlay_pass: Option<RenderPass>,
     pub(crate) pipelines: Pipelines,
     pub(crate) textures: SculptureTextures,
     panel_atlas: GpuImage,
     panel_pictures: PanelPictureLayers,
-    /// None without compute writes.
+    /// `None` without compute writes.
     writer: Option<TexelWriter>,
     pub(crate) meshes: MeshBuffers,
     pub(crate) ring: Vec<FrameSlot>,
@@ -91,9 +91,9 @@ impl core::fmt::Debug for Renderer {
 }
 
 impl Renderer {
-    /// Creates a renderer for volumes of that format. `cache_data` is the result of
-    /// [`Renderer::pipeline_cache_data`] at an earlier start, or empty. Without density maps if the device
-    /// has none: see [`Gpu::missing_features`].
+    /// Creates a renderer for volumes of the format `volume`. `cache_data` is the result of
+    /// [`Renderer::pipeline_cache_data`] at an earlier start, or empty. The renderer does without density
+    /// maps if the device has none: see [`Gpu::missing_features`].
     ///
     /// # Errors
     /// A call that failed; out of memory, most likely.
@@ -106,7 +106,7 @@ impl Renderer {
         Self::from_compiled(CompiledRenderer::compile(gpu, format, volume, cache_data)?)
     }
 
-    /// Makes a renderer of what was compiled for it: uploads its meshes and textures.
+    /// Makes a renderer from its compiled programs: uploads its meshes and textures.
     ///
     /// # Errors
     /// A call that failed; out of memory, most likely.
@@ -145,19 +145,19 @@ impl Renderer {
         Ok(renderer)
     }
 
-    /// The target format: as requested, as far as the device supports it.
+    /// Returns the target format: as requested, as far as the device supports it.
     #[must_use]
     pub const fn format(&self) -> &TargetFormat {
         &self.format
     }
 
-    /// GPU times of the latest frame known to be done.
+    /// Returns the GPU times of the latest frame known to be done.
     #[must_use]
     pub const fn gpu_frame_times(&self) -> FrameTimes {
         self.gpu_frame_times
     }
 
-    /// Fragment counts of that frame.
+    /// Returns the fragment counts of the latest frame known to be done.
     #[must_use]
     pub const fn fragment_counts(&self) -> FragmentCounts {
         self.fragment_counts
@@ -168,7 +168,7 @@ impl Renderer {
         self.order = order;
     }
 
-    /// Serialised pipeline cache of this device and driver, which speeds up the next start.
+    /// Returns the serialised pipeline cache of this device and driver, which speeds up the next start.
     ///
     /// # Errors
     /// A lost device.
@@ -195,7 +195,7 @@ impl Renderer {
     }
 
     /// Creates a render target with a density map for each image; the maps are ignored if
-    /// [`Renderer::format`] is without.
+    /// [`Renderer::format`] has no density maps.
     ///
     /// # Errors
     /// [`Error::NoDensityMap`], or a call that failed.
@@ -209,8 +209,8 @@ impl Renderer {
         self.create_target(extent, &TargetViews { colors, depths, density_maps, images: &[] })
     }
 
-    /// Creates a render target for a renderer whose format [`scales_up`](TargetFormat::scales_up): the shell's images,
-    /// and a view of each.
+    /// Creates a render target for a renderer whose format [`scales_up`](TargetFormat::scales_up), from the
+    /// shell's images and a view of each.
     ///
     /// # Errors
     /// A call that failed.
@@ -266,14 +266,14 @@ impl Renderer {
         Ok(())
     }
 
-    /// Puts a picture into a cell of the panels', once one of the next frames has uploaded it: each uploads one. False,
-    /// without effect, if there is no such cell or the picture isn't as large as one.
+    /// Sets the picture of a panel cell. One of the next frames uploads it; each frame uploads at most one.
+    /// Returns `false`, without effect, if there is no such cell or the picture doesn't have a cell's size.
     pub fn set_panel_picture(&mut self, cell: u8, picture: &Image) -> bool {
         self.panel_pictures.set(cell, picture)
     }
 
-    /// Stages a region's bytes for upload in the current frame. False, without effect, if there is no
-    /// room.
+    /// Stages a region's bytes for upload in the current frame. Returns `false`, without effect, if there
+    /// is no room.
     #[must_use]
     pub fn try_stage_upload(&mut self, region: Region, bytes: &[u8]) -> bool {
         debug_assert_eq!(region.byte_count(), bytes.len(), "a region's bytes");
@@ -364,7 +364,7 @@ impl Renderer {
         Ok(self.gpu_frame_times)
     }
 
-    /// Records the uploads and what `record` adds, submits, and advances the ring.
+    /// Records the uploads and the commands of `record`, submits them, and advances the ring.
     fn submit_frame(
         &mut self,
         semaphores: FrameSemaphores,
@@ -410,7 +410,7 @@ impl Renderer {
 
 impl Drop for Renderer {
     fn drop(&mut self) {
-        // A lost device has nothing under way.
+        // A lost device has no work under way.
         let _ = self.gpu.wait_idle();
     }
 }

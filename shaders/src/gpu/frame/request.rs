@@ -1,4 +1,4 @@
-//! What a shell requests of a frame: eyes, the sculpture's placement, light, render path and scene.
+//! A shell's request for a frame: eyes, the sculpture's placement, light, render path and scene.
 
 use glam::{Mat4, Quat, Vec3, Vec4};
 
@@ -39,16 +39,16 @@ pub(crate) struct FovTangents {
 /// An eye in the room, looking along its own -z.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Eye {
-    /// Where it is, in metres.
+    /// The eye's position, in metres.
     pub position: Vec3,
-    /// How it is turned.
+    /// The eye's orientation.
     pub rotation: Quat,
-    /// What it sees.
+    /// The eye's field of view.
     pub fov: Fov,
 }
 
-/// Draw order of the sculpture among the opaque parts of the scene. The picture stays the same; what
-/// differs is the overdraw.
+/// Draw order of the sculpture among the opaque parts of the scene. The picture stays the same; only the
+/// overdraw differs.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum SculptureOrder {
     /// After tools and hands, before stool, bench and room.
@@ -65,7 +65,7 @@ pub enum SculptureOrder {
 pub struct RenderStyle {
     /// The sculpture's render path.
     pub path: RenderPath,
-    /// What it draws.
+    /// The output of the render path.
     pub drawn: Drawn,
     /// Unit vector towards the sun, in the room.
     pub sun_direction: Vec3,
@@ -88,7 +88,7 @@ impl Default for RenderStyle {
 }
 
 impl RenderStyle {
-    /// The studio's light with a render path: the sun dimmed and the ambient light raised, so that
+    /// Returns the studio's light with a render path: the sun dimmed and the ambient light raised, so that
     /// sunlit white stone keeps its shading and the room is not gloomy.
     #[must_use]
     pub fn in_studio(path: RenderPath) -> Self {
@@ -99,7 +99,8 @@ impl RenderStyle {
         RenderStyle { path, sun_color, ambient, ..RenderStyle::default() }
     }
 
-    /// This light, turned by `part`, 0 to 1, to that of a find: a warmer, stronger sun in a dimmer room.
+    /// Returns this light, blended by `part`, 0 to 1, into that of a find: a warmer, stronger sun in a
+    /// dimmer room.
     #[must_use]
     pub fn lighting_a_find(self, part: f32) -> Self {
         const SUN: Vec3 = Vec3::new(1.25, 1.06, 0.78);
@@ -111,7 +112,7 @@ impl RenderStyle {
     }
 }
 
-/// What a frame shows.
+/// The contents of a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameRequest<'a> {
     /// One eye, or the left and the right one: as many as the format has views.
@@ -120,18 +121,18 @@ pub struct FrameRequest<'a> {
     pub placement: SculpturePlacement,
     /// Render path and lighting.
     pub style: RenderStyle,
-    /// The room and its contents; None draws the sculpture alone, without shadows from or on anything
+    /// The room and its contents; `None` draws the sculpture alone, without shadows from or on anything
     /// else.
     pub scene: Option<&'a DrawList>,
     /// Panels in the room, each drawn over those before it.
     pub panels: &'a [&'a [Panel]],
-    /// Linear colour of what nothing covers.
+    /// Linear colour of the background, where nothing is drawn.
     pub backdrop: [f32; 3],
 }
 
 impl FrameRequest<'_> {
-    /// Whether the sculpture is drawn: not from far beyond the far plane, where a step along a ray
-    /// would be below float precision and the march would not end.
+    /// Returns `true` if the sculpture is drawn. From far beyond the far plane it isn't: a step along a ray
+    /// would be below float precision, and the march would not end.
     pub(crate) fn shows_sculpture(&self) -> bool {
         let near = |eye: &Eye| eye.position.distance(self.placement.foot) < 10.0 * FAR;
         self.eyes.iter().all(near)
@@ -139,7 +140,7 @@ impl FrameRequest<'_> {
 }
 
 impl SculpturePlacement {
-    /// Transform from the grid (voxels, `grid_side` a side) to the room (metres).
+    /// Returns the transform from the grid (voxels, `grid_side` a side) to the room (metres).
     #[must_use]
     pub fn room_from_grid(&self, grid_side: usize) -> Mat4 {
         let half = 0.5 * grid_side as f32;
@@ -154,8 +155,8 @@ impl Eye {
     /// Distances of the near and the far plane, in metres.
     pub const PLANES: [f32; 2] = [NEAR, FAR];
 
-    /// View-projection matrix from the room to Vulkan's clip space; reversed depth, 1 on the near plane
-    /// and 0 on the far one.
+    /// Returns the view-projection matrix from the room to Vulkan's clip space; reversed depth, 1 on the
+    /// near plane and 0 on the far one.
     #[must_use]
     pub fn clip_from_room(&self) -> Mat4 {
         let FovTangents { left: l, right: r, up: u, down: d } = self.fov_tangents();
@@ -170,7 +171,7 @@ impl Eye {
         projection * Mat4::from_rotation_translation(self.rotation, self.position).inverse()
     }
 
-    /// The tangents of the angles to the sides of its picture.
+    /// Returns the tangents of the angles to the sides of the eye's picture.
     pub(crate) fn fov_tangents(&self) -> FovTangents {
         let Fov { left, right, up, down } = self.fov;
         let [left, right, up, down] = [left, right, up, down].map(f32::tan);

@@ -26,18 +26,18 @@ pub(crate) struct FrameSlot {
     pub(crate) uniform: Buffer,
     /// The scene's mesh instances.
     pub(crate) instances: Buffer,
-    /// Quads of the frame's panels, and how many they are.
+    /// Quads of the frame's panels; the first `panel_quad_count` are used.
     panel_quads: Buffer,
     pub(crate) panel_quad_count: u32,
     pub(crate) staging: Staging,
     pub(crate) timers: TimestampQueries,
     pub(crate) counters: FragmentQueries,
-    /// Whether its commands drew a picture, and so wrote every timestamp.
+    /// `true` if the slot's commands drew a picture, and so wrote every timestamp.
     pub(crate) has_picture: bool,
 }
 
 impl FrameSlot {
-    /// Allocates a command buffer from a pool, and queries for a number of views.
+    /// Creates a slot, with a command buffer from a pool, and queries for a number of views.
     pub(crate) fn new(gpu: &Arc<Gpu>, pool: vk::CommandPool, views: u32) -> Result<Self, Error> {
         let device = &gpu.device;
         let info =
@@ -65,7 +65,7 @@ impl FrameSlot {
         })
     }
 
-    /// Writes the quads of panels, as many as a frame draws.
+    /// Writes the quads of panels, at most as many as a frame draws.
     pub(crate) fn write_panels(&mut self, panels: &[&[Panel]]) {
         self.panel_quad_count = 0;
         let panels = panels.iter().copied().flatten();
@@ -76,7 +76,7 @@ impl FrameSlot {
         }
     }
 
-    /// The buffer of the panels' quads.
+    /// Returns the buffer of the panels' quads.
     pub(crate) const fn panel_quads(&self) -> vk::Buffer {
         self.panel_quads.raw
     }

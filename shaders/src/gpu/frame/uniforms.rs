@@ -10,7 +10,7 @@ use crate::gpu::pipelines::layout;
 use crate::twin::fast;
 use crate::twin::harmonics::{BASIS_FACTORS, COSINE_FACTORS};
 
-/// The uniforms of a request, for `grid_side` voxels a side and a picture of so many pixels.
+/// Returns the uniforms of a request, for `grid_side` voxels a side and a picture of this many pixels.
 pub(crate) fn frame_uniforms(
     request: &FrameRequest<'_>,
     grid_side: usize,
@@ -73,7 +73,7 @@ pub(crate) fn frame_uniforms(
     }
 }
 
-/// Spherical-harmonics irradiance (bands 0 to 2) as a polynomial of the grid's normal: the
+/// Returns the spherical-harmonics irradiance (bands 0 to 2) as a polynomial of the grid's normal: the
 /// coefficients of 1, x, y, z, xy, yz, xz, xx and yy.
 fn ambient_polynomial(
     radiance_sh: &[[f32; 3]; 9],
@@ -92,7 +92,7 @@ fn ambient_polynomial(
             Vec3::new(0.5 * c[7], 0.5 * c[5], 2.0 * c[6]),
         );
         let square = room_from_grid.transpose() * square * room_from_grid;
-        // A normal has length 1, which saves zz.
+        // A normal has length 1, so that zz is 1 - xx - yy.
         let zz = square.z_axis.z;
         let factors = [
             c[0] + zz,

@@ -30,19 +30,19 @@ where
     pub renderer: Renderer,
     field: Box<DensityField<N, K>>,
     figure: FigureShares,
-    /// Whether the volume was replaced: all textures are rebuilt before the next frame.
+    /// `true` if the volume was replaced: all textures are rebuilt before the next frame.
     anew: bool,
     /// Ticks that no frame has shown yet.
     ticks: u32,
     scene: Box<SceneAssembler>,
 }
 
-/// From where and how a frame shows the world.
+/// The viewpoint from which a frame shows the world, and the way in which it does.
 #[derive(Clone, Copy, Debug)]
 pub struct Viewpoint<'a> {
     /// One eye for each view of the format.
     pub eyes: &'a [Eye],
-    /// What is newer than the last tick.
+    /// Input that is newer than the last tick.
     pub latest: LatestInput,
     /// The sculpture's render path.
     pub render_path: RenderPath,
@@ -69,7 +69,8 @@ where
         Self::from_compiled(CompiledRenderer::compile(gpu, format, volume, cache)?, world)
     }
 
-    /// Makes the renderer of what was compiled for it, for volumes of this size, and uploads a world's volume.
+    /// Makes the renderer from its compiled programs, for volumes of this size, and uploads a world's
+    /// volume.
     ///
     /// # Errors
     /// A call that failed; out of memory, most likely.
@@ -83,7 +84,7 @@ where
         Ok(show)
     }
 
-    /// Notes what a tick changed; call it after each tick.
+    /// Records a tick's changes; call it after each tick.
     pub fn note_tick(&mut self, world: &World<N, K>) {
         self.ticks = self.ticks.saturating_add(1);
         self.field.note_dirty_columns(world.volume().maps(), world.dirty_rects());
@@ -91,15 +92,16 @@ where
         self.scene.follow_tick(world);
     }
 
-    /// Notes that a save was loaded into the world: nothing of the last one is seen any more.
+    /// Records that a save was loaded into the world: all textures are rebuilt before the next frame, and
+    /// the scene starts afresh.
     pub fn note_load(&mut self, world: &World<N, K>) {
         self.anew = true;
         *self.scene = SceneAssembler::new();
         self.scene.follow_tick(world);
     }
 
-    /// Begins a frame: waits for the fence of the frame before the last. Uploads the whole volume first
-    /// where a session has begun since.
+    /// Begins a frame: waits for the fence of the frame before the last. Uploads the whole volume first if
+    /// a session has begun or a save was loaded since.
     ///
     /// # Errors
     /// A lost device.

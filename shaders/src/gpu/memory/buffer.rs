@@ -22,7 +22,7 @@ pub(crate) struct Buffer {
 unsafe impl Send for Buffer {}
 
 impl Buffer {
-    /// A host-visible, host-coherent buffer of `size` bytes, persistently mapped.
+    /// Creates a host-visible, host-coherent buffer of `size` bytes, persistently mapped.
     pub(crate) fn new(
         gpu: &Arc<Gpu>,
         size: usize,
@@ -39,7 +39,7 @@ impl Buffer {
         Ok(buffer)
     }
 
-    /// A device-local buffer with constant contents. Copies through a staging buffer and waits.
+    /// Creates a device-local buffer with constant contents. Copies through a staging buffer and waits.
     pub(crate) fn new_device_local(
         gpu: &Arc<Gpu>,
         bytes: &[u8],
@@ -93,7 +93,7 @@ impl Buffer {
         };
     }
 
-    /// The contents, once the work that writes them is done. Panics for a device-local buffer.
+    /// Returns the contents, once the work that writes them is done. Panics for a device-local buffer.
     pub(crate) fn read(&self) -> &[u8] {
         assert!(!self.mapped.is_null(), "a buffer that the host can't read");
         // SAFETY: the mapping is as long as the buffer and lives as long as it.

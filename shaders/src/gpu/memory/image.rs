@@ -17,13 +17,13 @@ pub(crate) struct ImageSpec {
     pub(crate) levels: u32,
     pub(crate) samples: vk::SampleCountFlags,
     pub(crate) usage: vk::ImageUsageFlags,
-    /// Whether memory has fewer texels where a density map has a pass shade more coarsely: then only passes write it,
-    /// and only samplers made for it read it.
+    /// `true` if memory has fewer texels where a density map makes a pass shade more coarsely. Then only
+    /// passes write the image, and only samplers made for it read it.
     pub(crate) is_subsampled: bool,
 }
 
 impl ImageSpec {
-    /// A 2D array image of one level and one sample, without usage flags.
+    /// Returns the spec of a 2D array image of one level and one sample, without usage flags.
     pub(crate) const fn new_2d(format: vk::Format, [w, h]: [u32; 2], layers: u32) -> Self {
         ImageSpec {
             format,
@@ -102,7 +102,7 @@ impl GpuImage {
         Ok(image)
     }
 
-    /// The subresource range of the whole image.
+    /// Returns the subresource range of the whole image.
     pub(crate) fn full_range(&self) -> vk::ImageSubresourceRange {
         vk::ImageSubresourceRange {
             aspect_mask: aspect_of(self.spec.format),
@@ -115,7 +115,8 @@ impl GpuImage {
 }
 
 impl GpuImage {
-    /// A layout transition of the whole image; accesses are derived from the layouts.
+    /// Returns the barrier of a layout transition of the whole image; accesses are derived from the
+    /// layouts.
     pub(crate) fn layout_barrier(
         &self,
         from: vk::ImageLayout,
@@ -161,7 +162,7 @@ impl Drop for GpuImage {
     }
 }
 
-/// The aspect of a format: depth or colour.
+/// Returns the aspect of a format: depth or colour.
 pub(crate) const fn aspect_of(format: vk::Format) -> vk::ImageAspectFlags {
     match format {
         vk::Format::D16_UNORM | vk::Format::D32_SFLOAT | vk::Format::X8_D24_UNORM_PACK32 => {
@@ -171,7 +172,7 @@ pub(crate) const fn aspect_of(format: vk::Format) -> vk::ImageAspectFlags {
     }
 }
 
-/// The pipeline stages and accesses that use an image in a layout.
+/// Returns the pipeline stages and accesses that use an image in a layout.
 pub(crate) fn stage_and_access(
     layout: vk::ImageLayout,
 ) -> (vk::PipelineStageFlags, vk::AccessFlags) {
@@ -182,7 +183,7 @@ pub(crate) fn stage_and_access(
         vk::ImageLayout::TRANSFER_SRC_OPTIMAL => {
             (vk::PipelineStageFlags::TRANSFER, vk::AccessFlags::TRANSFER_READ)
         }
-        // Vertices read none: a tiler's binning doesn't wait for uploads.
+        // Vertex shaders read no texture, so that a tiler's binning doesn't wait for uploads.
         vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL => {
             (vk::PipelineStageFlags::FRAGMENT_SHADER, vk::AccessFlags::SHADER_READ)
         }

@@ -17,7 +17,7 @@ pub(crate) fn create_panel_atlas(gpu: &Arc<Gpu>) -> Result<GpuImage, Error> {
     create_filled_image(gpu, spec, atlas_texels())
 }
 
-/// Creates an image that programs sample, of these texels, layer by layer. Waits for the queue.
+/// Creates an image that programs sample, filled with these texels, layer by layer. Waits for the queue.
 pub(super) fn create_filled_image(
     gpu: &Arc<Gpu>,
     spec: ImageSpec,

@@ -1,4 +1,4 @@
-//! The shell's pictures for panels on the device: a layer for each cell, one of them written a frame.
+//! The shell's pictures for panels on the device: a layer for each cell. A frame writes at most one layer.
 
 use std::sync::Arc;
 
@@ -13,23 +13,24 @@ use crate::gpu::device::error::Error;
 use crate::limits::{PANEL_CELL_TEXELS, PANEL_CELLS};
 use crate::panel::is_cell_picture;
 
-/// Bytes of a cell: of a texel sRGB and alpha, which is 0 where no picture has been set.
+/// Bytes of a cell: a texel has sRGB and alpha, which is 0 until a picture is set.
 const CELL_BYTES: usize = 4 * PANEL_CELL_TEXELS * PANEL_CELL_TEXELS;
 
-/// The layers, and the pictures that wait for a frame.
+/// The layers, and the pictures that wait to be uploaded.
 pub(crate) struct PanelPictureLayers {
     pub(crate) image: GpuImage,
-    /// Of each cell, once it was set.
+    /// The texels of each cell; empty until a picture is set.
     texels: Vec<Vec<u8>>,
     waits: [bool; PANEL_CELLS],
-    /// The cell that comes next, where it waits: each has its turn, however often another is set.
+    /// The cell that comes next if it waits: round robin, so that a cell that is set often can't starve
+    /// another.
     next: usize,
-    /// A cell for each frame of the ring.
+    /// Staging buffers: one cell for each frame of the ring.
     staged: Vec<Buffer>,
 }
 
 impl PanelPictureLayers {
-    /// Creates the layers, in which nothing is seen yet. Waits for the queue.
+    /// Creates the layers, all transparent. Waits for the queue.
     pub(crate) fn new(gpu: &Arc<Gpu>, frames_in_flight: usize) -> Result<Self, Error> {
         let side = PANEL_CELL_TEXELS as u32;
         let spec = ImageSpec::new_2d(vk::Format::R8G8B8A8_SRGB, [side; 2], PANEL_CELLS as u32);
@@ -44,8 +45,8 @@ impl PanelPictureLayers {
         })
     }
 
-    /// Has a picture uploaded by one of the next frames, in place of one of its cell that waits. False, without effect,
-    /// if it doesn't fit.
+    /// Queues a picture to be uploaded by one of the next frames, replacing a picture of the same cell that
+    /// waits. Returns `false`, without effect, if it doesn't fit.
     pub(crate) fn set(&mut self, cell: u8, picture: &Image) -> bool {
         let fits = is_cell_picture(cell, picture);
         if fits {
@@ -59,8 +60,8 @@ impl PanelPictureLayers {
         fits
     }
 
-    /// Records the upload of a picture that waits, if any does, in a frame of the ring whose last use is over; outside
-    /// of a render pass.
+    /// Records the upload of one waiting picture, if there is any, outside of a render pass. The last use
+    /// of the ring's frame `slot_index` must be over.
     pub(crate) fn record_upload(
         &mut self,
         device: &ash::Device,

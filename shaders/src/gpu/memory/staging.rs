@@ -10,8 +10,8 @@ use crate::gpu::device::context::Gpu;
 use crate::gpu::device::error::Error;
 use crate::upload::Region;
 
-/// Bytes that one frame can upload, those of a budget at 256 after [`Budget::MAX_TICKS`]; larger uploads are spread over
-/// frames.
+/// Bytes that one frame can upload: the budget at 256 voxels a side after [`Budget::MAX_TICKS`]. Larger
+/// uploads are spread over frames.
 pub(crate) const FRAME_UPLOAD_BYTES: usize = Budget::of_frame_after(256, Budget::MAX_TICKS).bytes;
 /// Regions that one frame can upload.
 pub(crate) const MAX_REGIONS: usize = 1024 * Budget::MAX_TICKS as usize;
@@ -40,7 +40,7 @@ impl Staging {
         self.used = 0;
     }
 
-    /// Whether two regions share a texel.
+    /// Returns `true` if two regions share a texel.
     pub(crate) fn has_overlaps(&self) -> bool {
         let regions = &self.regions;
         let overlaps_earlier =
@@ -48,7 +48,7 @@ impl Staging {
         (1..regions.len()).any(overlaps_earlier)
     }
 
-    /// Stages a region's bytes. False, without effect, if this frame has no room for them.
+    /// Stages a region's bytes. Returns `false`, without effect, if this frame has no room for them.
     #[must_use]
     pub(crate) fn try_push(&mut self, region: Region, bytes: &[u8]) -> bool {
         let at = self.used.next_multiple_of(ALIGNMENT);

@@ -15,7 +15,7 @@ use crate::upload::{Region, Texture, VolumeFormat};
 
 /// Number of textures.
 pub(crate) const TEXTURE_COUNT: usize = 6;
-/// A part of the textures: a flag for each, in the order of [`SculptureTextures::images`].
+/// A subset of the textures: a flag for each, in the order of [`SculptureTextures::images`].
 pub(crate) type TextureSet = [bool; TEXTURE_COUNT];
 const STORAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::STORAGE;
 
@@ -87,7 +87,7 @@ impl SculptureTextures {
         }
     }
 
-    /// The textures that have storage usage.
+    /// Returns the textures that have storage usage.
     pub(crate) fn with_storage_usage(&self) -> TextureSet {
         self.images().map(|image| image.spec.usage.contains(STORAGE))
     }
@@ -104,8 +104,8 @@ impl SculptureTextures {
             if !include(region) {
                 continue;
             }
-            // Boxes computed one after the other may share a coarser texel, which the later has
-            // right; of copies without a barrier between them either may come last.
+            // Boxes computed one after the other may share a coarser texel, which only the later box has
+            // right. Copies without a barrier between them may run in either order.
             let earlier = &staging.regions[unordered..i];
             if earlier.iter().any(|(other, _)| other.overlaps(region)) {
                 self.record_copy_barrier(commands);
@@ -139,7 +139,7 @@ impl SculptureTextures {
         }
     }
 
-    /// The textures with a staged region for which `include` holds.
+    /// Returns the textures with a staged region for which `include` holds.
     pub(crate) fn with_staged_regions(
         &self,
         staging: &Staging,
@@ -151,7 +151,7 @@ impl SculptureTextures {
         self.images().map(|image| regions().any(|region| holds(image, region)))
     }
 
-    /// The image and mip level of a region.
+    /// Returns the image and mip level of a region.
     const fn image_and_mip_level(&self, region: &Region) -> (&GpuImage, u32) {
         match region.texture {
             Texture::Maps(_) => (&self.maps, 0),
@@ -163,7 +163,7 @@ impl SculptureTextures {
         }
     }
 
-    /// The image of a region, and what copies its bytes there from an offset in a buffer.
+    /// Returns the image of a region, and the copy of its bytes from an offset in a buffer.
     pub(crate) fn buffer_image_copy(
         &self,
         region: &Region,
@@ -254,8 +254,8 @@ impl SculptureTextures {
     }
 }
 
-/// The format of a column's texel: two bytes for each interval. The four of two intervals are one
-/// component: a fetch returns a register, not four.
+/// Returns the format of a column's texel: two bytes for each interval. The four bytes of two intervals are
+/// one component, so that a fetch returns one register, not four.
 const fn maps_format(volume: VolumeFormat) -> vk::Format {
     match volume.intervals() {
         1 => vk::Format::R8G8_UINT,
@@ -263,7 +263,7 @@ const fn maps_format(volume: VolumeFormat) -> vk::Format {
     }
 }
 
-/// A sampler without mip filtering, one address mode for all axes.
+/// Creates a sampler without mip filtering, with one address mode for all axes.
 fn create_sampler(
     gpu: &Arc<Gpu>,
     filter: vk::Filter,

@@ -1,6 +1,6 @@
-//! The render passes, what they draw into and what is measured of them; panels, and uploads.
-//! Takes pipelines and memory, gives framebuffers, descriptor sets and parts of a frame's commands;
-//! knows nothing of a frame's order, nor of its ring.
+//! The render passes, their attachments and their measurements; panels, and uploads.
+//! Takes pipelines and memory, gives framebuffers, descriptor sets and parts of a frame's commands; knows
+//! nothing of a frame's order, nor of its ring.
 
 pub(crate) mod fragments;
 pub mod overlay;

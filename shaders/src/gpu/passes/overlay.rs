@@ -1,5 +1,5 @@
-//! 2D overlay for panels and text: coloured triangles and a glyph atlas, drawn last in the frame's
-//! pass. Text layout is the shell's.
+//! 2D overlay for panels and text: coloured triangles and a glyph atlas, drawn last in the frame's pass.
+//! The shell lays out the text.
 
 use std::sync::Arc;
 
@@ -43,7 +43,7 @@ struct OverlaySlot {
     indices: Buffer,
     texels: Buffer,
     runs: Vec<ClippedRun>,
-    /// Rectangles of the atlas, and where in `texels` they begin.
+    /// Rectangles of the atlas, and the index in `texels` at which each begins.
     patches: Vec<(vk::Rect2D, usize)>,
     used: usize,
 }
@@ -66,8 +66,8 @@ impl Overlay {
         Ok(Overlay { pipeline, atlas, slots, slot_index: 0, cleared: false })
     }
 
-    /// Stages texels for a rectangle of the atlas, row by row, premultiplied RGBA. False, without
-    /// effect, if it lies outside of the atlas or the current frame has no room.
+    /// Stages texels for a rectangle of the atlas, row by row, premultiplied RGBA. Returns `false`, without
+    /// effect, if the rectangle lies outside of the atlas or the current frame has no room.
     #[must_use]
     pub fn try_stage_atlas_patch(
         &mut self,
@@ -92,8 +92,8 @@ impl Overlay {
     }
 
     /// Sets the triangles of the current frame, replacing earlier ones: `runs` of `indices` into
-    /// `vertices`, on a target of `target_extent` pixels. False, without effect, if they are too many or an
-    /// index is out of range.
+    /// `vertices`, on a target of `target_extent` pixels. Returns `false`, without effect, if there are too
+    /// many or an index is out of range.
     #[must_use]
     pub fn try_set_triangles(
         &mut self,

@@ -16,14 +16,15 @@ pub(crate) struct RenderPass {
 }
 
 impl RenderPass {
-    /// The frame's pass. Attachments: colour, depth, resolved colour if multisampled, density map if
-    /// enabled. Only the density map is loaded, and only the shell's images are stored.
+    /// Creates the frame's pass. Attachments: colour, depth, resolved colour if multisampled, density map
+    /// if enabled. Only the density map is loaded, and only the shell's images are stored.
     pub(crate) fn for_frame(gpu: &Arc<Gpu>, format: &TargetFormat) -> Result<Self, Error> {
         let depth = TargetFormat::choose_depth(gpu);
         with_frame_pass_info(format, depth, |info| Self::new(gpu, info))
     }
 
-    /// The pass that draws the overlay over a picture that was scaled up: one colour attachment, loaded.
+    /// Creates the pass that draws the overlay over a picture that was scaled up: one colour attachment,
+    /// loaded.
     pub(crate) fn for_overlay(gpu: &Arc<Gpu>, format: &TargetFormat) -> Result<Self, Error> {
         let attachment = vk::AttachmentDescription::default()
             .format(format.color)
@@ -35,8 +36,9 @@ impl RenderPass {
         Self::for_color_alone(gpu, format, attachment, vk::PipelineStageFlags::TRANSFER)
     }
 
-    /// The passes that write the depths at which marches start: of tiles, to be read by vertices of the next passes too,
-    /// and of beams, to be read by fragments alone, so that a tiler's binning doesn't wait for them.
+    /// Creates the passes that write the depths at which marches start: of tiles, which vertex shaders of
+    /// the next passes read too, and of beams, which only fragment shaders read, so that a tiler's binning
+    /// doesn't wait for them.
     pub(crate) fn for_march_starts(
         gpu: &Arc<Gpu>,
         format: &TargetFormat,
@@ -66,7 +68,7 @@ impl RenderPass {
         Self::for_color_alone(gpu, format, attachment, readers)
     }
 
-    /// A pass of one colour attachment, with the views of the format.
+    /// Creates a pass of one colour attachment, with the views of the format.
     fn for_color_alone(
         gpu: &Arc<Gpu>,
         format: &TargetFormat,
@@ -83,7 +85,7 @@ impl RenderPass {
         })
     }
 
-    /// The shadow map's pass: depth alone, to be sampled later.
+    /// Creates the shadow map's pass: depth alone, to be sampled later.
     pub(crate) fn for_shadow_map(gpu: &Arc<Gpu>, format: vk::Format) -> Result<Self, Error> {
         let attachments = [vk::AttachmentDescription::default()
             .format(format)
@@ -122,7 +124,7 @@ impl Drop for RenderPass {
     }
 }
 
-/// A framebuffer for a pass; image views in the order of the pass's attachments.
+/// Creates a framebuffer for a pass; image views in the order of the pass's attachments.
 pub(crate) fn create_framebuffer(
     gpu: &Arc<Gpu>,
     pass: &RenderPass,
@@ -194,8 +196,9 @@ fn with_frame_pass_info<T>(
 }
 
 /// Calls `make` with the create info of a pass of one subpass. `view_mask` is the multiview mask, 0 without
-/// multiview. Of what the pass writes, the stages of `readers` wait for it, and the next such pass for them; no other
-/// does: on a GPU that draws in tiles a vertex stage that waits for no fragment lets the next pass be binned meanwhile.
+/// multiview. Only the stages of `readers` wait for what the pass writes, and the next such pass waits for
+/// them. On a GPU that draws in tiles, a vertex stage that waits for no fragment lets the next pass be
+/// binned meanwhile.
 fn with_pass_info<T>(
     attachments: &[vk::AttachmentDescription],
     subpass: vk::SubpassDescription<'_>,
@@ -231,7 +234,7 @@ fn with_pass_info<T>(
             }),
     ];
     let masks = [view_mask];
-    // The sun's view is one, not one for each eye.
+    // The sun has one view, not one for each eye.
     let views = if view_mask == 0 { &masks[..0] } else { &masks[..] };
     let mut multiview =
         vk::RenderPassMultiviewCreateInfo::default().view_masks(views).correlation_masks(views);
@@ -250,7 +253,7 @@ fn with_pass_info<T>(
 
 const DENSITY_LAYOUT: vk::ImageLayout = vk::ImageLayout::FRAGMENT_DENSITY_MAP_OPTIMAL_EXT;
 
-/// The density map's attachment: loaded, in the one layout it keeps.
+/// Returns the density map's attachment: loaded, with the same layout before and after.
 fn density_map_attachment() -> vk::AttachmentDescription {
     vk::AttachmentDescription::default()
         .format(TargetFormat::DENSITY)
@@ -267,7 +270,7 @@ fn density_map_attachment() -> vk::AttachmentDescription {
 mod tests {
     use super::*;
 
-    /// The attachments of the create info, and its reference to the density map.
+    /// Returns the attachments of the create info, and its reference to the density map.
     fn requested_attachments(
         format: &TargetFormat,
     ) -> (Vec<vk::AttachmentDescription>, Option<vk::AttachmentReference>) {
@@ -292,8 +295,8 @@ mod tests {
         })
     }
 
-    /// The rules of VkRenderPassFragmentDensityMapCreateInfoEXT: an attachment of one sample that
-    /// nothing else names, loaded, not stored, in the one layout.
+    /// The rules of VkRenderPassFragmentDensityMapCreateInfoEXT: an attachment of one sample that nothing
+    /// else refers to, loaded, not stored, with the same layout before and after.
     #[test]
     fn a_density_map_is_the_last_attachment() {
         for (samples, count) in [(1, 2), (4, 3)] {
@@ -326,7 +329,8 @@ mod tests {
         }
     }
 
-    /// The stages that wait for a frame's picture, and those that it waits for: reading it back, and what draws.
+    /// Only transfers (readback) wait for a frame's picture, and no vertex stage is part of its
+    /// dependencies.
     #[test]
     fn no_vertex_waits_for_a_picture_and_none_for_a_vertex() {
         let format = TargetFormat {

@@ -22,7 +22,7 @@ pub(crate) struct ScaledPicture {
 }
 
 impl ScaledPicture {
-    /// Creates the picture's image, of `extent` pixels as the shell's.
+    /// Creates the picture's image, with `extent` pixels like the shell's images.
     pub(crate) fn new(
         gpu: &Arc<Gpu>,
         format: &TargetFormat,
@@ -46,8 +46,8 @@ impl ScaledPicture {
         })
     }
 
-    /// Records the scaling of the upper left `drawn` pixels to one of the shell's images. The frame's pass comes before
-    /// it, the overlay's after it.
+    /// Records the scaling of the upper left `drawn` pixels to one of the shell's images. The frame's pass
+    /// must come before it, the overlay's after it.
     pub(crate) fn record_scaling(
         &self,
         commands: vk::CommandBuffer,

@@ -22,7 +22,7 @@ pub(crate) struct ShadowMap {
     pub(crate) image: GpuImage,
     /// Comparison sampler (percentage-closer filtering): the lit part of the texels around a point.
     pub(crate) sampler: OwnedHandle<vk::Sampler>,
-    /// Whether it has been drawn since creation, and so can be sampled.
+    /// `true` once the map has been drawn, and so can be sampled.
     pub(crate) is_drawn: bool,
 }
 
@@ -34,7 +34,7 @@ impl ShadowMap {
             GpuImage::new(gpu, ImageSpec::new_2d(format, [MAP_SIDE; 2], 1).with_usage(usage))?;
         let pass = RenderPass::for_shadow_map(gpu, format)?;
         let framebuffer = create_framebuffer(gpu, &pass, [MAP_SIDE; 2], &[image.view])?;
-        // What the map doesn't show is lit.
+        // Points outside the map are lit.
         let border = vk::SamplerAddressMode::CLAMP_TO_BORDER;
         let info = vk::SamplerCreateInfo::default()
             .mag_filter(filter)
@@ -57,24 +57,24 @@ impl ShadowMap {
     }
 }
 
-/// Orthographic projection from the room to the map's clip space, over [`SUN_BOUNDS`]; depth 0 is next
-/// to the sun. `to_sun` is the unit vector towards it.
+/// Returns the orthographic projection from the room to the map's clip space, over [`SUN_BOUNDS`]; depth 0
+/// is next to the sun. `to_sun` is the unit vector towards it.
 pub(crate) fn shadow_from_room(to_sun: Vec3) -> Mat4 {
     let (middle, radius) = (Vec3::from_array(SUN_BOUNDS.0), SUN_BOUNDS.1);
     let right = Vec3::Y.cross(to_sun).try_normalize().unwrap_or(Vec3::X);
-    // As an eye that looks along the rays has them: right, down, ahead.
+    // The axes of an eye that looks along the rays: right, down, ahead.
     let rows = [right / radius, right.cross(to_sun) / radius, to_sun / (-2.0 * radius)];
     let [x, y, z] = rows.map(|row| row.extend(-row.dot(middle)));
     Mat4::from_cols(x, y, z + glam::Vec4::W * 0.5, glam::Vec4::W).transpose()
 }
 
-/// The map's depth per metre away from the sun.
+/// Returns the map's depth per metre away from the sun.
 pub(crate) fn shadow_depth_per_metre() -> f32 {
     0.5 / SUN_BOUNDS.1
 }
 
-/// The depth format, with linear filtering where supported. 16 bits resolve 0.14 mm here; every device
-/// has D16.
+/// Chooses the depth format, with linear filtering where supported. 16 bits resolve 0.14 mm here; every
+/// device has D16.
 fn choose_format(gpu: &Gpu) -> (vk::Format, vk::Filter) {
     let linear = vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT
         | vk::FormatFeatureFlags::SAMPLED_IMAGE

@@ -31,7 +31,8 @@ pub struct RenderTarget {
     /// The pixels that are drawn, from the upper left corner.
     drawn: [u32; 2],
     pub(crate) framebuffers: Vec<OwnedHandle<vk::Framebuffer>>,
-    /// The picture that is scaled up, if it is. `framebuffers` has one then, for that picture.
+    /// The picture that is scaled up; `None` without scaling. With scaling, `framebuffers` has only that
+    /// picture's.
     pub(crate) scaled: Option<ScaledPicture>,
     /// March starts of the tiles, then of the beams within them.
     pub(crate) march_starts: [MarchStarts; 2],
@@ -45,22 +46,22 @@ pub struct RenderTarget {
 /// An image of the depths at which marches start, with its framebuffer.
 pub(crate) struct MarchStarts {
     pub(crate) framebuffer: OwnedHandle<vk::Framebuffer>,
-    /// Texels across and down that are drawn, of those that the image has.
+    /// The drawn part of the image, in texels across and down.
     pub(crate) extent: [u32; 2],
-    /// Pixels across of a texel.
+    /// Pixels along a side of a texel's square.
     texel_pixels: u32,
     image: GpuImage,
 }
 
 /// Image views of the shell's images.
 pub(crate) struct TargetViews<'a> {
-    /// Each with as many layers as the format has views.
+    /// Colour views, each with as many layers as the format has views.
     pub(crate) colors: &'a [vk::ImageView],
-    /// As many, where depth is kept; else none.
+    /// Depth views, one for each colour view; empty unless depth is kept.
     pub(crate) depths: &'a [vk::ImageView],
-    /// As many, where there are density maps.
+    /// Density maps, one for each colour view; empty without density maps.
     pub(crate) density_maps: &'a [vk::ImageView],
-    /// The images of `colors`, where pictures are scaled up; else none.
+    /// The images of `colors`; empty unless pictures are scaled up.
     pub(crate) images: &'a [vk::Image],
 }
 
@@ -70,7 +71,7 @@ pub(crate) struct TargetResources<'a> {
     pub(crate) format: &'a TargetFormat,
     pub(crate) march_starts: &'a [RenderPass; 2],
     pub(crate) frame: &'a RenderPass,
-    /// Draws the overlay after the frame's pass, where the picture is scaled up.
+    /// The pass that draws the overlay after the frame's pass; `None` unless the picture is scaled up.
     pub(crate) overlay_pass: Option<&'a RenderPass>,
     pub(crate) pipelines: &'a Pipelines,
     pub(crate) textures: &'a SculptureTextures,
@@ -136,9 +137,9 @@ impl RenderTarget {
         Ok(target)
     }
 
-    /// Has only so many pixels across and down drawn from the next frame on, from the upper left corner of the images:
-    /// a picture of less resolution. It is scaled up where the format says so; else the rest is left as it is. At most
-    /// [`Self::extent`], at least one.
+    /// Sets the pixels across and down that are drawn from the next frame on, from the upper left corner of
+    /// the images: a picture of lower resolution. The picture is scaled up if the format says so; else the
+    /// rest of the image is left as it is. Clamped to at least one and at most [`Self::extent`].
     pub fn set_drawn_extent(&mut self, pixels: [u32; 2]) {
         self.drawn = core::array::from_fn(|k| pixels[k].clamp(1, self.extent[k]));
         for starts in &mut self.march_starts {
@@ -146,7 +147,7 @@ impl RenderTarget {
         }
     }
 
-    /// The pixels that are drawn, across and down.
+    /// Returns the pixels that are drawn, across and down.
     #[must_use]
     pub const fn drawn_extent(&self) -> [u32; 2] {
         self.drawn
@@ -177,8 +178,9 @@ impl RenderTarget {
         Ok(())
     }
 
-    /// The image views of a framebuffer, in the order of the pass's attachments: colour, depth,
-    /// resolved colour, density map. Takes those that the shell or the scaled picture has: colour, depth, density map.
+    /// Returns the image views of a framebuffer, in the order of the pass's attachments: colour, depth,
+    /// resolved colour, density map. Takes the views that the shell or the scaled picture has: colour,
+    /// depth, density map.
     fn framebuffer_attachments(
         &self,
         format: &TargetFormat,
@@ -274,7 +276,7 @@ impl RenderTarget {
 
 impl Drop for RenderTarget {
     fn drop(&mut self) {
-        // A frame may still be drawn into it; a lost device has none under way.
+        // A frame that draws into the target may be in flight; on a lost device none is.
         let _ = self.gpu.wait_idle();
         // SAFETY: nothing is under way.
         unsafe { self.gpu.device.destroy_descriptor_pool(self.pool, None) };
@@ -282,7 +284,7 @@ impl Drop for RenderTarget {
 }
 
 impl MarchStarts {
-    /// March starts for pictures of `pixels`, a texel for each square of `texel_pixels`.
+    /// Creates march starts for pictures of `pixels`, with a texel for each square of `texel_pixels`.
     fn new(
         gpu: &Arc<Gpu>,
         pass: &RenderPass,

@@ -18,8 +18,8 @@ pub struct FrameTimes {
     pub tiles_ns: u64,
     /// The frame's pass: sculpture and scene, clears and resolves.
     pub pass_ns: u64,
-    /// The sculpture within that pass, where the renderer [times] that. A GPU that draws in tiles would wait for idle at
-    /// each tile's timestamps.
+    /// The sculpture within the frame's pass; `None` unless the renderer [times] it. On a GPU that draws in
+    /// tiles, timestamps within a pass would make each tile wait for idle.
     ///
     /// [times]: crate::gpu::Renderer::set_timing_of_sculpture
     pub sculpture_ns: Option<u64>,
@@ -27,7 +27,7 @@ pub struct FrameTimes {
     pub total_ns: u64,
 }
 
-/// Timestamps of a frame, in order; the number is that of the query.
+/// Timestamps of a frame, in order; the value is the query's number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Timestamp {
     Begin = 0,
@@ -39,7 +39,7 @@ pub(crate) enum Timestamp {
     End = 12,
 }
 
-/// Two queries for each timestamp: within a multiview pass it takes one for each view.
+/// Two queries for each timestamp: within a multiview pass a timestamp takes one for each view.
 const QUERY_COUNT: u32 = 14;
 
 /// The query pool of one frame of the ring.
@@ -78,7 +78,7 @@ impl TimestampQueries {
         self.read_passes().unwrap_or_default()
     }
 
-    /// `None` where a timestamp was not written.
+    /// Reads the times; `None` if a timestamp was not written.
     fn read_passes(&self) -> Option<FrameTimes> {
         let [begin, uploaded, shadowed, tiled, end] = [
             Timestamp::Begin,

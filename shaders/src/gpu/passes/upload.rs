@@ -7,8 +7,8 @@ use crate::gpu::memory::textures::SculptureTextures;
 use crate::gpu::pipelines::scatter::TexelWriter;
 use crate::upload::Region;
 
-/// Records the uploads of all staged regions of a frame, which has a slot of the ring; the first call clears
-/// the textures before. The compute program writes the regions that it can, unless some overlap.
+/// Records the uploads of all staged regions of the frame in the ring's slot `slot_index`; the first call
+/// clears the textures before. The compute program writes the regions that it can, unless some overlap.
 pub(crate) fn record_uploads(
     textures: &mut SculptureTextures,
     commands: vk::CommandBuffer,
@@ -29,7 +29,7 @@ pub(crate) fn record_uploads(
     }
     let writes = staging.regions.iter().any(|(region, _)| is_written(region));
     if let Some(writer) = writer.filter(|_| writes) {
-        // Those that the program has bound, whether a box lies in them or not.
+        // All textures that the program has bound, whether it writes them or not.
         let bound = textures.with_storage_usage();
         textures.record_transition(commands, bound, read, vk::ImageLayout::GENERAL);
         writer.record_non_overlapping_writes(commands, slot_index, staging);

@@ -39,12 +39,13 @@ pub(crate) struct Pipelines {
     pub(crate) layout: vk::PipelineLayout,
     /// March starts of tiles, and of beams.
     pub(crate) march_starts: [vk::Pipeline; 2],
-    /// The sculpture's, of the paths that have been drawn: a headset never compiles the paper's.
+    /// The sculpture's pipelines, each created when it is first drawn: a headset never compiles the
+    /// paper's.
     sculpture: BTreeMap<(RenderPath, Drawn), vk::Pipeline>,
     format: TargetFormat,
     volume: VolumeFormat,
     frame_pass: vk::RenderPass,
-    /// Scene meshes, particles, and what is seen where something hides it.
+    /// Pipelines of scene meshes, of particles, and of guides drawn where something hides them.
     pub(crate) meshes: vk::Pipeline,
     pub(crate) particles: vk::Pipeline,
     pub(crate) hidden: vk::Pipeline,
@@ -56,18 +57,20 @@ pub(crate) struct Pipelines {
 
 /// The render passes that the pipelines are for.
 pub(crate) struct PassHandles {
-    /// Of tiles, and of beams.
+    /// The passes of the march starts: of tiles, and of beams.
     pub(crate) march_starts: [vk::RenderPass; 2],
     pub(crate) shadow: vk::RenderPass,
     pub(crate) frame: vk::RenderPass,
-    /// Draws the overlay and the panels in the room: the frame's pass, unless the picture is scaled up.
+    /// The pass that draws the overlay and the panels in the room: the frame's, unless the picture is
+    /// scaled up.
     pub(crate) overlay: vk::RenderPass,
 }
 
 /// Depth test of the frame's pass: reversed, 1 on the near plane.
 const NEARER: vk::CompareOp = vk::CompareOp::GREATER_OR_EQUAL;
 
-/// Depth test of what something hides. What is drawn as it is hides nothing of itself.
+/// Depth test of guides drawn where something hides them. Strict, so that a mesh that is also drawn
+/// normally doesn't hide itself.
 const FARTHER: vk::CompareOp = vk::CompareOp::LESS;
 
 impl Pipelines {
@@ -127,7 +130,7 @@ impl Pipelines {
         Ok(())
     }
 
-    /// Creates the sculpture's pipeline for a path, unless that has been drawn before.
+    /// Creates the sculpture's pipeline for a path and an output, unless it exists.
     pub(crate) fn ensure_sculpture_pipeline(
         &mut self,
         path: RenderPath,
@@ -194,7 +197,7 @@ impl Pipelines {
             strip: true,
             pass: passes.overlay,
             samples: overlay_format.sample_count(),
-            // Depth is not scaled up with a picture: nothing hides a panel then.
+            // Depth is not scaled up with a picture, so that nothing can hide a panel.
             depth: Some(NEARER).filter(|_| !format.scales_up),
             ..particles
         };
@@ -225,13 +228,13 @@ impl Pipelines {
         Ok(())
     }
 
-    /// The sculpture's pipeline for a render path, which
-    /// [`ensure_sculpture_pipeline`](Pipelines::ensure_sculpture_pipeline) has created.
+    /// Returns the sculpture's pipeline for a render path and an output, which
+    /// [`ensure_sculpture_pipeline`](Pipelines::ensure_sculpture_pipeline) must have created.
     pub(crate) fn sculpture_pipeline(&self, path: RenderPath, drawn: Drawn) -> vk::Pipeline {
         self.sculpture[&(path, drawn)]
     }
 
-    /// Serialised pipeline cache, for the next start.
+    /// Returns the serialised pipeline cache, for the next start.
     pub(crate) fn cache_data(&self) -> Result<Vec<u8>, Error> {
         // SAFETY: the cache is this device's.
         unsafe { self.gpu.device.get_pipeline_cache_data(self.cache) }.could_not("read the cache")
@@ -287,7 +290,8 @@ impl Drop for Pipelines {
     }
 }
 
-/// A program of the paper's path. Its counts are those of the whole path with one interval a column; it has no floor.
+/// Returns a program of the paper's path. Counts are those of the whole path with one interval a column.
+/// There is no floor: the picture is drawn instead.
 const fn paper_program(volume: VolumeFormat, variant: PaperVariant, drawn: Drawn) -> ShaderProgram {
     if matches!(drawn, Drawn::Counts | Drawn::CoverageCounts) {
         return programs::PAPER_COUNTED;

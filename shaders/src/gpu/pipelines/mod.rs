@@ -1,6 +1,6 @@
-//! The shader programs, and the pipelines made of them and of what is fixed around them.
-//! Takes a device, formats and render passes, gives pipelines and the layouts of what they read;
-//! knows nothing of framebuffers, nor of when something is drawn.
+//! The shader programs, and the pipelines made of them and of fixed-function state.
+//! Takes a device, formats and render passes, gives pipelines and the layouts of their inputs; knows
+//! nothing of framebuffers, nor of when something is drawn.
 
 pub(crate) mod graphics;
 pub mod layout;

@@ -23,7 +23,7 @@ pub(crate) struct PanelBuffers {
 /// Texels in a buffer for a rectangle of the atlas.
 pub(crate) struct AtlasPatch {
     pub(crate) rect: vk::Rect2D,
-    /// In bytes.
+    /// Offset in the buffer, in bytes.
     pub(crate) buffer_offset: u64,
 }
 
@@ -201,7 +201,7 @@ impl OverlayPipeline {
         atlas.record_transition(commands, write, read);
     }
 
-    /// Records a clear of the unused atlas.
+    /// Records a clear of the atlas before its first use.
     pub(crate) fn record_clear(&self, commands: vk::CommandBuffer, atlas: &GpuImage) {
         let write = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
         atlas.record_transition(commands, vk::ImageLayout::UNDEFINED, write);

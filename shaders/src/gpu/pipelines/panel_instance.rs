@@ -1,10 +1,10 @@
-//! The instance of a panel's quad: the quad, and where its panel is.
+//! The instance of a panel's quad: the quad, and its panel's transform.
 
 use bytemuck::{Pod, Zeroable};
 
 use crate::panel::{Panel, PanelQuad};
 
-/// A quad with its panel's place, as `wgsl/panel.wgsl` reads it.
+/// A quad with its panel's transform, as `wgsl/panel.wgsl` reads it.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct PanelInstance {
@@ -14,7 +14,7 @@ pub(crate) struct PanelInstance {
 }
 
 impl PanelInstance {
-    /// The instances of a panel, from the back to the front.
+    /// Returns the instances of a panel, from the back to the front.
     pub(crate) fn of_panel(panel: &Panel) -> impl Iterator<Item = PanelInstance> {
         let [corner, right, down] = panel.pose.frame(panel.size_mm());
         let rows = [0, 1, 2].map(|k| [right[k], down[k], 0.0, corner[k]]);

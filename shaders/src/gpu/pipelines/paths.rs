@@ -1,6 +1,6 @@
 //! Render paths of the sculpture.
 
-/// How the sculpture is rendered.
+/// A render path of the sculpture.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
 pub enum RenderPath {
     /// Section 4 of the paper, or a variant of it.
@@ -13,7 +13,7 @@ pub enum RenderPath {
 /// The paper's path, or one of the experiments of its section 5.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
 pub enum PaperVariant {
-    /// All of it.
+    /// The whole path.
     #[default]
     Whole,
     /// All three range maps sampled at every step.
@@ -24,35 +24,36 @@ pub enum PaperVariant {
     NoShading,
 }
 
-/// What a render path draws: its picture, or something in its place to measure it by.
+/// The output of a render path: its picture, or a measurement in its place.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Debug)]
 pub enum Drawn {
     /// The picture.
     #[default]
     Picture,
-    /// Counts as colours, linear and over 255: red the texels sampled and loaded for a pixel, green the turns of its
-    /// march, blue 1 where it hit the sculpture. Fragments that the picture discards are drawn, without blue.
+    /// Counts as colours, linear and over 255: red the texels sampled and loaded for a pixel, green the
+    /// iterations of its march, blue 1 where it hit the sculpture. Fragments that the picture discards are
+    /// drawn too, with blue 0.
     Counts,
-    /// The same of the program for several samples a pixel, in a format of one.
+    /// The same counts for the program for several samples a pixel, in a format of one sample.
     CoverageCounts,
-    /// The fast path without its march, and with two fetches of shading: what it can't go below. Of the paper's path,
-    /// its picture.
+    /// The fast path without its march and with two fetches of shading: a lower bound of its cost. For the
+    /// paper's path, its picture.
     Floor,
 }
 
-/// What a pixel of [`Drawn::Counts`] tells.
+/// The counts in a pixel of [`Drawn::Counts`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct PixelCounts {
-    /// Texels sampled and loaded, 255 at most; each of a filtered sample counts once. Exact to 60, within 1 above.
+    /// Texels sampled and loaded, at most 255; a filtered sample counts as one. Exact to 60, within 1 above.
     pub fetches: u32,
-    /// Turns of the march, in the same bounds.
+    /// Iterations of the march, with the same bounds.
     pub turns: u32,
-    /// Whether the pixel shows the sculpture.
+    /// `true` if the pixel shows the sculpture.
     pub hit: bool,
 }
 
 impl PixelCounts {
-    /// Of a pixel's red, green and blue in an sRGB image.
+    /// Decodes the counts from a pixel's red, green and blue in an sRGB image.
     #[must_use]
     pub fn from_srgb([fetches, turns, hit]: [u8; 3]) -> Self {
         let [fetches, turns] = [fetches, turns].map(linear_of_srgb);
@@ -60,7 +61,7 @@ impl PixelCounts {
     }
 }
 
-/// The linear value, of 255, that a byte of an sRGB image stands for (IEC 61966-2-1).
+/// Returns the linear value, of 255, that a byte of an sRGB image encodes (IEC 61966-2-1).
 fn linear_of_srgb(byte: u8) -> u32 {
     let encoded = f32::from(byte) / 255.0;
     let linear = match encoded {

@@ -22,14 +22,15 @@ use crate::gpu::memory::staging::{MAX_REGIONS, Staging};
 use crate::gpu::memory::textures::SculptureTextures;
 use crate::upload::{Region, Texture};
 
-/// Storage images: the density's levels, and behind them the cells (`BINDING_CELL_IMAGE`) and the gradient.
+/// Number of storage images: the density's levels, then the cells (`BINDING_CELL_IMAGE`) and the gradient.
 const IMAGE_COUNT: usize = LEVELS + 2;
-/// Storage buffers, the first bindings of the set: patches and staged bytes. The images follow.
+/// Number of storage buffers, the first bindings of the set: patches and staged bytes. The images follow.
 const BUFFER_COUNT: usize = BINDING_LEVELS as usize;
 /// Workgroups for each patch.
 const GROUPS_PER_PATCH: u32 = 16;
 
-/// A box of texels and its bytes' offset; mirrors `wgsl/scatter.wgsl`, and the build checks the offsets.
+/// A box of texels and the offset of its bytes; mirrors `wgsl/scatter.wgsl`, and the build checks the
+/// offsets.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Patch {
@@ -53,7 +54,7 @@ pub(crate) struct TexelWriter {
 }
 
 impl TexelWriter {
-    /// For a sculpture's textures and the staging buffers of the ring.
+    /// Creates the writer for a sculpture's textures and the staging buffers of the ring.
     pub(crate) fn new<'a>(
         gpu: &Arc<Gpu>,
         textures: &SculptureTextures,
@@ -99,13 +100,13 @@ impl TexelWriter {
         })
     }
 
-    /// Whether [`TexelWriter::record_non_overlapping_writes`] writes a region.
+    /// Returns `true` if [`TexelWriter::record_non_overlapping_writes`] writes a region.
     pub(crate) const fn can_write(region: &Region) -> bool {
         image_index(region.texture).is_some()
     }
 
-    /// Records the dispatch that writes the staged regions it [can write], with a slot of the ring. No two
-    /// may overlap, and their images must be in the layout `GENERAL`.
+    /// Records the dispatch that writes the staged regions that it [can write], with a slot of the ring. No
+    /// two of these regions may overlap, and their images must be in the layout `GENERAL`.
     ///
     /// [can write]: TexelWriter::can_write
     pub(crate) fn record_non_overlapping_writes(
@@ -135,7 +136,7 @@ impl TexelWriter {
     }
 }
 
-/// The texture's index in the program; None if the program can't write it.
+/// Returns the texture's index in the program; `None` if the program can't write it.
 const fn image_index(texture: Texture) -> Option<u32> {
     match texture {
         Texture::Density(level) => Some(level as u32),

@@ -21,26 +21,27 @@ pub(crate) enum Blend {
 pub(crate) struct PipelineSpec {
     pub(crate) vertex: ShaderProgram,
     pub(crate) input: VertexInput,
-    /// None for depth-only rendering without a fragment program.
+    /// `None` for depth-only rendering without a fragment program.
     pub(crate) fragment: Option<ShaderProgram>,
     pub(crate) pass: vk::RenderPass,
     pub(crate) samples: vk::SampleCountFlags,
     pub(crate) strip: bool,
     pub(crate) cull: vk::CullModeFlags,
-    /// Depth test; None disables test and writes.
+    /// Depth test; `None` disables test and writes.
     pub(crate) depth: Option<vk::CompareOp>,
     /// Blending; it disables depth writes.
     pub(crate) blend: Option<Blend>,
-    /// Whether alpha is converted to sample coverage.
+    /// `true` to convert alpha to sample coverage.
     pub(crate) coverage: bool,
-    /// Whether there is a colour attachment.
+    /// `true` if there is a colour attachment.
     pub(crate) color: bool,
-    /// Whether depth bias is on, for the shadow map.
+    /// `true` to enable depth bias, for the shadow map.
     pub(crate) bias: bool,
 }
 
 impl PipelineSpec {
-    /// Defaults for a pass: triangle list, no vertex buffers, no depth, no blending, no culling.
+    /// Returns the defaults for a pass: triangle list, no vertex buffers, no depth, no blending, no
+    /// culling.
     pub(crate) fn for_pass(pass: vk::RenderPass) -> Self {
         PipelineSpec {
             vertex: programs::TILES_VERTEX,

@@ -53,20 +53,20 @@ const PANEL_QUADS: [(u32, vk::Format, u32); 8] = [
     (7, vk::Format::R32_UINT, quad_offset(offset_of!(PanelQuad, kind))),
 ];
 
-// The middle and the half sizes are one attribute.
+// `middle` and `half` are read as one attribute.
 const _: () = assert!(offset_of!(PanelQuad, half) == offset_of!(PanelQuad, middle) + 8);
 
-/// Offset of a row of a panel's transform, in bytes.
+/// Returns the offset of a row of a panel's transform, in bytes.
 const fn panel_row_offset(i: usize) -> u32 {
     (offset_of!(PanelInstance, rows) + i * size_of::<[f32; 4]>()) as u32
 }
 
-/// Offset of a quad's field, in bytes.
+/// Returns the offset of a quad's field, in bytes.
 const fn quad_offset(field: usize) -> u32 {
     (offset_of!(PanelInstance, quad) + field) as u32
 }
 
-/// Offset of a row of an instance's transform, in bytes.
+/// Returns the offset of a row of an instance's transform, in bytes.
 const fn transform_row_offset(i: u32) -> u32 {
     offset_of!(MeshInstance, transform) as u32 + i * size_of::<[f32; 4]>() as u32
 }

@@ -1,6 +1,6 @@
-//! The screens of a visit, laid out: functions of plain data, each of which empties a panel and fills it.
+//! The screens of a visit: layout functions of plain data, each of which clears a panel and fills it.
 //!
-//! Buttons are given by the caller, who may take the rectangles that stand here (`*_buttons`) or others.
+//! The caller gives the buttons, with the rectangles of this module (`*_buttons`) or others.
 
 pub mod palette;
 mod screens;
@@ -22,10 +22,10 @@ use super::message::{Language, Message};
 use super::model::{BoxStyle, Panel, PanelColor, TextAlign};
 use super::pose::PanelRect;
 
-/// How far away panels stand, in metres: their texts are a degree high there.
+/// Distance of panels from the eye, in metres: there their texts are at least a degree high.
 pub const READING_DISTANCE: f32 = 1.2;
 
-/// Empties a panel and draws its ground and its shadow.
+/// Clears a panel and draws its ground and its shadow.
 fn begin_panel(panel: &mut Panel, size_mm: [f32; 2]) {
     panel.clear(size_mm);
     let whole = panel.rect();
@@ -47,7 +47,7 @@ fn begin_panel(panel: &mut Panel, size_mm: [f32; 2]) {
     panel.add_box(whole, &ground);
 }
 
-/// A title in the middle of a panel, a short rule under it.
+/// Adds a title in the middle of a panel, with a short rule under it.
 fn add_title(panel: &mut Panel, language: Language, title: Message, foot_y: f32) {
     let middle = 0.5 * panel.size_mm()[0];
     let at = Vec2::new(middle, foot_y);
@@ -55,14 +55,14 @@ fn add_title(panel: &mut Panel, language: Language, title: Message, foot_y: f32)
     add_rule(panel, Vec2::new(middle, foot_y + 30.0));
 }
 
-/// A short rule of clay.
+/// Adds a short rule in the colour of clay.
 fn add_rule(panel: &mut Panel, middle: Vec2) {
     let rule = PanelRect::new(middle.x - 45.0, middle.y - 3.0, 90.0, 6.0);
     let style = BoxStyle { radius_mm: 3.0, fill: palette::CLAY, ..BoxStyle::default() };
     panel.add_box(rule, &style);
 }
 
-/// An icon on a disc.
+/// Adds an icon on a disc.
 fn add_medallion(panel: &mut Panel, icon: Icon, middle: Vec2, radius_mm: f32, color: PanelColor) {
     let square = PanelRect::new(middle.x, middle.y, 0.0, 0.0).grown(radius_mm);
     panel.add_box(square, &BoxStyle { radius_mm, fill: color, ..BoxStyle::default() });

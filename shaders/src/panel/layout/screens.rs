@@ -1,4 +1,4 @@
-//! What tells something: attract, notices with or without a bar, and the badge.
+//! Informative screens: attract, notices with or without a bar, and the badge.
 
 use glam::Vec2;
 use paros_core::badge::Badge;
@@ -10,7 +10,8 @@ use crate::panel::message::{Filling, Language, Message, TextPlace};
 use crate::panel::model::{BoxStyle, LINE_HEIGHT, Panel, PanelColor, TextAlign};
 use crate::panel::pose::PanelRect;
 
-/// What nobody has chosen a language for, in both; `icon` and `body_message` say how to begin.
+/// Draws the attract screen, in both languages, as none is chosen yet; `icon` and `body_message` show how
+/// to begin.
 pub fn draw_attract(panel: &mut Panel, icon: Icon, body_message: Message) {
     begin_panel(panel, [1000.0, 610.0]);
     add_medallion(panel, icon, Vec2::new(500.0, 128.0), 82.0, palette::CLAY);
@@ -29,19 +30,19 @@ pub fn draw_attract(panel: &mut Panel, icon: Icon, body_message: Message) {
 pub struct PanelNotice<'a> {
     /// The picture.
     pub icon: Icon,
-    /// Its ground.
+    /// The colour of the picture's disc and of the bar.
     pub color: PanelColor,
     /// The title.
     pub title: Message,
     /// The text.
     pub body: Message,
-    /// What is filled in into the text.
+    /// The values filled into the text.
     pub fillings: &'a [Filling<'a>],
-    /// How full a bar is, 0 to 1; None without.
+    /// Fill level of a progress bar, 0 to 1; `None` for no bar.
     pub progress: Option<f32>,
 }
 
-/// The rectangle of a notice's button, under its text; `column` of so many.
+/// Returns a notice's button, under its text, in column `column` of `columns`.
 #[must_use]
 pub const fn notice_button(
     id: u16,
@@ -58,7 +59,7 @@ pub const fn notice_button(
 /// Height of a notice without bar and buttons, in millimetres.
 const NOTICE_HEIGHT: f32 = 500.0;
 
-/// A notice: hands off, exporting, thanks, put back, warnings and errors.
+/// Draws a notice: hands off, exporting, thanks, put back, warnings and errors.
 pub fn draw_notice(
     panel: &mut Panel,
     language: Language,
@@ -80,16 +81,17 @@ pub fn draw_notice(
     visit::add_buttons(panel, language, buttons);
 }
 
-/// The button of a badge's panel: on to what comes next.
+/// Returns the button of a badge's panel, which leads to the next screen.
 #[must_use]
 pub const fn badge_buttons(id: u16) -> [PanelButton<'static>; 1] {
     [PanelButton::new(id, PanelRect::new(355.0, 800.0, 290.0, 96.0), Message::Next)]
 }
 
-/// A badge's panel, with room for its button: that comes later, and the badge that is being learnt stays where it is.
+/// Size of a badge's panel, with room for its button: the button appears later, and the badge, which the
+/// visitor is learning, must not move.
 const BADGE_SIZE: [f32; 2] = [1000.0, 936.0];
 
-/// A visitor's badge, the words by which it is said, and what is told below: two lines of a text's body.
+/// Draws a visitor's badge, its words, and a message below, of at most two lines of body text.
 pub fn draw_badge(
     panel: &mut Panel,
     language: Language,

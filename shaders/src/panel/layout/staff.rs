@@ -1,4 +1,4 @@
-//! For the staff: the handover between two visitors, the PIN, and what it opens.
+//! Screens for the staff: the handover between two visitors, the PIN pad, and the menu that the PIN opens.
 
 use glam::Vec2;
 
@@ -13,30 +13,30 @@ use crate::panel::pose::PanelRect;
 /// Digits of the staff's PIN that have a dot.
 pub const PIN_DIGITS: u32 = 4;
 
-/// What the PIN's panel shows.
+/// The state of the PIN's panel.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PinEntry {
-    /// So many digits are entered.
+    /// This many digits are entered.
     Entered(u32),
-    /// What was entered is not the PIN.
+    /// The digits entered were not the PIN.
     Wrong,
-    /// It was wrong too often.
+    /// A wrong PIN was entered too often.
     Locked,
 }
 
-/// What the staff is told of the sculptures as a headset is handed over.
+/// The state of the sculptures, shown to the staff as a headset is handed over.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct HandoverTold {
-    /// Sculptures that aren't kept on the device yet.
+    /// Sculptures not yet stored on the device.
     pub pending: u32,
-    /// Those that the booth hasn't signed for; `None` where there is no booth.
+    /// Sculptures not yet acknowledged by the booth; `None` where there is no booth.
     pub owed: Option<u32>,
-    /// Whether the device is nearly full with them.
+    /// `true` if sculptures nearly fill the device.
     pub is_nearly_full: bool,
 }
 
-/// The handover: whether sculptures are left that the device or the booth hasn't, and the button of who has cleaned the
-/// headset.
+/// Draws the handover: the sculptures that the device or the booth doesn't have yet, and the button to
+/// press once the headset is cleaned.
 pub fn draw_handover(
     panel: &mut Panel,
     language: Language,
@@ -65,7 +65,7 @@ pub fn draw_handover(
     draw_notice(panel, language, &notice, buttons);
 }
 
-/// The keys of the PIN: 1 to 9, back, 0, cancel; numbered from `first_id` on in this order.
+/// Returns the keys of the PIN: 1 to 9, back, 0, cancel; numbered from `first_id` on in this order.
 #[must_use]
 pub fn pin_buttons(first_id: u16) -> [PanelButton<'static>; 12] {
     const DIGITS: [&str; 9] = ["1", "2", "3", "4", "5", "6", "7", "8", "9"];
@@ -84,7 +84,7 @@ pub fn pin_buttons(first_id: u16) -> [PanelButton<'static>; 12] {
     })
 }
 
-/// The PIN's panel.
+/// Draws the PIN's panel.
 pub fn draw_staff_pin(
     panel: &mut Panel,
     language: Language,
@@ -117,7 +117,8 @@ pub fn draw_staff_pin(
     visit::add_buttons(panel, language, buttons);
 }
 
-/// The staff's buttons: a minute more, end, begin again, recentre, away; numbered from `first_id` on.
+/// Returns the staff's buttons: a minute more, end, begin again, recentre, cancel; numbered from `first_id`
+/// on.
 #[must_use]
 pub const fn staff_buttons(first_id: u16) -> [PanelButton<'static>; 5] {
     const fn at(column: u16, row: u16) -> PanelRect {
@@ -133,7 +134,7 @@ pub const fn staff_buttons(first_id: u16) -> [PanelButton<'static>; 5] {
     ]
 }
 
-/// What the PIN opens.
+/// Draws the staff's menu, which the PIN opens.
 pub fn draw_staff(panel: &mut Panel, language: Language, buttons: &[PanelButton<'_>]) {
     begin_panel(panel, [1140.0, 600.0]);
     let at = Vec2::new(570.0, 92.0);

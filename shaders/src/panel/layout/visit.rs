@@ -1,4 +1,4 @@
-//! Welcome, choice, first cut and clock.
+//! Screens of a visit: welcome, choice, first cut and clock.
 
 use glam::Vec2;
 
@@ -9,18 +9,19 @@ use crate::panel::message::{FillingValue, Language, Message};
 use crate::panel::model::{Panel, PanelColor, TextAlign, TextStyle};
 use crate::panel::pose::PanelRect;
 
-/// What a visitor is asked at the welcome, from the top.
+/// The questions of the welcome, from the top.
 const WELCOME_QUESTIONS: [Message; 3] =
     [Message::WelcomeLanguage, Message::WelcomeHand, Message::WelcomePosture];
 
-/// From one question of the welcome to the next.
+/// Distance from one question of the welcome to the next, in millimetres.
 const WELCOME_ROW: f32 = 122.0;
 
-/// How much of the welcome's height its questions leave.
+/// Height of the welcome without its questions, in millimetres.
 const WELCOME_HEIGHT: f32 = 354.0;
 
-/// The buttons of the welcome: English, Greek; left, right; sitting, standing; begin. Numbered from `first_id` on.
-/// Where a mouse is all that there is to hold, `questions` is 1, and only the first two and the last are of use.
+/// Returns the buttons of the welcome: English, Greek; left, right; sitting, standing; begin. Numbered from
+/// `first_id` on. For a visitor with only a mouse `questions` is 1, and only the first two and the last are
+/// of use.
 #[must_use]
 pub const fn welcome_buttons(first_id: u16, questions: u16) -> [PanelButton<'static>; 7] {
     const fn at(column: u16, row: u16) -> PanelRect {
@@ -43,7 +44,7 @@ pub const fn welcome_buttons(first_id: u16, questions: u16) -> [PanelButton<'sta
     ]
 }
 
-/// Welcome: language, hand, seated or standing; only the first `questions` of them.
+/// Draws the welcome: language, hand, seated or standing; only the first `questions` of them.
 pub fn draw_welcome(
     panel: &mut Panel,
     language: Language,
@@ -59,7 +60,7 @@ pub fn draw_welcome(
     add_buttons(panel, language, buttons);
 }
 
-/// A question in one line or two, around the height of its point.
+/// Adds a question in one line or two, vertically centred at its point.
 fn add_question(panel: &mut Panel, language: Language, question: Message, at: Vec2) {
     let style = question.place().style().colored(palette::INK, TextAlign::Left);
     let width = question.place().style().width_mm;
@@ -72,7 +73,7 @@ pub(super) fn add_buttons(panel: &mut Panel, language: Language, buttons: &[Pane
     }
 }
 
-/// Cards of a choice: an icon and a text each, numbered from `first_id` on, in one row or two.
+/// Returns the cards of a choice: an icon and a text each, numbered from `first_id` on, in one row or two.
 #[must_use]
 pub fn choice_buttons(first_id: u16, cards: &[(Message, Icon)]) -> Vec<PanelButton<'static>> {
     let (columns, _) = choice_grid(cards.len());
@@ -97,7 +98,7 @@ const CARD: [f32; 2] = [296.0, 320.0];
 const CARD_GAP: f32 = 22.0;
 const CARDS_TOP: f32 = 216.0;
 
-/// Columns and rows of so many cards.
+/// Returns the columns and rows of this many cards.
 const fn choice_grid(cards: usize) -> (usize, usize) {
     let columns = if cards <= 4 { cards } else { cards.div_ceil(2) };
     let columns = if columns == 0 { 1 } else { columns };
@@ -110,7 +111,7 @@ fn choice_size(cards: usize) -> [f32; 2] {
     [width.max(1000.0), CARDS_TOP + rows as f32 * (CARD[1] + CARD_GAP) + 22.0]
 }
 
-/// A choice between cards: a title, and what to do.
+/// Draws a choice between cards: a title, and what to do.
 pub fn draw_choice(
     panel: &mut Panel,
     language: Language,
@@ -128,27 +129,27 @@ pub fn draw_choice(
 /// A step of the first cut.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Guide {
-    /// What to do.
+    /// The instruction.
     pub instruction: Message,
-    /// A picture of it.
+    /// A picture of the instruction.
     pub icon: Icon,
-    /// Its number, from 1.
+    /// The step's number, from 1.
     pub step: u32,
-    /// How many there are.
+    /// The number of steps.
     pub steps: u32,
-    /// How much of it is done, 0 to 1.
+    /// Progress of the step, 0 to 1.
     pub progress: f32,
 }
 
 const GUIDE_SIZE: [f32; 2] = [1000.0, 450.0];
 
-/// The button of a guide, which skips it.
+/// Returns the button that skips a guide.
 #[must_use]
 pub const fn guide_buttons(id: u16) -> [PanelButton<'static>; 1] {
     [PanelButton::new(id, PanelRect::new(664.0, 326.0, 290.0, 88.0), Message::Skip)]
 }
 
-/// A step of the first cut: its picture, what to do, how far it is.
+/// Draws a step of the first cut: its picture, instruction and progress.
 pub fn draw_guide(
     panel: &mut Panel,
     language: Language,
@@ -171,7 +172,7 @@ pub fn draw_guide(
     add_buttons(panel, language, buttons);
 }
 
-/// A dash for each step: full for those done.
+/// Adds a dash for each step: full for the steps done.
 fn add_steps(panel: &mut Panel, guide: &Guide) {
     let steps = guide.steps.clamp(1, 12);
     let (left, room, gap) = (46.0, 560.0, 12.0);
@@ -187,25 +188,25 @@ fn add_steps(panel: &mut Panel, guide: &Guide) {
     }
 }
 
-/// What a visit's clock shows, and the buttons under it.
+/// The contents of a visit's clock, but for the buttons under it.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Clock {
-    /// Seconds left, and of how many; None for a visit without an end.
+    /// Seconds left, and seconds in all; `None` for a visit without an end.
     pub seconds: Option<[u32; 2]>,
-    /// What the visitor is told of them.
+    /// A warning about the time left.
     pub warning: Option<Message>,
 }
 
 const CLOCK_WIDTH: f32 = 560.0;
 
 impl Clock {
-    /// Where the warning begins, and where what is under it does, in millimetres from the top.
+    /// Returns the tops of the warning and of what is under it, in millimetres from the panel's top.
     const fn feet(&self) -> [f32; 2] {
         let face = if self.seconds.is_some() { 190.0 } else { 24.0 };
         [face, face + if self.warning.is_some() { 136.0 } else { 0.0 }]
     }
 
-    /// Buttons under it, one over the other, numbered from `first_id` on.
+    /// Returns buttons under the clock, one below the other, numbered from `first_id` on.
     pub fn buttons<const COUNT: usize>(
         &self,
         first_id: u16,
@@ -220,7 +221,7 @@ impl Clock {
     }
 }
 
-/// The clock of a visit: a ring, and minutes and seconds; a warning under it, and buttons under that.
+/// Draws the clock of a visit: a ring, minutes and seconds; a warning under it, and buttons under that.
 pub fn draw_clock(
     panel: &mut Panel,
     language: Language,
@@ -262,7 +263,7 @@ fn add_clock_face(
     panel.add_written_line(format_args!("{minutes}:{rest:02}"), Vec2::new(194.0, 150.0), &digits);
 }
 
-/// The colour of the time that is left: amber for the last two minutes, red for the last thirty seconds.
+/// Returns the colour of the time left: amber for the last two minutes, red for the last thirty seconds.
 const fn time_color(seconds_left: u32) -> PanelColor {
     match seconds_left {
         0..=30 => palette::RED,
