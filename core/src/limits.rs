@@ -7,7 +7,7 @@ pub use badge::{BADGE_CANDIDATES, BLOCK_NUMBERS};
 
 /// Intervals of a column in the shells, K. One interval is the paper's volume, which holds every shape that
 /// is seen completely along the three axes (section 3.2). Carving keeps the voxels that it can't represent:
-/// half of a restless visitor's cuts with one interval, a quarter of a percent with two.
+/// 69 % of a restless visitor's cuts with one interval, 11 % with two (`core/README.md`).
 pub const INTERVALS: usize = 2;
 
 /// Maximum number of intervals of a column in a file: larger numbers are neither built nor tested.

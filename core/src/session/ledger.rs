@@ -61,7 +61,7 @@ impl TickLedger {
         self.left = self.left.saturating_sub(work);
     }
 
-    /// What is left for the islands, in row visits.
+    /// Returns the remaining budget of the islands, in row visits.
     pub(crate) fn island_row_visits(&self) -> u32 {
         self.left.max(self.reserve).min(self.most_row_visits)
     }

@@ -42,7 +42,7 @@ pub struct SettingsFault {
     pub setting: Option<&'static Setting>,
     /// The fault's place; `None` if the source is not a file.
     pub place: Option<FilePlace>,
-    /// What was found and what was expected.
+    /// The value that was found, and the values that were expected.
     pub why: String,
     /// `true` if the whole layer is ignored.
     pub costs_layer: bool,

@@ -85,7 +85,7 @@ where
         self.being_written -= 1;
     }
 
-    /// Whether files are being made or written.
+    /// Returns `true` while files are made or written.
     pub(super) const fn is_busy(&self) -> bool {
         self.files.is_some() || self.being_written > 0
     }

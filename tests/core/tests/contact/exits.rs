@@ -72,7 +72,7 @@ fn no_slide_cuts_a_corner_of_stone() {
     }
 }
 
-/// As after an undo: the bit is in a slot narrower than itself, whose walls penetrate it on both sides.
+/// The situation after an undo: the bit is in a slot narrower than itself, whose walls penetrate it on both sides.
 #[test]
 fn a_bit_comes_out_of_a_slot() {
     let mut stone = lock_stone(&STONE_64);

@@ -20,7 +20,7 @@ pub(crate) use crate::parcels::{Parcel, deflate, figure, heartbeat};
 /// A booth's folder for a test.
 pub(crate) struct BoothFolder {
     folder: PathBuf,
-    /// What the booth shares with others: command-line arguments and environment variables.
+    /// The connections to shared services: command-line arguments and environment variables.
     shared: (Vec<String>, Vec<(String, String)>),
 }
 
