@@ -14,63 +14,69 @@ use paros_shell::studio_paths::StudioPaths;
 use crate::options::ShellOptions;
 use visits::VisitArgs;
 
-/// Sculpt in a headset, or play a recorded session again.
+/// Sculpt in a headset, or replay a recorded session.
 #[derive(Debug, Parser)]
 #[command(name = "paros-quest", version)]
 pub struct HeadsetArgs {
     /// Voxels along an edge: 128, or 256 for a fast machine.
     #[arg(long, value_parser = check_setting("size"))]
     pub size: Option<String>,
-    /// One folder for sessions and sculptures, instead of the user's own. In it a session that is found after the
-    /// handover time, or another boot, is a former visitor's, and is finished.
+    /// Folder for sessions and sculptures, instead of the user's own folders.
+    ///
+    /// At the start, a saved session in the folder is finished as a former visitor's if the handover time has
+    /// passed or the machine was rebooted.
     #[arg(long, value_name = "DIR")]
     pub folder: Option<PathBuf>,
-    /// A file of settings, instead of `paros.toml` in the folder. `paros settings template` writes one.
+    /// Settings file, instead of `paros.toml` in the folder. `paros settings template` writes a template.
     #[arg(long, value_name = "FILE", conflicts_with = "replay")]
     pub settings: Option<PathBuf>,
-    /// How sessions start: `free`, `creative`, or the name of a hidden figure.
+    /// Mode in which sessions start: `free`, `creative`, or the name of a hidden figure.
     #[arg(long, value_parser = check_setting("mode"))]
     pub mode: Option<String>,
-    /// For how many seconds the headset must be off, asleep or without motion for who uses it next to be another
-    /// visitor: the sculpture is finished and kept, and a new session starts.
+    /// Seconds off the head, asleep or without motion after which the next user counts as another visitor.
+    ///
+    /// For another visitor, the sculpture is finished and saved, and a new session starts.
     #[arg(long, value_name = "SECONDS", value_parser = check_setting("handover_seconds"))]
     pub handover: Option<String>,
-    /// Write the trace of the session to a file; it starts anew.
+    /// Start a new session, and write its trace to a file.
     #[arg(long, value_name = "FILE", conflicts_with = "replay")]
     pub record: Option<PathBuf>,
-    /// Steady the hands: a running bit is drawn behind its hand on a string of so many millimetres, 40 at most.
+    /// Steady the hands: a running bit is pulled behind its hand on a string of MM millimetres, at most 40.
     #[arg(long, value_name = "MM", value_parser = check_setting("steady_mm"))]
     pub steady: Option<String>,
-    /// Play a trace again, as fast as it goes and without a headset; stop at the first tick that
-    /// differs from the recording.
+    /// Replay a trace at full speed without a headset, and stop at the first tick that differs from the
+    /// recording.
     #[arg(long, value_name = "TRACE", requires = "digests")]
     pub replay: Option<PathBuf>,
-    /// Write every tick's digest to a file, one a line.
+    /// Write each tick's digest to a file, one per line.
     #[arg(long, value_name = "FILE", requires = "replay")]
     pub digests: Option<PathBuf>,
-    /// The display's rate, in hertz, where there is a choice.
+    /// Refresh rate of the display in hertz, if the display offers several.
     #[arg(long, value_name = "HERTZ", value_parser = check_setting("refresh_rate_hz"))]
     pub rate: Option<String>,
-    /// Give the compositor depth too; pixels have one sample then.
+    /// Submit depth to the compositor too. Pixels then have one sample.
     #[arg(long)]
     pub depth: bool,
-    /// How coarsely pictures are shaded away from their middle: off, low, medium or high. Heat and a
-    /// low battery raise it, unless it is off; without it, or by auto, there is none until they do.
+    /// Level of foveation (coarser shading away from the image centre): auto, off, low, medium or high.
+    ///
+    /// Heat and a low battery raise the level, unless it is off. With `auto` (the default), an integrated GPU
+    /// starts at medium, and others at off.
     #[arg(long, value_name = "LEVEL", value_parser = check_setting("foveation"))]
     pub foveation: Option<String>,
-    /// How much of the sides of the recommended pictures is drawn at least while frames would be late otherwise, in
-    /// hundredths from 85 on.
+    /// Lowest image width and height, in percent of the recommended ones, 85 to 100.
+    ///
+    /// The resolution is lowered while frames would be late otherwise.
     #[arg(long, value_name = "PERCENT", value_parser = check_setting("least_resolution_percent"))]
     pub least_resolution: Option<String>,
-    /// Samples of a pixel, 2 or 4.
+    /// Samples per pixel, 2 or 4.
     #[arg(long, value_parser = check_setting("samples"))]
     pub samples: Option<String>,
-    /// Take commands from standard input, for tests.
+    /// Read commands from standard input, for tests.
     #[arg(long, hide = true)]
     pub script: bool,
     #[command(flatten)]
     visits: VisitArgs,
-    /// Have Vulkan's validation look on.
+    /// Enable Vulkan's validation layers.
     #[arg(long, hide = true)]
     pub validation: bool,
 }

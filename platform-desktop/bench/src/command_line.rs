@@ -8,38 +8,40 @@ use paros_bench::{BenchSubject, Benchmark, Plan, format_table};
 use paros_headless::{Error, parse_width_x_height, show_progress};
 use paros_shell::require::require_or_skip;
 
-/// Measure speed and size against the usual ways, in turns, best of many runs, on one thread.
+/// Compare speed and size with the usual methods: alternating, best of many runs, on one thread.
 #[derive(Debug, clap::Parser)]
 #[command(name = "paros-bench", version)]
 pub(super) struct Args {
-    /// What to measure.
+    /// Benchmark to run.
     #[arg(default_value = "all", value_parser = choice_parser())]
     what: BenchChoice,
-    /// What to measure on: meshes, volumes (.rmap) or figures (lump, owl, cat, amphora, dolphin, toy);
-    /// for `step`, traces of sessions, each of which takes minutes; for `layers`, traces (.trace) too.
+    /// Meshes, volumes (.rmap) or figures (lump, owl, cat, amphora, dolphin, toy) to measure.
+    ///
+    /// For `step`, traces of sessions, each of which takes minutes. For `layers`, also traces (.trace).
     #[arg(value_name = "V")]
     named: Vec<PathBuf>,
-    /// The same, one each time.
+    /// Like V, but one for each --volume.
     #[arg(long = "volume", value_name = "V")]
     volumes: Vec<PathBuf>,
-    /// Rows as JSON.
+    /// Write the rows as JSON.
     #[arg(long)]
     json: bool,
-    /// Runs of each side; the best counts [default: 21, and 9 of each frame]. `step` takes 3 always.
+    /// Runs of each side, of which the best counts [default: 21, and 9 for each frame]. `step` always takes
+    /// 3.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
     runs: Option<u16>,
-    /// Width and height in pixels of a frame.
+    /// Width and height of a frame in pixels.
     #[arg(long, value_name = "WxH", default_value = "1440x1584",
         value_parser = parse_width_x_height, allow_hyphen_values = true)]
     size: [usize; 2],
-    /// A part of the name of the Vulkan device that draws; else the best one, which for `all` and
+    /// Part of the name of the Vulkan device that draws. By default the best device, which for `all` and
     /// `paper` must be a GPU.
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
-    /// The Python that has vtk, trimesh, numpy and scipy.
+    /// Python interpreter that has vtk, trimesh, numpy and scipy.
     #[arg(long, value_name = "PATH", default_value = "python3")]
     python: PathBuf,
-    /// For the bench's own use: plays what it left there, to be counted from outside.
+    /// For internal use: replay the files of a measuring run under Callgrind, which counts from outside.
     #[arg(long, hide = true, value_name = "PATH")]
     replay: Option<PathBuf>,
 }

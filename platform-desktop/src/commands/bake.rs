@@ -14,21 +14,21 @@ use paros_shell::{with_intervals, with_size};
 
 use super::volume;
 
-/// Bake a mesh into a volume.
+/// Convert a mesh into a volume.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The mesh: OBJ, STL, PLY, glTF or GLB.
+    /// Mesh to convert: OBJ, STL, PLY, glTF or GLB.
     mesh: PathBuf,
-    /// The volume to write.
+    /// Volume to write.
     #[arg(short, long, value_name = "V.rmap")]
     output: PathBuf,
     /// Voxels along an edge.
     #[arg(long, default_value = "128", value_parser = volume::grid_side_parser())]
     size: usize,
-    /// Intervals of a column. One can't hold what is hollow along an axis.
+    /// Intervals per column. One interval can't represent a shape that is hollow along an axis.
     #[arg(long, value_name = "K", default_value = "2", value_parser = volume::interval_count_parser())]
     layers: usize,
-    /// The axis of the mesh that points up: if not said, z of an STL, y of the others.
+    /// Axis of the mesh that points up. By default z for STL files, y for the others.
     #[arg(long, value_name = "AXIS", value_enum)]
     up: Option<MeshAxis>,
 }

@@ -4,11 +4,11 @@ use std::ffi::OsString;
 
 use paros_headless::Error;
 
-/// Name the program that measures speed and size (`paros-bench`).
+/// Show the command that measures speed and size (`paros-bench`).
 #[derive(Debug, clap::Args)]
 #[command(disable_help_flag = true)]
 pub(super) struct Args {
-    /// The arguments for `paros-bench`.
+    /// Arguments of `paros-bench`.
     #[arg(value_name = "ARGUMENT", trailing_var_arg = true, allow_hyphen_values = true)]
     arguments: Vec<OsString>,
 }

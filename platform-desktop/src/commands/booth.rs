@@ -12,11 +12,11 @@ use paros_headless::Error;
 pub(crate) const BUILD_COMMAND: &str =
     "cargo build --release -p paros-booth -p paros-desktop --features paros-desktop/booth";
 
-/// Run the booth, which keeps what headsets send; all arguments are its own (`paros booth --help`).
+/// Run the booth, which stores what headsets send. It gets all arguments (see `paros booth --help`).
 #[derive(Debug, clap::Args)]
 #[command(disable_help_flag = true)]
 pub(super) struct Args {
-    /// What the booth is told.
+    /// Arguments of the booth's program.
     #[arg(value_name = "ARGUMENT", trailing_var_arg = true, allow_hyphen_values = true)]
     arguments: Vec<OsString>,
 }

@@ -26,16 +26,16 @@ use super::volume;
 const FILES: [&str; 5] =
     ["session.trace", "sculpture.rmap", "sculpture.stl", "contact-sheet.png", "report.txt"];
 
-/// Play a scripted sculptor's session and leave its trace, sculpture, print and pictures.
+/// Play a scripted session, and write its trace, sculpture, STL file, pictures and report.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Whose session it is: an owl that is hidden in the stone, or a lantern.
+    /// Session to play: an owl hidden in the stone, or a lantern.
     #[arg(value_enum, default_value = "owl")]
     script: ScriptChoice,
-    /// The folder for the files.
+    /// Folder for the files.
     #[arg(short, long, value_name = "DIR", default_value = "paros-demo")]
     output: PathBuf,
-    /// Intervals of a column; with 1, the stone refuses more of what the hands cut.
+    /// Intervals per column. With 1, a column holds no gaps, so that more of each cut is restored.
     #[arg(long, value_name = "K", default_value = "2", value_parser = volume::interval_count_parser())]
     layers: usize,
 }

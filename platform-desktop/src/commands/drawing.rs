@@ -18,13 +18,13 @@ use paros_shell::statics::Resident;
 /// Samples for each pixel on a Vulkan device.
 const SAMPLES: u32 = 4;
 
-/// How pictures are to be drawn.
+/// Options of the renderer.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(super) struct DrawingOptions {
-    /// What draws: this machine's processors, or the best Vulkan device.
+    /// Renderer: this machine's processors, or the best Vulkan device.
     #[arg(long, value_enum, default_value = "cpu")]
     renderer: RendererChoice,
-    /// How the sculpture is drawn: as in the paper, or smooth.
+    /// Render path of the sculpture: `paper` draws as in the paper, `fast` draws smoothly.
     #[arg(long, value_enum, default_value = "fast")]
     path: PathChoice,
 }

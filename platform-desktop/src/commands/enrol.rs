@@ -15,17 +15,17 @@ use paros_upload_https::HttpsCaller;
 /// The arguments of `paros enrol`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The fleet's file, as `paros-booth fleet-file` prints it.
+    /// Fleet file, as printed by `paros-booth fleet-file`.
     #[arg(long, value_name = "FILE")]
     fleet_file: PathBuf,
-    /// What the booth's page calls this machine, in up to 32 bytes; its host name if not given.
+    /// Name of this machine on the booth's page, up to 32 bytes. By default the host name.
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
-    /// Where the enrolment is kept, instead of `enrolment.toml` beside the saved sessions (`booth_enrolment` of the
-    /// settings).
+    /// File for the enrolment, instead of `enrolment.toml` beside the saved sessions (setting
+    /// `booth_enrolment`).
     #[arg(long, value_name = "FILE")]
     file: Option<PathBuf>,
-    /// Enrol anew, where there is an enrolment already.
+    /// Enrol again, and replace an existing enrolment.
     #[arg(long)]
     again: bool,
 }

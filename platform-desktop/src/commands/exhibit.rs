@@ -28,17 +28,19 @@ use mail_sink::MailSink;
 /// The arguments of `paros exhibit`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Where everything is kept: the booth's data, the studio's sessions, the sculptures, and with
-    /// --mails-to-files the mails. FOLDER/studio/paros/paros.toml has the studio's settings, if there is one.
+    /// Folder for the booth's data, the studio's sessions, the sculptures, and with --mails-to-files the
+    /// mails.
+    ///
+    /// The studio reads its settings from FOLDER/studio/paros/paros.toml, if the file exists.
     #[arg(long, value_name = "FOLDER", default_value = "paros-exhibit")]
     folder: PathBuf,
-    /// The address that the booth listens at.
+    /// Address on which the booth listens.
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "0.0.0.0:8443")]
     listen: SocketAddr,
-    /// Take the booth's mails here instead of sending them: each becomes a file.
+    /// Write each of the booth's mails to a file instead of sending it.
     #[arg(long)]
     mails_to_files: bool,
-    /// What else the window is told, after `--`; `paros window --help` tells more.
+    /// Further arguments of the window, after `--`; see `paros window --help`.
     #[arg(last = true, value_name = "ARGUMENT")]
     window: Vec<OsString>,
 }

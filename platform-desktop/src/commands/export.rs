@@ -12,13 +12,13 @@ use paros_shell::{with_intervals, with_size};
 
 use super::volume;
 
-/// Export a volume as STL, smoothed and watertight, in millimetres.
+/// Export a volume as a smoothed, watertight STL file in millimetres.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The volume.
+    /// Volume to export.
     #[arg(value_name = "V.rmap")]
     volume: PathBuf,
-    /// The mesh to write.
+    /// STL file to write.
     #[arg(short, long, value_name = "M.stl")]
     output: PathBuf,
     /// Height of the print in millimetres.

@@ -13,12 +13,12 @@ use serde::Serialize;
 
 use super::volume;
 
-/// Tell what a volume or a mesh holds.
+/// Describe a volume or a mesh.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The file: a volume (.rmap) or a mesh (OBJ, STL, PLY, glTF or GLB).
+    /// File to describe: a volume (.rmap) or a mesh (OBJ, STL, PLY, glTF or GLB).
     file: PathBuf,
-    /// As JSON.
+    /// Write the result as JSON.
     #[arg(long)]
     json: bool,
 }

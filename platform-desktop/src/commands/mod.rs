@@ -30,14 +30,14 @@ use clap::{Parser, Subcommand};
 use needs_https::{self as enrol, self as exhibit};
 use paros_headless::Error;
 
-/// Sculpts in a block of voxels: bakes meshes, shows and exports sculptures.
+/// Sculpt in a block of voxels: convert meshes, and render and export sculptures.
 #[derive(Debug, Parser)]
 #[command(name = "paros", version, args_conflicts_with_subcommands = true)]
 pub struct Cli {
-    /// Without a command: the window, or the demo where there can be none.
+    /// Command to run. Without a command, the window opens, or the demo runs if no window can be opened.
     #[command(subcommand)]
     command: Option<CliCommand>,
-    /// A mesh or a volume to open in the window, as by `window FILE`.
+    /// Mesh or volume to open in the window, as with `window FILE`.
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
 }
@@ -48,9 +48,10 @@ enum CliCommand {
     Bake(bake::Args),
     Bench(bench::Args),
     Booth(booth::Args),
-    /// Enrol this machine at a booth, so that finished sculptures are sent there.
+    /// Enrol this machine at a booth, which then receives finished sculptures.
     Enrol(enrol::Args),
-    /// Start a whole exhibition on this machine: a booth, and a window with visits whose sculptures go there.
+    /// Start an exhibition on this machine: a booth, and a window with visits that sends sculptures to the
+    /// booth.
     Exhibit(exhibit::Args),
     Info(info::Args),
     Play(play::Args),

@@ -11,7 +11,7 @@ use super::booth::BUILD_COMMAND;
 #[derive(Debug, clap::Args)]
 #[command(disable_help_flag = true)]
 pub(super) struct Args {
-    /// The arguments for a build with HTTPS.
+    /// Arguments of the command, which needs a build with HTTPS.
     #[arg(value_name = "ARGUMENT", trailing_var_arg = true, allow_hyphen_values = true)]
     _arguments: Vec<OsString>,
 }

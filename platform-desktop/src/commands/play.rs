@@ -21,29 +21,31 @@ use serde::Serialize;
 use super::drawing::{DrawingBackground, DrawingOptions, PictureRenderer};
 use super::volume;
 
-/// Play a trace; stop at the first tick that differs from the recording.
+/// Replay a trace, and stop at the first tick that differs from the recording.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The trace.
+    /// Trace to replay.
     trace: PathBuf,
-    /// The volume that the trace's sessions start from as the visitor's own.
+    /// Volume from which the trace's sessions start as the visitor's own.
     #[arg(long, value_name = "V.rmap")]
     volume: Option<PathBuf>,
-    /// Write every tick's digest to a file, one a line.
+    /// Write each tick's digest to a file, one per line.
     #[arg(long, value_name = "F")]
     digests: Option<PathBuf>,
-    /// Write a picture every half second of the session into a folder; each may take a second.
+    /// Write a picture for each half second of the session into a folder. Each picture may take a second.
     #[arg(long, value_name = "DIR")]
     frames: Option<PathBuf>,
-    /// Export the sculpture of the last tick.
+    /// Export the sculpture of the last tick as STL.
     #[arg(long, value_name = "F")]
     stl: Option<PathBuf>,
-    /// Tell what the session's edits did to how many voxels: removed, added, refused by closure (brought
-    /// back, because a column holds no more gaps), by the mask, and by depth (in the brush, but deeper than
-    /// one edit reaches; every edit counts them anew). Percents are of all removed and refused together.
+    /// Report how many voxels the session's edits removed, added and were refused.
+    ///
+    /// Voxels are refused by closure (restored, because a column holds no more gaps), by the mask, or by
+    /// depth (inside the brush, but deeper than one edit reaches; each edit counts these voxels again).
+    /// Percentages are of all removed and refused voxels together.
     #[arg(long)]
     stats: bool,
-    /// Tell it as a JSON object instead of lines.
+    /// Write the statistics as a JSON object instead of lines.
     #[arg(long, requires = "stats")]
     json: bool,
     #[command(flatten)]

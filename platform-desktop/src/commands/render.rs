@@ -25,28 +25,28 @@ const ROUND_SECONDS: u16 = 6;
 /// Render a picture of a volume, or of a figure.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The volume, or a figure (lump, owl, cat, amphora, dolphin, toy) at 128.
+    /// Volume, or a figure (lump, owl, cat, amphora, dolphin, toy) with 128 voxels along an edge.
     #[arg(value_name = "V.rmap")]
     volume: PathBuf,
-    /// The picture to write.
+    /// PNG file to write.
     #[arg(short, long, value_name = "P.png")]
     output: PathBuf,
     /// Width and height in pixels.
     #[arg(long, value_name = "WxH", default_value = "640x480",
         value_parser = parse_width_x_height, allow_hyphen_values = true)]
     size: [usize; 2],
-    /// Azimuth (0 looks at the front, 90 at the right) and elevation of the view, in degrees.
+    /// View direction in degrees: azimuth (0 shows the front, 90 the right side) and elevation.
     #[arg(long, value_name = "AZ,EL", default_value = "25,15", value_parser = parse_view_degrees,
           allow_hyphen_values = true)]
     view: ViewDegrees,
-    /// Write a turntable of so many frames, an animated PNG that goes round once in six seconds and on for ever.
+    /// Write a turntable of N frames: an animated PNG that turns once in six seconds, in an endless loop.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=MOST_FRAMES),
           allow_hyphen_values = true)]
     turn: Option<u16>,
     /// Leave out the lit room around the sculpture.
     #[arg(long)]
     plain: bool,
-    /// Tell what was written as JSON.
+    /// Describe the written file as JSON.
     #[arg(long)]
     json: bool,
     #[command(flatten)]

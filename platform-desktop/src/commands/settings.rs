@@ -12,37 +12,37 @@ use paros_shell::settings::{LoadedSettings, SettingsFault, SettingsLayer, write_
 use paros_shell::studio_paths::StudioPaths;
 use serde::Serialize;
 
-/// Check a file of settings (paros.toml), show what holds, or write a template.
+/// Check a settings file (paros.toml), show the values in effect, or write a template.
 #[derive(Debug, clap::Subcommand)]
 pub(super) enum Action {
-    /// Tell what is wrong with a file: line, column, and what was expected.
+    /// Check a file, and report the line, column and expected value of each fault.
     Check {
-        /// The file.
+        /// Settings file to check.
         file: PathBuf,
         #[command(flatten)]
         figures: OwnFigures,
-        /// As JSON.
+        /// Write the result as JSON.
         #[arg(long)]
         json: bool,
     },
-    /// Show all settings, and where the value of each comes from.
+    /// Show all settings, and the source of each value.
     Show {
-        /// The file; without it, paros.toml in the folder of saved sessions, if there is one.
+        /// Settings file to show. By default paros.toml in the folder of saved sessions, if it exists.
         file: Option<PathBuf>,
         #[command(flatten)]
         figures: OwnFigures,
-        /// As JSON.
+        /// Write the result as JSON.
         #[arg(long)]
         json: bool,
     },
-    /// Write a file to begin with: every setting with its default, its bounds and its reason.
+    /// Write a template that lists each setting with its default, its bounds and its reason.
     Template,
 }
 
-/// The figures that a package brings besides, for `mode`.
+/// The package's own figures, which `mode` may name.
 #[derive(Debug, clap::Args)]
 pub(super) struct OwnFigures {
-    /// The name of a hidden figure of your own, as the package has it; several times for several.
+    /// Name of a hidden figure of your own, as in the package. May be given several times.
     #[arg(long = "figure", value_name = "NAME")]
     names: Vec<String>,
 }

@@ -16,20 +16,20 @@ use paros_sound::{Mixer, SAMPLE_RATE, SoundPlanner, frames_in_tick};
 
 use super::{play, volume};
 
-/// Render what a trace's session sounds like, as who recorded it heard it.
+/// Render the sound of a trace as a WAV file, as heard during the recording.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The trace.
+    /// Trace to read.
     trace: PathBuf,
-    /// The WAV file: 48 kHz, two channels of 16 bits.
+    /// WAV file to write: 48 kHz, two channels of 16 bits.
     #[arg(short, value_name = "F.wav")]
     output: PathBuf,
-    /// The volume that the trace's sessions start from as the visitor's own.
+    /// Volume from which the trace's sessions start as the visitor's own.
     #[arg(long, value_name = "V.rmap")]
     volume: Option<PathBuf>,
     #[command(flatten)]
     layers: volume::LayersOption,
-    /// How loud it is, in hundredths.
+    /// Loudness in percent, 1 to 100.
     #[arg(long, value_name = "PERCENT", default_value_t = 70,
         value_parser = clap::value_parser!(u32).range(1..=100))]
     loudness: u32,

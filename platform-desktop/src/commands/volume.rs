@@ -100,10 +100,10 @@ pub(super) fn has_volume_header(path: &Path) -> bool {
     rmap::read_header(path).is_ok()
 }
 
-/// The intervals of a column in which a command opens a volume.
+/// The number of intervals per column with which a command opens a volume.
 #[derive(Debug, clap::Args)]
 pub(super) struct LayersOption {
-    /// Intervals of a column to open the volume with; what more of them hold open is filled, and told.
+    /// Intervals per column to open the volume with. Gaps that need more are filled, and reported.
     #[arg(long, value_name = "K", value_parser = interval_count_parser(), requires = "volume")]
     layers: Option<usize>,
 }

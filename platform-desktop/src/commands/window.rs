@@ -16,35 +16,41 @@ use crate::window::{self, SizeChoice, WindowError, WindowOptions};
 /// Sculpt in a window, with mouse and keyboard.
 #[derive(Debug, Default, clap::Args)]
 pub(super) struct Args {
-    /// A mesh or a volume to begin with.
+    /// Mesh or volume to open.
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
-    /// The folder for finished sculptures, instead of `Paros` at home.
+    /// Folder for finished sculptures, instead of `Paros` in the home folder.
     #[arg(long, value_name = "DIR")]
     folder: Option<PathBuf>,
-    /// Voxels along an edge, 128 or 256. Without it, those of the sculpture under way; else 256 where the machine draws
-    /// it at its rate.
+    /// Voxels along an edge: 128 or 256.
+    ///
+    /// The default is the size of the sculpture under way. If there is none, it is 256 if this machine draws
+    /// that fast enough, and otherwise 128.
     #[arg(long, value_parser = volume::grid_side_parser())]
     size: Option<usize>,
-    /// For visitors, one after the other: on the full screen, without files and developers' keys. Once nobody has touched
-    /// it for 90 seconds (`kiosk_seconds` of the settings), the sculpture is finished and kept, and the start shown again.
+    /// Run as a kiosk: one visitor after the other, in full screen, without files and developers' keys.
+    ///
+    /// After 90 seconds without input (setting `kiosk_seconds`), the sculpture is finished and saved, and the
+    /// start screen is shown again.
     #[arg(long)]
     kiosk: bool,
-    /// Visits, as an exhibition has them: from a stone that is carved for those who look on to a badge by which the
-    /// visitor's sculpture is found again.
+    /// Hold visits, as in an exhibition.
+    ///
+    /// Before a visit, a stone is carved as a demonstration. At the end, the visitor gets a badge with which
+    /// staff find the sculpture.
     #[arg(long)]
     visits: bool,
-    /// A file of settings, instead of `paros.toml` in the folder of saved sessions; `paros settings` tells more. What is
-    /// asked for here wins.
+    /// Settings file, instead of `paros.toml` in the folder of saved sessions; see `paros settings --help`.
+    /// Command-line arguments override the file.
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
-    /// Write the trace of the last session to a file, when the window is closed.
+    /// Write the trace of the last session to a file when the window is closed.
     #[arg(long, value_name = "TRACE")]
     record: Option<PathBuf>,
-    /// What is done instead of by hand, line by line; `-` is standard input.
+    /// Script that replaces user input, one command per line; `-` is standard input.
     #[arg(long, value_name = "FILE", hide = true)]
     script: Option<PathBuf>,
-    /// Have Vulkan's validation look on.
+    /// Enable Vulkan's validation layers.
     #[arg(long, hide = true)]
     validation: bool,
 }

@@ -37,31 +37,35 @@ use crate::tools::Scratch;
 #[derive(Debug, Parser)]
 #[command(name = "package")]
 struct PackageArgs {
-    /// Where the package goes; without it, `android/paros.apk` in cargo's target folder.
+    /// Package to write. By default `android/paros.apk` in cargo's target folder.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Sign with this key store rather than with the debug key.
+    /// Sign with the key of this key store instead of the debug key.
     #[arg(long, value_name = "STORE", requires = "key_password")]
     key: Option<PathBuf>,
-    /// The key's name in its store, where that holds several.
+    /// Alias of the key, if the key store contains several keys.
     #[arg(long, value_name = "ALIAS", requires = "key")]
     key_alias: Option<String>,
-    /// Where the store's password is: env:NAME or file:PATH.
+    /// Source of the key store's password: env:NAME or file:PATH.
     #[arg(long, value_name = "WHERE", requires = "key")]
     key_password: Option<String>,
-    /// Khronos' OpenXR loader for arm64, to be put beside the library and tried before what the headset's
-    /// brokers and manifest files name.
+    /// Khronos' OpenXR loader for arm64, to package beside the library.
+    ///
+    /// The app tries this loader before those that the headset's brokers and manifest files name.
     #[arg(long, value_name = "FILE")]
     loader: Option<PathBuf>,
-    /// Settings for all headsets that get the package; a file there or its managed configuration wins.
-    /// `paros settings template` writes a file to begin with.
+    /// Settings for all headsets that get the package. `paros settings template` writes a template.
+    ///
+    /// A settings file or the managed configuration on the headset overrides them.
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
-    /// The fleet's file by which headsets that get the package enrol at a booth, as `paros-booth fleet-file` prints it.
-    /// Whoever has the package can enrol one.
+    /// Fleet file with which the headsets enrol at a booth, as printed by `paros-booth fleet-file`.
+    ///
+    /// Anyone who has the package can enrol a headset.
     #[arg(long, value_name = "FILE")]
     fleet_file: Option<PathBuf>,
-    /// A hidden figure of your own, up to eight: a mesh whose file's name becomes the mode's (lion.obj: lion).
+    /// Mesh of a hidden figure of your own; up to eight. Its file name becomes the mode's name (lion.obj:
+    /// lion).
     #[arg(long, value_name = "MESH")]
     figure: Vec<PathBuf>,
     /// Package this library instead of building it.

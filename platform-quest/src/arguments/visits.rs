@@ -5,7 +5,7 @@ use paros_core::visit::{PlanSetting, VisitPlan};
 use paros_shell::settings::StaffPin;
 use paros_visit::VisitOptions;
 
-/// What visits are held, if any.
+/// Flags that enable and configure visits.
 #[derive(Args, Debug)]
 pub(super) struct VisitArgs {
     /// Hold visits.
@@ -14,7 +14,7 @@ pub(super) struct VisitArgs {
     /// The staff's PIN, four digits.
     #[arg(long, hide = true, requires = "visits", value_name = "PIN", value_parser = parse_pin)]
     visits_pin: Option<StaffPin>,
-    /// What differs from the core's plan: names of settings with seconds, `Length=60,HandsOff=1`.
+    /// Changes to the core's visit plan: names of settings with seconds, such as `Length=60,HandsOff=1`.
     #[arg(long, hide = true, requires = "visits", value_name = "PLAN", value_parser = parse_setting, value_delimiter = ',')]
     visits_plan: Vec<(PlanSetting, u16)>,
 }

@@ -14,75 +14,75 @@ use crate::public::PublicOptions;
 use crate::server::mailer::MailOptions;
 use crate::server::staff_certificate::StaffCertificateOptions;
 
-/// Keeps what headsets send, and lets staff find it by its badge.
+/// Store the sculptures that headsets send, and let staff find them by badge.
 #[derive(Debug, Parser)]
 #[command(name = "paros-booth", version, args_conflicts_with_subcommands = true)]
 pub struct Options {
-    /// Without a command: serves until it is told to end.
+    /// Command to run. Without a command, the booth serves until it is stopped.
     #[command(subcommand)]
     pub command: Option<BoothTask>,
-    /// How to serve.
+    /// Options for serving.
     #[command(flatten)]
     pub serve: ServeOptions,
 }
 
-/// How to serve.
+/// Options for serving.
 #[derive(Debug, Args)]
 pub struct ServeOptions {
-    /// Where everything is kept.
+    /// Folder for the booth's data.
     #[command(flatten)]
     pub folder: FolderOption,
-    /// The address to listen at.
+    /// Address on which the booth listens.
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "0.0.0.0:8443")]
     pub listen: SocketAddr,
     /// Another name or address of this machine, for its certificate. May be given several times.
     #[arg(long, value_name = "NAME")]
     pub name: Vec<String>,
-    /// Log in JSON, a line an event.
+    /// Log as JSON, one event per line.
     #[arg(long)]
     pub json: bool,
-    /// How long sculptures are kept.
+    /// Retention of sculptures.
     #[command(flatten)]
     pub keep: KeepOption,
-    /// Gigabytes that sculptures may take.
+    /// Maximum size of all sculptures together, in gigabytes.
     #[arg(long, value_name = "GB", default_value_t = 20,
         value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub quota_gb: u32,
-    /// Serve ten sculptures to try, in a folder that is gone at the end unless one is named.
+    /// Serve ten sample sculptures. Without --folder, their folder is deleted at the end.
     #[arg(long)]
     pub demo: bool,
-    /// What browsers of staff are shown.
+    /// Certificate for staff's browsers.
     #[command(flatten)]
     pub certificate: StaffCertificateOptions,
-    /// How mails go.
+    /// Options for mails.
     #[command(flatten)]
     pub mail: MailOptions,
-    /// How prints are sliced.
+    /// Options of the slicer and the printers.
     #[command(flatten)]
     pub slicer: SlicerOptions,
-    /// Where visitors find their sculptures.
+    /// Options of the visitors' pages.
     #[command(flatten)]
     pub public: PublicOptions,
-    /// Facts of the museum for its visitors.
+    /// Facts about the museum for its visitors.
     #[command(flatten)]
     pub museum: MuseumOptions,
 }
 
-/// Facts of the museum for its visitors.
+/// Facts about the museum for its visitors.
 #[derive(Clone, Debug, Default, Args)]
 pub struct MuseumOptions {
-    /// The booth's opening hours, as slips and visitors' pages show them.
+    /// Opening hours of the booth, as shown on slips and visitors' pages.
     #[arg(long, value_name = "TEXT")]
     pub opening_hours: Option<String>,
 }
 
-/// Where everything is kept.
+/// Folder for the booth's data.
 #[derive(Debug, Args)]
 pub struct FolderOption {
-    /// Where everything is kept: `paros-booth-data` where none is named. It is made at the first start.
+    /// Folder for the booth's data, by default `paros-booth-data`. The first start creates it.
     #[arg(long, value_name = "FOLDER")]
     pub folder: Option<PathBuf>,
-    /// What others share.
+    /// Data that several booths share.
     #[command(flatten)]
     pub shared: SharedOptions,
 }
@@ -107,10 +107,11 @@ impl FolderOption {
     }
 }
 
-/// How long sculptures are kept.
+/// Retention of sculptures.
 #[derive(Debug, Args)]
 pub struct KeepOption {
-    /// Days for which sculptures are kept after the one on which they came. Badges' numbers last for no longer than 93.
+    /// Days for which a sculpture is kept after the day of its arrival. At most 93, as badge numbers last no
+    /// longer.
     #[arg(long, value_name = "DAYS", default_value_t = BoothPlan::default().retention_days,
         value_parser = clap::value_parser!(u16).range(1..=i64::from(MAX_RETENTION_DAYS)))]
     pub keep_days: u16,
@@ -128,82 +129,89 @@ impl KeepOption {
     }
 }
 
-/// What else the program does, also while it serves.
+/// Commands other than serving.
 #[derive(Debug, Subcommand)]
 pub enum BoothTask {
-    /// Make a token that lets headsets enrol, and print the fleet's file with it.
+    /// Create a token that lets headsets enrol, and print a fleet file with the token.
     FleetFile {
-        /// Where everything is kept.
+        /// Folder for the booth's data.
         #[command(flatten)]
         folder: FolderOption,
-        /// The booth's address, as headsets reach it.
+        /// Address at which headsets reach the booth.
         #[arg(long, value_name = "https://ADDRESS:PORT")]
         address: String,
-        /// Headsets that it lets in.
+        /// Number of headsets that can enrol with the token.
         #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..=1000))]
         uses: u32,
-        /// Days until it expires.
+        /// Days until the token expires.
         #[arg(long, default_value_t = 365, value_parser = clap::value_parser!(u16).range(1..=3650))]
         days: u16,
     },
-    /// Copy all that the booth keeps into one file, keys and all, while it serves. Addresses of visitors stay out.
+    /// Back up the booth's data and keys into one file. Visitors' mail addresses are left out.
+    ///
+    /// The booth can serve meanwhile.
     Backup {
-        /// Where everything is kept.
+        /// Folder for the booth's data.
         #[command(flatten)]
         folder: FolderOption,
-        /// The file, which only its owner may read. One that is there is replaced once the new one is whole.
+        /// Backup file to write, readable only by its owner. An existing file is replaced once the backup is
+        /// complete.
         file: PathBuf,
     },
-    /// Make a booth of a backup, in a new folder. The booth that it is of must not run any more.
+    /// Restore a backup into a new folder. The booth that was backed up must not run any more.
     Restore {
-        /// Where everything is to be kept: a folder that isn't there yet, or is empty.
+        /// Folder of the restored booth. It must be empty or not exist yet.
         #[command(flatten)]
         folder: FolderOption,
-        /// The file that `backup` made.
+        /// Backup file, as written by `backup`.
         file: PathBuf,
-        /// The `deletions` file of the booth's folder, if that is newer: what it names is deleted again.
+        /// The `deletions` file of the old booth's folder, if newer than the backup. Its entries are deleted
+        /// again.
         #[arg(long, value_name = "FILE")]
         deletions: Option<PathBuf>,
-        /// Though it was restored today before, as the booth of that has answered no headset.
+        /// Allow a second restore on the same day.
+        ///
+        /// Badge numbers repeat if the booth that was restored first has answered a headset.
         #[arg(long)]
         again: bool,
     },
-    /// Make a booth of the sculptures' files of another one whose database is lost, and of which there is no backup.
+    /// Build a new booth from the sculpture files of a booth whose database is lost and that has no backup.
     Rescue {
-        /// The folder of the new booth: one that isn't there yet, or is empty.
+        /// Folder of the new booth. It must be empty or not exist yet.
         #[command(flatten)]
         folder: FolderOption,
-        /// How long sculptures are kept.
+        /// Retention of sculptures.
         #[command(flatten)]
         keep: KeepOption,
-        /// The folder of the booth whose database is lost. Nothing in it is changed.
+        /// Folder of the booth whose database is lost. Nothing in it is changed.
         #[arg(value_name = "LOST")]
         lost: PathBuf,
     },
-    /// Take the parcels that were copied from the disk of a headset that is broken or has no way to the booth.
+    /// Import parcels copied from the disk of a headset that is broken or can't reach the booth.
     ImportSpool {
-        /// Where everything is kept.
+        /// Folder for the booth's data.
         #[command(flatten)]
         folder: FolderOption,
-        /// How long sculptures are kept.
+        /// Retention of sculptures.
         #[command(flatten)]
         keep: KeepOption,
-        /// The copy of the headset's outbox, with its files ID.parcel, ID.sent and ID.refused. Nothing in it is changed.
+        /// Copy of the headset's outbox, with its files ID.parcel, ID.sent and ID.refused. Nothing in it is
+        /// changed.
         #[arg(value_name = "OUTBOX")]
         outbox: PathBuf,
-        /// The number of the headset, as the staff page shows it.
+        /// Number of the headset, as shown on the staff page.
         #[arg(long, value_name = "NUMBER")]
         headset: u32,
-        /// Print the outcome of each file in JSON.
+        /// Print the outcome of each file as JSON.
         #[arg(long)]
         json: bool,
     },
-    /// Draw a new password for an account whose owner forgot it, and print it. Ends all logins of the account.
+    /// Generate and print a new password for an account. Ends all logins of the account.
     ResetPassword {
-        /// Where everything is kept.
+        /// Folder for the booth's data.
         #[command(flatten)]
         folder: FolderOption,
-        /// The account.
+        /// Name of the account.
         name: String,
     },
 }

@@ -20,21 +20,24 @@ use crate::store::postgres_schema::SiteRow;
 use crate::store::postgres_store::PostgresStore;
 use crate::store::s3_files::S3Files;
 
-/// Where what several booths share is. Without it everything is in the folder of one.
+/// Data that several booths share. Without these options, one booth keeps everything in its folder.
 #[derive(Clone, Default, Debug, Args)]
 pub struct SharedOptions {
-    /// A database of PostgreSQL that several booths share, instead of one in the folder. They share --files too, and
-    /// each has a copy of the first one's FOLDER/keys.
+    /// PostgreSQL database that several booths share, instead of a database in the folder.
+    ///
+    /// The booths must also share --files, and each needs a copy of the first booth's FOLDER/keys.
     #[arg(long, value_name = "postgres://USER@HOST/NAME", requires = "files")]
     pub database: Option<DatabaseUrl>,
-    /// A file with the database's password in its first line.
+    /// File with the database's password in its first line.
     #[arg(long, value_name = "FILE", requires = "database")]
     pub database_password_file: Option<PathBuf>,
-    /// Certificate authorities in PEM that the database is checked by, instead of the system's.
+    /// PEM file with the certificate authorities that verify the database, instead of the system's.
     #[arg(long, value_name = "FILE", requires = "database")]
     pub database_ca: Option<PathBuf>,
-    /// An S3-compatible store for sculptures, instead of the folder. The environment says where it is and by which keys:
-    /// AWS_ENDPOINT_URL, AWS_REGION, AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY.
+    /// S3-compatible store for sculptures, instead of the folder.
+    ///
+    /// The store's address and keys are read from the environment: AWS_ENDPOINT_URL, AWS_REGION,
+    /// AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY.
     #[arg(long, value_name = "s3://BUCKET/PREFIX")]
     pub files: Option<String>,
 }

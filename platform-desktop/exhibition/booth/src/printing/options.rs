@@ -4,16 +4,18 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-/// Which slicer tells a print's time and material.
+/// Options of the slicer and the printers.
 #[derive(Clone, Debug, Default, Args)]
 pub struct SlicerOptions {
-    /// PrusaSlicer's program, which tells a print's time and material; `none` for none. Otherwise it is looked for.
+    /// PrusaSlicer's program, which estimates a print's time and material; `none` disables it. By default
+    /// `prusa-slicer` in PATH.
     #[arg(long, value_name = "PROGRAM")]
     pub slicer: Option<PathBuf>,
-    /// A file of PrusaSlicer's settings, as its "Export Config" writes it. Otherwise its own defaults and PLA.
+    /// File of PrusaSlicer's settings, as written by "Export Config". By default PrusaSlicer's defaults with
+    /// PLA.
     #[arg(long, value_name = "FILE")]
     pub slicer_profile: Option<PathBuf>,
-    /// A file that names printers on the network, which prints are sent to from the page.
+    /// File that names printers on the network. Staff send prints to them from the staff page.
     #[arg(long, value_name = "FILE")]
     pub printers: Option<PathBuf>,
 }

@@ -12,19 +12,19 @@ use clap::Args;
 pub(crate) use address::{PublicAddress, draw_qr};
 pub(crate) use pages::router;
 
-/// Where visitors find their sculptures. Without an address there are no QR codes, and mails carry files alone.
+/// Options of the visitors' pages. Without an address there are no QR codes, and mails contain only files.
 #[derive(Clone, Debug, Default, Args)]
 pub struct PublicOptions {
-    /// The address to listen at for visitors.
+    /// Address on which the booth listens for visitors.
     #[arg(long, value_name = "ADDRESS:PORT", requires = "public_url")]
     pub public_listen: Option<SocketAddr>,
-    /// What stands before each visitor's link, as phones reach it.
+    /// Base URL of the visitors' links, as phones reach it.
     #[arg(long, value_name = "https://HOST", requires = "public_listen")]
     pub public_url: Option<String>,
-    /// A certificate with its chain, in PEM. Without it the booth speaks plain HTTP there, for a proxy before it.
+    /// PEM file with a certificate and its chain. Without it, the pages use plain HTTP, for a reverse proxy.
     #[arg(long, value_name = "FILE", requires_all = ["public_key", "public_listen"])]
     pub public_cert: Option<PathBuf>,
-    /// Its private key, in PEM.
+    /// PEM file with the private key of the certificate.
     #[arg(long, value_name = "FILE", requires = "public_cert")]
     pub public_key: Option<PathBuf>,
 }

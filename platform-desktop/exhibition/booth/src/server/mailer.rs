@@ -36,37 +36,37 @@ const SMTP_TIMEOUT: Duration = Duration::from_secs(20);
 /// The poll interval for mails that are due.
 const LOOK_AGAIN: Duration = Duration::from_secs(15);
 
-/// How mails go. Without a server none can be asked for.
+/// Options for mails. Without a mail server, mails can't be requested.
 #[derive(Clone, Debug, Args)]
 pub struct MailOptions {
-    /// The server that takes mails.
+    /// Mail server that accepts the booth's mails.
     #[arg(long, value_name = "HOST:PORT", requires = "mail_from")]
     pub smtp: Option<String>,
-    /// How to speak with it. Unencrypted to this machine alone.
+    /// Encryption of the connection to the mail server. `none` is allowed only for a server on this machine.
     #[arg(long, value_name = "HOW", default_value = "starttls")]
     pub smtp_tls: SmtpTls,
-    /// As whom to log in there.
+    /// User name for the mail server.
     #[arg(long, value_name = "NAME", requires_all = ["smtp", "smtp_password_file"])]
     pub smtp_user: Option<String>,
-    /// A file with the password in its first line.
+    /// File with the mail server's password in its first line.
     #[arg(long, value_name = "FILE", requires = "smtp_user")]
     pub smtp_password_file: Option<PathBuf>,
-    /// A certificate authority in PEM that the server is checked by, instead of the system's.
+    /// PEM file with the certificate authority that verifies the mail server, instead of the system's.
     #[arg(long, value_name = "FILE", requires = "smtp")]
     pub smtp_ca: Option<PathBuf>,
-    /// From whom mails are.
+    /// Sender address of the mails.
     #[arg(long, value_name = "ADDRESS", requires = "smtp")]
     pub mail_from: Option<Address>,
 }
 
-/// How to speak with a mail server.
+/// The encryption of the connection to a mail server.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
 pub enum SmtpTls {
-    /// TLS after a first word (usually port 587).
+    /// TLS after the STARTTLS command (usually port 587).
     Starttls,
     /// TLS from the first byte (usually port 465).
     Tls,
-    /// Without.
+    /// No encryption.
     None,
 }
 

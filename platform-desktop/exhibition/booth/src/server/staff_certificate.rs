@@ -20,14 +20,15 @@ use x509_cert::der::Decode as _;
 
 use crate::error::Error;
 
-/// A proper certificate for the staff's page. Without it browsers meet the booth's own.
+/// A certificate for the staff's page. Without it, browsers get the booth's own certificate.
 #[derive(Clone, Debug, Default, Args)]
 pub struct StaffCertificateOptions {
-    /// A certificate with its chain, in PEM, that is shown to who asks by a name that it has. Headsets have to ask by
-    /// another.
+    /// PEM file with a certificate and its chain, for clients that connect by one of its names.
+    ///
+    /// Headsets must connect by another name or by an address.
     #[arg(long, value_name = "FILE", requires = "staff_key")]
     pub staff_cert: Option<PathBuf>,
-    /// Its private key, in PEM.
+    /// PEM file with the private key of the certificate.
     #[arg(long, value_name = "FILE", requires = "staff_cert")]
     pub staff_key: Option<PathBuf>,
 }
