@@ -1,4 +1,4 @@
-//! What several booths of one exhibition share: a PostgreSQL database, an S3-compatible store, and the site's
+//! The services that several booths of one exhibition share: a PostgreSQL database, an S3-compatible store, and the site's
 //! keys, which are copied into each booth's folder.
 
 use std::convert::Infallible;
