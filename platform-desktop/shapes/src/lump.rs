@@ -114,22 +114,16 @@ const RELIEF: f32 = 5.0;
 /// Returns the signed distance to the surface.
 #[must_use]
 pub fn signed_distance(p: Vec3) -> f32 {
-    distance_and_fracture(p).0
-}
-
-/// Returns the signed distance, and the [`fracture`] if it was computed for it.
-#[must_use]
-pub fn distance_and_fracture(p: Vec3) -> (f32, Option<f32>) {
     let middle = p - v(0.0, 64.0, 0.0);
     let beyond = |facet: &Facet| middle.dot(facet.normal) - facet.height;
     let cut = FACETS.iter().map(beyond).fold(f32::MIN, max);
     if cut > RELIEF {
-        return (cut - RELIEF, None);
+        return cut - RELIEF;
     }
     let taken = max(chips(p), holes(p));
     let flat = max(cut, taken);
     if flat.abs() > RELIEF {
-        return (if flat > 0.0 { flat - RELIEF } else { flat + RELIEF }, None);
+        return if flat > 0.0 { flat - RELIEF } else { flat + RELIEF };
     }
     let broken = fracture(p);
     // The chisel worked in patches.
@@ -145,7 +139,7 @@ pub fn distance_and_fracture(p: Vec3) -> (f32, Option<f32>) {
         beyond + broken * (1.0 - 0.7 * strength) + facet.bite * strength * chisel_wave(furrow)
     };
     let rough = FACETS.iter().map(tooled).fold(f32::MIN, max);
-    ((max(rough, taken + 0.4 * broken) + 1.0) * 0.7, Some(broken))
+    (max(rough, taken + 0.4 * broken) + 1.0) * 0.7
 }
 
 /// The greatest displacement of a surface by a fracture.
